@@ -77,8 +77,8 @@ pub struct Args {
     #[serde(with = "named")]
     pub boundary: Boundary,
     /// A table of all loads, from first touch to full contact, with periodic and free boundaries and with a hardness:
-    /// what every program reaches there, judged by one certificate, and what fails. Each is asked for --tol, and up to
-    /// twice for less
+    /// what every program reaches there, judged by one certificate, and what fails. Each is asked for --tolerance, and
+    /// up to twice for less
     #[arg(long, conflicts_with_all = ["quick", "solvers"])]
     pub any_load: bool,
     /// With --any-load: leave times out, as on a machine that is not idle
@@ -98,7 +98,7 @@ pub struct Args {
     pub seed: u64,
     /// Bound on the certified residuals of all programs: complementarity, penetration, negative pressure and load
     #[arg(long, default_value_t = 1e-8, value_name = "TOL")]
-    pub tol: f64,
+    pub tolerance: f64,
     /// Solvers of this program to run
     #[arg(
         long,
@@ -257,8 +257,11 @@ impl Args {
                 self.patience()
             )));
         }
-        if !(1e-12..=1e-3).contains(&self.tol) {
-            return Err(Failure::refused(format!("--tol is {}; it must be between 1e-12 and 1e-3", self.tol)));
+        if !(1e-12..=1e-3).contains(&self.tolerance) {
+            return Err(Failure::refused(format!(
+                "--tolerance is {}; it must be between 1e-12 and 1e-3",
+                self.tolerance
+            )));
         }
         if let Some(bad) = self.sizes.iter().find(|n| **n < 32) {
             return Err(Failure::refused(format!("--sizes contains {bad}; each must be at least 32")));
@@ -383,7 +386,7 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
         tamaas_fftw: environment.tamaas_fftw,
         contestants: args.contestants().iter().map(ToString::to_string).collect(),
         boundary: args.boundary.name(),
-        tolerance: args.tol,
+        tolerance: args.tolerance,
         seed: args.seed,
         cases: Vec::new(),
         notes: environment.notes.clone(),

@@ -54,7 +54,8 @@ struct Runs {
 }
 
 impl Runs {
-    /// Runs `gfmd COMMAND --json` once and returns its output. A search stopped by `--max-iter` has printed its state.
+    /// Runs `gfmd COMMAND --json` once and returns its output. A search stopped by `--max-iterations` has printed
+    /// its state.
     fn run(&mut self, command: &str) -> Result<&Value, Failure> {
         if !self.reports.contains_key(command) {
             let failed = |reason: String| Failure::computation(format!("gfmd {command}: {reason}"));
@@ -68,7 +69,7 @@ impl Runs {
                 .current_dir(self.folder.path())
                 .output()
                 .map_err(|error| failed(error.to_string()))?;
-            let stopped = command.contains("--max-iter") && output.status.code() == Some(1);
+            let stopped = command.contains("--max-iterations") && output.status.code() == Some(1);
             if !(output.status.success() || stopped) {
                 return Err(failed(String::from_utf8_lossy(&output.stderr).trim().to_owned()));
             }

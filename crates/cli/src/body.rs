@@ -53,7 +53,7 @@ use volume::{Planes, Volume};
 #[command(after_help = "Examples:
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
   gfmd body --surface contact.h5:/fields/displacement_z --load 1 --levels 64 --deepest 0.1 --out volume.vti
-  gfmd body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json
+  gfmd body --surface u.npy --size 1.27 --young 70 --poisson 0.33 --height 1.27 --depths 0,0.1,0.5 --json
   gfmd body --wave 1,1,z,0.005 --wave 1,-1,z,0.005 --young 1 --poisson 0.33 --height 1 --levels 65 --slice x=0 \
 --draw uy,uz,eyz --plots wave
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --compare elements.npy --plots both")]
@@ -87,9 +87,16 @@ pub struct Args {
     #[serde(deserialize_with = "up_to::<3, _, _>")]
     mean_traction: Vec<f64>,
     /// Cell size L or Lx,Ly; default: from the coordinates in the file, or 1
-    #[arg(long, value_delimiter = ',', value_name = "L", num_args = 1..=2, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        alias = "length",
+        value_delimiter = ',',
+        value_name = "L",
+        num_args = 1..=2,
+        allow_negative_numbers = true
+    )]
     #[serde(deserialize_with = "up_to::<2, _, _>")]
-    length: Vec<f64>,
+    size: Vec<f64>,
     #[command(flatten)]
     #[serde(flatten)]
     body: RecordedBodyArgs,
@@ -155,7 +162,7 @@ struct Config<'a> {
     load: Option<usize>,
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     mean_traction: &'a [f64],
-    length: [f64; 2],
+    size: [f64; 2],
     #[serde(flatten)]
     body: &'a BodyArgs,
     depths: &'a [f64],
@@ -169,7 +176,7 @@ struct Config<'a> {
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     pub n: [usize; 2],
-    pub length: [f64; 2],
+    pub size: [f64; 2],
     /// Units of lengths and stresses, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
@@ -228,8 +235,8 @@ pub(crate) struct Plane {
 /// Returns an error for unusable input, a file that cannot be written, or an interruption.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let (surface, name) = match &args.surface {
-        Some(given) => (Surface::read(given, args.load, &args.length)?, input::name(given)),
-        None => (Surface::of_waves(&args.wave, &args.n, &args.length)?, "the wave"),
+        Some(given) => (Surface::read(given, args.load, &args.size)?, input::name(given)),
+        None => (Surface::of_waves(&args.wave, &args.n, &args.size)?, "the wave"),
     };
     if let (None, Some(load)) = (&args.surface, args.load) {
         return Err(Failure::value(key("load"), load, words!["left out with ", key("wave")]));
@@ -257,7 +264,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         scan: surface.scan.as_deref(),
         load: surface.load,
         mean_traction: &args.mean_traction,
-        length: surface.grid.lengths(),
+        size: surface.grid.lengths(),
         body: &elastic,
         depths: &unique(&planes_below),
         slice: rows.selected().map(|slice| slice.to_string()),
@@ -345,10 +352,10 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         }
         _ => Vec::new(),
     };
-    let (n, length) = (surface.grid.points(), surface.grid.lengths());
+    let (n, size) = (surface.grid.points(), surface.grid.lengths());
     Ok(Report {
         n,
-        length,
+        size,
         unit: units.length().map(str::to_owned),
         stress_unit: units.stress().map(str::to_owned),
         surface: surface.description,
@@ -571,7 +578,7 @@ impl Level {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ([nx, ny], [lx, ly]) = (self.n, self.length);
+        let ([nx, ny], [lx, ly]) = (self.n, self.size);
         let units = Units::new(self.unit.as_deref(), self.stress_unit.as_deref());
         // Known unit, after a number or below a head.
         let unit = |kind: &str| Some(units.name(kind)).filter(|name| name != kind).unwrap_or_default();

@@ -61,7 +61,7 @@ use whole::Whole;
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
-  gfmd contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
+  gfmd contact --surface h.npy --size 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
@@ -144,20 +144,26 @@ pub(crate) struct ControlArgs {
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     p_star: Vec<Entry>,
     /// Rigid approaches beyond first touch, length
-    #[arg(long, value_delimiter = ',', value_name = "D1|A:B:N,..", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        alias = "displacement",
+        value_delimiter = ',',
+        value_name = "D1|A:B:N,..",
+        allow_negative_numbers = true
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    displacement: Vec<Entry>,
+    approach: Vec<Entry>,
 }
 
 impl ControlArgs {
     /// Returns the keys of the loads with their values.
     fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
-        [("pressure", &self.pressure), ("p_star", &self.p_star), ("displacement", &self.displacement)]
+        [("pressure", &self.pressure), ("p_star", &self.p_star), ("approach", &self.approach)]
     }
 
     /// Returns the key of the given load.
     pub(crate) fn option(&self) -> &'static str {
-        self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("displacement", |(option, _)| option)
+        self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("approach", |(option, _)| option)
     }
 
     /// Checks the loads and returns their number. Only a contact with an attraction accepts tension.
@@ -183,13 +189,13 @@ impl ControlArgs {
     pub(crate) fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
         (numbers(&self.pressure).map(Load::MeanPressure))
             .chain(numbers(&self.p_star).map(move |p| Load::MeanPressure(p * unit_pressure)))
-            .chain(numbers(&self.displacement).map(Load::Approach))
+            .chain(numbers(&self.approach).map(Load::Approach))
     }
 }
 
 /// Names the options that prescribe a load.
 pub(crate) fn one_of_loads() -> Words {
-    words![key("pressure"), ", ", key("p_star"), ", ", key("displacement")]
+    words![key("pressure"), ", ", key("p_star"), ", ", key("approach")]
 }
 
 fn help_of_fields() -> String {
@@ -312,7 +318,7 @@ impl Loads {
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
         let contact = prepared.pose_and_tell(&args.problem.asked()?, session)?;
-        prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.tol)?;
+        prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.tolerance)?;
         prepared.warn_of_drives(drives, args.control.option(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
         let config = toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))?;
@@ -345,7 +351,7 @@ impl Loads {
             prepared,
             session,
             drives,
-            tolerance: args.problem.solver.tol,
+            tolerance: args.problem.solver.tolerance,
             places: Places::Every(1),
             chosen: args.fields.clone().unwrap_or_default(),
             ends_with_file: !args.flow_threshold,
@@ -391,7 +397,7 @@ impl Loads {
             return Ok(Outcome { report, failure });
         }
         report.head.warn_of_slopes(&report.loads, &prepared.facts, session);
-        prepared.warn_of_strain(report.loads.iter().map(|load| load.number("displacement")), session);
+        prepared.warn_of_strain(report.loads.iter().map(|load| load.number("approach")), session);
         if let Some(file) = file {
             report.out = session.agree(self.finish(file, &report, &gathered))?;
         }
@@ -483,7 +489,7 @@ impl Outlet for Measuring<'_> {
         let stiffness = if is_cut {
             Err(NOT_SOLVED)
         } else {
-            stiffness(self.contact, state, self.args.problem.stiffness_tol, |text| warn("stiffness", text))
+            stiffness(self.contact, state, self.args.problem.stiffness_tolerance, |text| warn("stiffness", text))
         };
         let at = At { stiffness: stiffness.map_err(Into::into), ..at };
         let repulsion = state.repulsion();

@@ -134,7 +134,7 @@ impl Course {
         let Log { widest, unsettled, .. } = log;
         let is_kept = ended.is_kept(kept.as_deref());
         if !is_kept {
-            prepared.warn_of_strain(ended.records.iter().map(|step| step.number("displacement")), session);
+            prepared.warn_of_strain(ended.records.iter().map(|step| step.number("approach")), session);
         }
         let (widest, file) = (widest.map(|(_, shown)| shown), file.filter(|_| !is_kept));
         Ok(Followed { contact, path, ended, file, widest, unsettled })

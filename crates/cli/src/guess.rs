@@ -7,6 +7,7 @@ use std::path::Path;
 use clap::{Arg, Command};
 use gfmd_problem::options::quantities::takes_units;
 use gfmd_run::failure::Failure;
+use gfmd_run::units::has_long;
 use gfmd_unit::Quantity;
 
 /// Flag of the surface.
@@ -19,16 +20,16 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
     (&["estar", "contact-modulus", "reduced-modulus"], "e-star"),
     (&["load", "mean-pressure", "stress", "nominal-pressure"], "pressure"),
     (&["reduced-pressure", "pstar"], "p-star"),
-    (&["approach", "indentation", "penetration", "disp", "depth"], "displacement"),
-    (&["size", "cell", "lx", "physical-size"], "length"),
+    (&["indentation", "penetration", "disp", "depth"], "approach"),
+    (&["cell", "lx", "physical-size"], "size"),
     (&["input", "file", "topography", "heights", "scan"], "surface"),
     (&["output", "o", "save"], "out"),
     (&["rms-slope", "slope", "hrms-prime"], "rms-gradient"),
     (&["rms", "hrms", "sq", "rms-roughness"], "rms-height"),
     (&["h", "hurst-exponent"], "hurst"),
     (&["points", "grid", "resolution", "nx", "size-of-grid"], "n"),
-    (&["tolerance", "rtol"], "tol"),
-    (&["iterations", "maxiter", "max-iterations"], "max-iter"),
+    (&["rtol"], "tolerance"),
+    (&["iterations", "maxiter"], "max-iterations"),
     (&["speed"], "velocity"),
     (&["units", "length-unit"], "unit"),
     (&["bc", "boundaries", "boundary-conditions"], "boundary"),
@@ -67,9 +68,9 @@ const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     ),
 ];
 
-/// Returns the option with this long name.
+/// Returns the option with this long name, or with this former name.
 fn find<'a>(commands: [&'a Command; 2], name: &str) -> Option<&'a Arg> {
-    commands.into_iter().flat_map(Command::get_arguments).find(|arg| arg.get_long() == Some(name))
+    commands.into_iter().flat_map(Command::get_arguments).find(|arg| has_long(arg, name))
 }
 
 /// Returns the largest number of values of an option.
@@ -105,7 +106,8 @@ fn begins_as_number(word: &str) -> bool {
 }
 
 /// Returns the words of a command line, starting with the program, in the form that the parser reads: a file alone is
-/// the surface, a number and its unit are one value, and a value that begins with minus belongs to its flag.
+/// the surface, a number and its unit are one value, a value that begins with minus belongs to its flag, and a flag has
+/// its present name.
 ///
 /// # Errors
 /// Returns an error for an unknown option with a known replacement, or for values separated by spaces.
@@ -142,7 +144,9 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             if name == "surface" {
                 surface = value.map(str::to_owned);
             }
-            out.push(word);
+            // A former name becomes the present one, which messages and files have.
+            let long = arg.get_long().unwrap_or(name);
+            out.push(value.map_or_else(|| format!("--{long}"), |value| format!("--{long}={value}")));
             continue;
         }
         let quantity = last.filter(|arg| takes_units(arg.get_id().as_str()));

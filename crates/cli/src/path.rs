@@ -37,12 +37,12 @@ const FRICTION_SOLVES: u64 = 10;
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd path --n 256 --eps-f-inv 16 --law exponential --param gamma=2e-4,range=1.2e-3 \\
-    --displacement=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
+    --approach=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
   gfmd path --n 128 --hardness 0.1 --p-star 0.01,0.3,0.01,0.3 --steps 10 --out imprint.h5 --plots imprint
   gfmd path --n 128 --prony 0.1:0.3,10:0.4 --pressure 0.01 --time 0,1e-3:1e3:25 --steps 1 --out creep.h5 --plots creep
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
-    --displacement 0.002 --lateral 0,0.01 --json")]
+    --approach 0.002 --lateral 0,0.01 --json")]
 pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
@@ -89,8 +89,14 @@ pub struct Args {
     /// Largest error of the dissipated energy divided by the work of a step, for laws that have an energy. With
     /// friction, half of it also bounds the change of the shear, as an energy, when the increments of a step are
     /// halved, and its root the change of the sticking fraction when the last increment is halved
-    #[arg(long, default_value_t = Refinement::default().tolerance, value_name = "TOL", allow_negative_numbers = true)]
-    energy_tol: f64,
+    #[arg(
+        long,
+        alias = "energy-tol",
+        default_value_t = Refinement::default().tolerance,
+        value_name = "TOL",
+        allow_negative_numbers = true
+    )]
+    energy_tolerance: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
     /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body 0]
     #[arg(long, value_name = "N")]
@@ -113,7 +119,7 @@ impl Args {
             hardness: self.hardness.is_some(),
             friction,
             line,
-            approach: self.waypoints.given() == "displacement",
+            approach: self.waypoints.given() == "approach",
             lateral: !self.waypoints.lateral.is_empty(),
             relaxes: self.prony.relaxing(),
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
@@ -165,7 +171,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         asked: args.asked()?,
         option: args.waypoints.given(),
         resume: args.steps.resume,
-        refinement: Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() },
+        refinement: Refinement { tolerance: args.energy_tolerance, solves_per_step: args.energy_solves() },
         config: args.config()?,
     };
     course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
@@ -173,8 +179,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 
 /// Returns the input of the command, checked before the first solve.
 fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
-    if !(1e-9..=0.1).contains(&args.energy_tol) {
-        return Err(Failure::value(key("energy_tol"), format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
+    if !(1e-9..=0.1).contains(&args.energy_tolerance) {
+        return Err(Failure::value(
+            key("energy_tolerance"),
+            format!("{:e}", args.energy_tolerance),
+            "between 1e-9 and 0.1",
+        ));
     }
     match (args.prony.relaxing(), args.waypoints.time.is_empty()) {
         (Some(_), true) => return Err(Failure::missing("time", words!["it is needed with ", key("prony")])),
@@ -184,7 +194,7 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     let prepared = Prepared::new(&args.asked()?, |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may lag behind the surface and touch it again.
-    let may_part = prepared.prony.is_some() && args.waypoints.given() == "displacement";
+    let may_part = prepared.prony.is_some() && args.waypoints.given() == "approach";
     let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
     let output = session.output(args.steps.out.as_ref())?;
@@ -220,7 +230,7 @@ fn ended(
 /// Warns of steps that further increments would change.
 fn tell_of_unsettled(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
     let Some((first, _)) = unsettled.first() else { return };
-    let (energy_solves, energy_tol) = (args.energy_solves(), args.energy_tol);
+    let (energy_solves, energy_tolerance) = (args.energy_solves(), args.energy_tolerance);
     let settling = unsettled.iter().map(|(_, step)| path.settling_solves(step)).max().unwrap_or(energy_solves);
     let others = match unsettled.len() - 1 {
         0 => String::new(),
@@ -230,7 +240,7 @@ fn tell_of_unsettled(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Arg
         "increments",
         words![
             format!("step {first}{others}: shear, lost energy and sticking points may change by more than "),
-            setting("energy_tol", energy_tol),
+            setting("energy_tolerance", energy_tolerance),
             " with more increments; ",
             setting("energy_solves", energy_solves),
             format!(" did not suffice: about {settling} should, or take more "),

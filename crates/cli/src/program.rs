@@ -197,8 +197,8 @@ const GROUPS: &[(&str, &[&str], &[&str])] = &[
     ("Body", &["punch", "body", "green"], &["height", "young", "poisson", "e_star"]),
     ("Flash temperature", &["slide"], &["heat", "friction"]),
     ("Contact", &[], &["boundary", "components", "hardness", "finite_slope", "friction", "shear_strength"]),
-    ("Accuracy", &[], &["grid_error", "accuracy", "energy_tol", "energy_solves"]),
-    ("Solver", &[], &["tol", "max_iter", "range_continuation"]),
+    ("Accuracy", &[], &["grid_error", "accuracy", "energy_tolerance", "energy_solves"]),
+    ("Solver", &[], &["tolerance", "max_iterations", "range_continuation"]),
     ("Measurements", &[], &["statistics", "conductor_height", "flow", "flow_threshold"]),
     ("Output", &[], &["fields", "out", "vtk", "plots", "plot", "report", "list", "compare", "draw"]),
 ];

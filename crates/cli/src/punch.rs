@@ -61,8 +61,8 @@ Examples:
 )]
 pub struct Args {
     /// Side of the square cell, length
-    #[arg(long, default_value_t = 1.27, value_name = "L", allow_negative_numbers = true)]
-    length: f64,
+    #[arg(long, alias = "length", default_value_t = 1.27, value_name = "L", allow_negative_numbers = true)]
+    size: f64,
     /// Height of the slab, or of the top layer; "inf" for a half-space; default: the length of the cell
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(with = "height_if")]
@@ -120,11 +120,11 @@ pub struct Args {
     #[serde(flatten)]
     trace: TraceArgs,
     /// Largest residual of a converged state
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
-    tol: f64,
+    #[arg(long, alias = "tol", default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    tolerance: f64,
     /// Largest number of iterations, or time steps
-    #[arg(long, default_value_t = 100_000, value_name = "N")]
-    max_iter: u64,
+    #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N")]
+    max_iterations: u64,
     /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8), value_name = "GRIDS")]
     #[serde(deserialize_with = "within::<1, 8, _, _>")]
@@ -205,7 +205,7 @@ impl Args {
     }
 
     fn budget(&self) -> Budget {
-        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+        Budget { tolerance: self.tolerance, max_iterations: self.max_iterations }
     }
 }
 
@@ -236,7 +236,7 @@ struct Prepared {
 
 impl Prepared {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
-        args.budget().check().map_err(|error| Failure::input(key("tol"), error))?;
+        args.budget().check().map_err(|error| Failure::input(key("tolerance"), error))?;
         args.method()?;
         for (option, given) in [("mask", &args.mask), ("traction", &args.traction)] {
             if let (Some(name), true) = (given, args.refine > 1) {
@@ -250,7 +250,7 @@ impl Prepared {
         if !(args.depth.is_finite() && args.depth > 0.0) {
             return Err(Failure::value(key("depth"), args.depth, "positive and finite"));
         }
-        for (option, size) in [("depth", args.depth), ("length", args.length)] {
+        for (option, size) in [("depth", args.depth), ("size", args.size)] {
             if size.is_finite() && size > 0.0 {
                 check_size(option, size)?;
             }
@@ -263,10 +263,10 @@ impl Prepared {
         }
         let grids =
             (0..args.refine).map(|level| grid(args, n.saturating_mul(1 << level))).collect::<Result<Vec<_>, _>>()?;
-        let height = args.height.unwrap_or(Height::Finite(args.length));
+        let height = args.height.unwrap_or(Height::Finite(args.size));
         let Args { young, poisson, others, .. } = args.clone();
         let body = BodyArgs { young: Some(young), poisson, height, others, ..BodyArgs::default() }.body()?;
-        args.others.check_heights(height, &[args.length])?;
+        args.others.check_heights(height, &[args.size])?;
         let edge = match args.nodes {
             Nodes::Strict => Edge::Strict,
             Nodes::Inclusive => Edge::Inclusive,
@@ -320,7 +320,7 @@ impl Prepared {
     }
 
     fn warn_of_large_strain(&self, args: &Args, session: &Session) {
-        let width = if self.mask.is_some() { f64::INFINITY } else { args.punch_fraction * args.length };
+        let width = if self.mask.is_some() { f64::INFINITY } else { args.punch_fraction * args.size };
         let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
         for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {
             let part = args.depth / length;
@@ -428,16 +428,16 @@ impl Prepared {
         let at = PunchAt {
             solution,
             components,
-            widths: [args.punch_fraction * args.length, self.punch.effective_width(grid)],
+            widths: [args.punch_fraction * args.size, self.punch.effective_width(grid)],
             depth: args.depth,
             contact_nodes: points.iter().filter(|under| **under).count(),
-            tolerance: args.tol,
+            tolerance: args.tolerance,
             seconds,
         };
         Report {
             dim: args.dim,
             n: grid.points(),
-            length: grid.lengths(),
+            size: grid.lengths(),
             height: self.height,
             young: args.young,
             poisson: args.poisson,
@@ -499,8 +499,8 @@ fn grid(args: &Args, n: usize) -> Result<Grid, Failure> {
     if n < 2 {
         return Err(Failure::value(key("n"), n, "at least 2"));
     }
-    let grid = if args.dim == 2 { Grid::line(n, args.length) } else { Grid::square(n, args.length) };
-    grid.map_err(|error| Failure::input(key("length"), error))
+    let grid = if args.dim == 2 { Grid::line(n, args.size) } else { Grid::square(n, args.size) };
+    grid.map_err(|error| Failure::input(key("size"), error))
 }
 
 fn names(components: Components) -> Vec<&'static str> {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
 use gfmd_files::legible::line;
-use gfmd_files::{Output, Reader, SCHEMA_VERSION};
+use gfmd_files::{FileError, Output, Reader, SCHEMA_VERSION};
 use gfmd_problem::key;
 use serde::Serialize;
 
@@ -77,10 +77,11 @@ fn opened(file: &Path, session: &Session) -> Result<(Reader, Kind, Option<bool>)
         let text = format!("{} is damaged, or was changed; gfmd check says where", file.display());
         return Err(Failure::computation(text));
     }
+    // The reader refuses results of this program with another version; this file may name another program.
     let schema = reader.number("/", "schema_version").unwrap_or(f64::NAN);
     if schema != f64::from(SCHEMA_VERSION) {
-        let text = format!("{}: schema_version is {schema}; it must be {SCHEMA_VERSION}", file.display());
-        return Err(Failure::refused(text));
+        let error = FileError::Layout { path: file.to_owned(), found: schema };
+        return Err(Failure::refused(error.to_string()));
     }
     Ok((reader, kind, intact))
 }

@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 #[serde(default)]
 pub(crate) struct SearchArgs {
     /// Largest residual of a converged state
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
-    pub(crate) tol: f64,
+    #[arg(long, alias = "tol", default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    pub(crate) tolerance: f64,
     /// Largest number of iterations for one step
-    #[arg(long, default_value_t = 100_000, value_name = "N")]
-    max_iter: u64,
+    #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N")]
+    max_iterations: u64,
 }
 
 gfmd_problem::defaults_of_flags!(SearchArgs);
 
 impl SearchArgs {
     pub(crate) fn budget(self) -> Budget {
-        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+        Budget { tolerance: self.tolerance, max_iterations: self.max_iterations }
     }
 }

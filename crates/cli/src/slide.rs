@@ -42,7 +42,7 @@ pub use self::report::Report;
 /// Flags of `slide`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
-#[command(mut_arg("max_iter", |arg| arg.help("Largest number of iterations for one state")))]
+#[command(mut_arg("max_iterations", |arg| arg.help("Largest number of iterations for one state")))]
 #[command(after_help = "Examples:
   gfmd slide --n 256 --prony 1e-3:0.3,1e-1:0.3,10:0.3 --p-star 0.05 --velocity 1e-3:1e4:15 --plots rubber
   gfmd slide --n 128 --height 0.2 --poisson 0.48 --relaxes shear --prony 0.1:0.8 --pressure 0.01,0.05 --velocity 1 \
@@ -143,7 +143,7 @@ impl Way {
         let facts = |line: bool| Facts {
             line,
             relaxes: args.prony.relaxing(),
-            approach: args.control.option() == "displacement",
+            approach: args.control.option() == "approach",
             grid_error: GridError::None,
             ..args.body.facts()
         };
@@ -291,7 +291,7 @@ impl Way {
                     break;
                 }
             };
-            let record = self.record(at, &reached, args.search.tol, started.elapsed().as_secs_f64());
+            let record = self.record(at, &reached, args.search.tolerance, started.elapsed().as_secs_f64());
             let number = match record.value("heat_max_rise") {
                 Some(rise) => format!("largest rise {rise:.4e}"),
                 None => format!("friction {:.4}", record.number("friction")),
@@ -316,7 +316,7 @@ impl Way {
         progress.finish();
         let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
         if !is_kept {
-            prepared.warn_of_strain(report.states.iter().map(|state| state.number("displacement")), session);
+            prepared.warn_of_strain(report.states.iter().map(|state| state.number("approach")), session);
         }
         let out = file.filter(|_| !is_kept).map(|file| file.finish(&report.states, count)).transpose()?;
         report.out = session.written(out);

@@ -137,7 +137,7 @@ impl fmt::Display for Printed {
 pub struct Report {
     pub source: String,
     pub n: [usize; 2],
-    pub length: [f64; 2],
+    pub size: [f64; 2],
     pub unit: Option<String>,
     /// Statistics of the heights.
     #[serde(flatten, serialize_with = "Record::serialize_numbers")]
@@ -380,7 +380,7 @@ impl Report {
         let mut report = Self {
             source: String::new(),
             n: grid.points(),
-            length: grid.lengths(),
+            size: grid.lengths(),
             unit: None,
             numbers: Record::compute(&facts, &at),
             facts,
@@ -493,7 +493,7 @@ const DETAILS: usize = 12;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let ([nx, ny], [lx, ly]) = (self.n, self.length);
+        let ([nx, ny], [lx, ly]) = (self.n, self.size);
         writeln!(f, "{}", self.source)?;
         if let Some(scan) = &self.scan {
             write!(f, "{scan}")?;
@@ -557,27 +557,26 @@ mod tests {
 
     #[test]
     fn a_generated_surface_is_what_it_was_asked_to_be() {
-        let report = run_line("--n 128 --eps-f-inv 16 --hurst 0.6 --rms-gradient 0.3 --seed 4 --length 2").unwrap();
+        let report = run_line("--n 128 --eps-f-inv 16 --hurst 0.6 --rms-gradient 0.3 --seed 4 --size 2").unwrap();
         let asked = report.asked.clone().unwrap();
         assert!(close(report.numbers.number("rms_gradient"), 0.3) && asked.rms_gradient == Some(0.3));
         assert!(close(report.numbers.number("longest_wavelength"), 1.0) && asked.longest_wavelength == Some(1.0));
         assert!(close(report.numbers.number("shortest_wavelength"), 1.0 / 16.0));
         assert!((report.numbers.number("hurst") - asked.hurst).abs() < 4.0 * report.numbers.number("hurst_error"));
-        assert_eq!((report.n, report.length), ([128, 128], [2.0, 2.0]));
+        assert_eq!((report.n, report.size), ([128, 128], [2.0, 2.0]));
         assert!(report.to_string().contains("asked 3.000000e-1"), "{report}");
     }
 
     #[test]
     fn written_heights_come_back_the_same() {
         let folder = tempfile::tempdir().unwrap();
-        for (kind, name) in
-            [("--n 64,96 --length 1.3 --eps-f-inv 8", "h.npy"), ("--n 64 --dim 2 --eps-f-inv 8", "h.h5")]
+        for (kind, name) in [("--n 64,96 --size 1.3 --eps-f-inv 8", "h.npy"), ("--n 64 --dim 2 --eps-f-inv 8", "h.h5")]
         {
             let out = folder.path().join(name);
             let made = run_line(&format!("{kind} --out {}", out.display())).unwrap();
             assert_eq!(made.out.as_deref(), Some(out.as_path()));
             let dataset = if name.ends_with("h5") { ":/surface/height" } else { "" };
-            let length = if name.ends_with("h5") { "" } else { "--length 1.3" };
+            let length = if name.ends_with("h5") { "" } else { "--size 1.3" };
             let read = run_line(&format!("--surface {}{dataset} {length}", out.display())).unwrap();
             assert_eq!(
                 (read.n, read.numbers.number("rms_height"), read.numbers.number("highest")),
@@ -585,7 +584,7 @@ mod tests {
             );
             assert!(
                 close(read.numbers.number("rms_gradient"), made.numbers.number("rms_gradient"))
-                    && close(read.length[0], made.length[0])
+                    && close(read.size[0], made.size[0])
             );
         }
         let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();

@@ -54,7 +54,7 @@ pub struct Args {
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     pub n: [usize; 2],
-    pub length: [f64; 2],
+    pub size: [f64; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     pub surface: String,
@@ -220,7 +220,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     };
     Ok(Report {
         n: grid.points(),
-        length: grid.lengths(),
+        size: grid.lengths(),
         unit: surface.unit.clone(),
         surface: surface.description,
         rms_height: moments.rms_height(),

@@ -84,7 +84,7 @@ impl Args {
         Facts {
             wears: true,
             line,
-            approach: self.loads.given() == "displacement",
+            approach: self.loads.given() == "approach",
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
         }
     }

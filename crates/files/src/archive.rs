@@ -40,7 +40,7 @@ pub use reader::Reader;
 pub use variable::{Coordinates, Dimension, Provenance, Variable};
 
 /// Version of the file layout, increased when a name or its meaning changes.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// Bytes per chunk before compression: large enough for deflate and few seeks, small enough for partial reads.
 const CHUNK_BYTES: usize = 1 << 21;

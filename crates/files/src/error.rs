@@ -59,6 +59,14 @@ pub enum FileError {
         /// Innermost message of the library.
         reason: String,
     },
+    /// The file is a result with another layout.
+    #[error("{} has the schema_version {found}; this program reads {}", path.display(), crate::SCHEMA_VERSION)]
+    Layout {
+        /// Path of the file.
+        path: PathBuf,
+        /// Version of its layout.
+        found: f64,
+    },
     /// The file has no variable or attribute of this name.
     #[error("{} has no {variable}; its group has: {}", path.display(), listed(present))]
     Missing {

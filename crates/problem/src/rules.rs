@@ -90,9 +90,9 @@ parts! {
     /// Displacement known up to a constant.
     NoLevel: |_| (key("boundary"), "free", words!["a profile on a half-space (", setting("boundary", "free"), ", ", setting("dim", 2), ")"]), |f| !f.has_level();
     /// Prescribed approach.
-    Approach: |_| (key("displacement"), "given", key("displacement")), |f| f.approach;
+    Approach: |_| (key("approach"), "given", key("approach")), |f| f.approach;
     /// Prescribed approach of a load, not of a path.
-    FixedApproach: |_| (key("displacement"), "given", key("displacement")), |f| f.approach && f.task == Task::Loads;
+    FixedApproach: |_| (key("approach"), "given", key("approach")), |f| f.approach && f.task == Task::Loads;
     /// Lateral motion without friction.
     Lateral: |_| (key("lateral"), "given", words![key("lateral"), ", unless there is ", key("friction"), " or ", key("shear_strength")]),
         |f| f.lateral && f.friction.is_none();

@@ -13,7 +13,7 @@ sphere = gfmd.Surface(-(distance**2) / (2 * radius), size=length)
 
 a = 0.1  # contact radius, small compared with the cell
 force = 4 * e_star * a**3 / (3 * radius)
-c = gfmd.contact(sphere, gfmd.Body(e_star=e_star), mean_pressure=force / length**2)
+c = gfmd.contact(sphere, gfmd.Body(e_star=e_star), pressure=force / length**2)
 
 hertz = 2 * e_star * a / (np.pi * radius) * np.sqrt(np.maximum(1 - (x / a) ** 2, 0))
 plt.plot(x, c.pressure[:, n // 2], ".", label="gfmd")

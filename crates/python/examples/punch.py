@@ -9,7 +9,7 @@ punch = gfmd.punch(gfmd.Body(young=70.0, poisson=0.33, height=1.27), n=64, conta
 below = gfmd.interior(punch, levels=32, quantities=["von-mises"])
 
 middle = below.von_mises[:, :, 32]
-plt.imshow(middle, extent=(0, punch.length[0], punch.height, 0), cmap="magma", aspect="equal")
+plt.imshow(middle, extent=(0, punch.size[0], punch.height, 0), cmap="magma", aspect="equal")
 plt.colorbar(label="von Mises stress (GPa)")
 plt.xlabel("x (µm)")
 plt.ylabel("depth (µm)")

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 scan = gfmd.read(Path(__file__).with_name("scan.x3p"), fill="harmonic")
 print(scan, scan.details)
 surface = scan.detrend("plane").periodise("mirror")
-c = gfmd.contact(surface, gfmd.Body(young=70e9, poisson=0.33), mean_pressure=2e9)
+c = gfmd.contact(surface, gfmd.Body(young=70e9, poisson=0.33), pressure=2e9)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
 scan.detrend("plane").plot(left)

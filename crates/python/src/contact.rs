@@ -212,7 +212,7 @@ impl Problem {
         .into();
         let (solved, raised) = run(py, threads, tick.as_ref(), |shared| {
             let mut watch = |now: &Progress| shared.see(now.iteration, now.residual);
-            let tolerance = args.solver.tol;
+            let tolerance = args.solver.tolerance;
             check_drive(contact, drive, key(control), tolerance)?;
             let mut finer = finer.lock().unwrap_or_else(PoisonError::into_inner);
             if !finer.is_empty() {
@@ -231,7 +231,7 @@ impl Problem {
             let (state, failure) = reached(args.press(contact, drive).starting_from(start).watch(&mut watch).solve())?;
             let stiffness = match &failure {
                 Some(_) => Err(NOT_SOLVED),
-                None => stiffness(contact, &state, args.stiffness_tol, |text| tracing::warn!("{text}")),
+                None => stiffness(contact, &state, args.stiffness_tolerance, |text| tracing::warn!("{text}")),
             };
             let finer = finer.iter_mut().map(|finer| match &failure {
                 Some(_) => Ok(Err(NOT_SOLVED.to_owned())),
@@ -355,7 +355,7 @@ impl Problem {
     fn description(&self, py: Python<'_>) -> PyResult<String> {
         let of_surface = keys::<SourceArgs>();
         let mut table = Table::try_from(&self.args).map_err(|error| refused(py, &error))?;
-        table.retain(|key, _| matches!(key, "length" | "stress_unit") || !of_surface.iter().any(|of| of == key));
+        table.retain(|key, _| matches!(key, "size" | "stress_unit") || !of_surface.iter().any(|of| of == key));
         json::to_string(&table).map_err(|error| refused(py, &error))
     }
 
@@ -363,7 +363,7 @@ impl Problem {
     fn check_accuracy(&self, py: Python<'_>, accuracy: &str, control: &str) -> PyResult<()> {
         let asked = accuracy.parse::<Accuracy>();
         let asked = asked.map_err(|error| refused(py, &format!("accuracy is {accuracy}; {error}")))?;
-        accuracy::check(asked, &self.prepared, control == "displacement").map_err(|failure| unusable(py, failure))
+        accuracy::check(asked, &self.prepared, control == "approach").map_err(|failure| unusable(py, failure))
     }
 
     /// Returns the warning about large strain at an approach; `None` if the strain is small.

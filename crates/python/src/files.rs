@@ -40,7 +40,7 @@ pub(crate) fn save(
 ) -> PyResult<()> {
     let args = described(py, problem, arrays)?;
     let config = table(config)?;
-    let approach = config.contains_key("displacement");
+    let approach = config.contains_key("approach");
     let config = toml::to_string(&config).map_err(|error| refused(py, &error))?;
     let prepared = quick(py, || prepared(&args))?;
     let mut prepared = prepared.map_err(|failure| failed(py, failure))?;

@@ -233,7 +233,7 @@ def test_both_directions_of_a_loop_and_the_contact_in_a_gap_are_told_apart():
     matplotlib = pytest.importorskip("matplotlib")
     surface = gfmd.self_affine(n=32, size="2 um", unit="m")
     loop = gfmd.path(surface, gfmd.Body(e_star="1 GPa"), p_star=[0.01, 0.1, 0.01], steps=3)
-    ax = loop.plot("displacement", "area_fraction")
+    ax = loop.plot("approach", "area_fraction")
     there, back = ax.lines
     assert [line.get_label() for line in ax.lines] == [
         "rising",
@@ -241,9 +241,9 @@ def test_both_directions_of_a_loop_and_the_contact_in_a_gap_are_told_apart():
     ] and there.get_linestyle() != back.get_linestyle()
     assert (
         there.get_xdata()[-1] == back.get_xdata()[0]
-        and len(there.get_xdata()) + len(back.get_xdata()) == len(loop.steps["displacement"]) + 1
+        and len(there.get_xdata()) + len(back.get_xdata()) == len(loop.steps["approach"]) + 1
     )
-    assert ax.get_xlabel() == "displacement (nm)" and ax.get_ylabel() == "area fraction"
+    assert ax.get_xlabel() == "approach (nm)" and ax.get_ylabel() == "area fraction"
     contact = gfmd.contact(surface, gfmd.Body(e_star="1 GPa"), p_star=0.1)
     ax = contact.plot("gap")
     marked, gaps = (image.get_array() for image in ax.images)

@@ -23,7 +23,7 @@ OTHERS = {
 
 @pytest.mark.parametrize("kind", OTHERS)
 @pytest.mark.parametrize(
-    "load", [dict(p_star=0.05), dict(approach=0.01), dict(mean_pressure=0.004)], ids=["p_star", "approach", "pressure"]
+    "load", [dict(p_star=0.05), dict(approach=0.01), dict(pressure=0.004)], ids=["p_star", "approach", "pressure"]
 )
 def test_the_program_finds_in_a_saved_file_what_it_computes_itself(kind, load, tmp_path, run_program):
     gfmd.contact(SMALL, BODY, **OTHERS[kind], **load).save(tmp_path / "c.h5")
@@ -73,7 +73,7 @@ def test_a_slab_between_two_surfaces_is_in_equilibrium_and_knows_which_face_is_w
     assert np.mean(c.lower_pressure > 0.0) == c.lower.area_fraction and c.lower_gap.mean() == pytest.approx(
         c.lower.mean_gap, rel=1e-12
     )
-    turned = gfmd.contact(BELOW, BODY, mean_pressure=c.mean_pressure, lower_surface=SMALL)
+    turned = gfmd.contact(BELOW, BODY, pressure=c.mean_pressure, lower_surface=SMALL)
     assert np.allclose(turned.pressure, c.lower_pressure, atol=1e-6 * c.max_pressure, rtol=0)
     assert np.allclose(
         turned.lower_displacement_z, -c.displacement_z, atol=1e-6 * np.abs(c.displacement_z).max(), rtol=0
@@ -196,5 +196,5 @@ def test_a_longer_range_first_pulls_the_surfaces_together():
 def test_surfaces_that_part_under_a_longer_range_have_no_state():
     law = gfmd.law("morse", gamma=1e-3, range=0.1)
     with pytest.raises(gfmd.NotConverged, match="range times 8: the surfaces part") as caught:
-        gfmd.contacts(SMALL, gfmd.Body(), law=law, range_continuation=True, mean_pressure=[-0.03])
+        gfmd.contacts(SMALL, gfmd.Body(), law=law, range_continuation=True, pressure=[-0.03])
     assert len(caught.value.state) == 0

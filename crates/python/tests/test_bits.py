@@ -14,9 +14,9 @@ MORSE = dict(gamma=2e-4, range=2e-3)
 TIMES = ("seconds", "peak_bytes")
 
 CASES = {
-    "pressures": (["--pressure=0.002,0.01"], SURFACE, {}, dict(mean_pressure=[0.002, 0.01])),
+    "pressures": (["--pressure=0.002,0.01"], SURFACE, {}, dict(pressure=[0.002, 0.01])),
     "reduced": (["--p-star=0.01,0.1"], SURFACE, {}, dict(p_star=[0.01, 0.1])),
-    "approach": (["--displacement=0.002"], SURFACE, {}, dict(approach=[0.002])),
+    "approach": (["--approach=0.002"], SURFACE, {}, dict(approach=[0.002])),
     "slab": (
         ["--p-star=0.05", "--height=0.3", "--young=7", "--poisson=0.4"],
         SURFACE,
@@ -61,7 +61,7 @@ CASES = {
         dict(p_star=[0.05]),
     ),
     "cg": (
-        ["--p-star=0.05", "--solver=cg", "--tol=1e-10"],
+        ["--p-star=0.05", "--solver=cg", "--tolerance=1e-10"],
         SURFACE,
         {},
         dict(p_star=[0.05], solver="cg", tolerance=1e-10),
@@ -75,7 +75,7 @@ CASES = {
         dict(p_star=[0.05, 0.0, -0.0005], law=("morse", MORSE)),
     ),
     "exponential": (
-        ["--displacement=0.001,-0.001", "--law=exponential", "--param=gamma=0.0002,range=0.002"],
+        ["--approach=0.001,-0.001", "--law=exponential", "--param=gamma=0.0002,range=0.002"],
         SURFACE,
         {},
         dict(approach=[0.001, -0.001], law=("exponential", MORSE)),
@@ -88,18 +88,13 @@ CASES = {
         dict(p_star=[0.05, 0.0], boundary="free", law=("morse", MORSE)),
     ),
     "patch of a slab": (
-        ["--displacement=0.003", "--boundary=free", "--height=0.2", "--poisson=0.4"],
+        ["--approach=0.003", "--boundary=free", "--height=0.2", "--poisson=0.4"],
         SURFACE,
         dict(height=0.2, poisson=0.4),
         dict(approach=[0.003], boundary="free"),
     ),
     "continued": (
-        [
-            "--displacement=-0.001,0.001",
-            "--law=exponential",
-            "--param=gamma=0.0002,range=0.002",
-            "--range-continuation",
-        ],
+        ["--approach=-0.001,0.001", "--law=exponential", "--param=gamma=0.0002,range=0.002", "--range-continuation"],
         SURFACE,
         {},
         dict(approach=[-0.001, 0.001], law=("exponential", MORSE), range_continuation=True),
@@ -117,7 +112,7 @@ CASES = {
         dict(p_star=[0.01, 0.1], finite_slope=True),
     ),
     "finite slopes, approach": (
-        ["--displacement=0.004", "--finite-slope", "--height=0.4"],
+        ["--approach=0.004", "--finite-slope", "--height=0.4"],
         SURFACE,
         dict(height=0.4),
         dict(approach=[0.004], finite_slope=True),
@@ -135,7 +130,7 @@ CASES = {
         dict(p_star=[0.02, 0.1], lower_surface=dict(SURFACE, seed=4)),
     ),
     "squeezed, approach": (
-        ["--displacement=0.02", "--height=0.2", "--layer=3.0,0.3,0.1", "--lower-seed=4"],
+        ["--approach=0.02", "--height=0.2", "--layer=3.0,0.3,0.1", "--lower-seed=4"],
         SURFACE,
         dict(height=0.2, layers=[(3.0, 0.3, 0.1)]),
         dict(approach=[0.02], lower_surface=dict(SURFACE, seed=4)),
@@ -146,7 +141,7 @@ CASES = {
         dict(height=0.3),
         dict(p_star=[0.05], lower_surface=dict(SURFACE, dim=2, seed=4)),
     ),
-    "length": (["--p-star=0.05", "--length=1.3"], dict(SURFACE, size=1.3), {}, dict(p_star=[0.05])),
+    "size": (["--p-star=0.05", "--size=1.3"], dict(SURFACE, size=1.3), {}, dict(p_star=[0.05])),
     "oblong": (["--p-star=0.05", "--n=64,48"], dict(SURFACE, n=(64, 48)), {}, dict(p_star=[0.05])),
     "line": (["--p-star=0.05", "--dim=2"], dict(SURFACE, dim=2), {}, dict(p_star=[0.05])),
 }
@@ -207,14 +202,14 @@ def plain(value):
 def test_heights_through_numpy_lose_nothing(run_program, tmp_path):
     made = gfmd.self_affine(**SURFACE)
     np.save(tmp_path / "h.npy", made.heights)
-    wanted = run_program("contact", f"--surface={tmp_path / 'h.npy'}", "--length=1", "--p-star=0.05")["loads"][0]
+    wanted = run_program("contact", f"--surface={tmp_path / 'h.npy'}", "--size=1", "--p-star=0.05")["loads"][0]
     same(gfmd.contact(gfmd.Surface(np.array(made.heights)), gfmd.Body(), p_star=0.05), wanted)
     assert gfmd.read(tmp_path / "h.npy").heights.tobytes() == made.heights.tobytes()
 
 
 SURFACES = {
     "spectrum": (
-        ["--n=64,48", "--hurst=0.3", "--eps-t-inv=3", "--eps-f-inv=5", "--seed=9223372036854775807", "--length=2,1.5"],
+        ["--n=64,48", "--hurst=0.3", "--eps-t-inv=3", "--eps-f-inv=5", "--seed=9223372036854775807", "--size=2,1.5"],
         dict(n=(64, 48), hurst=0.3, eps_t_inv=3, eps_f_inv=5, seed=2**63 - 1, size=(2, 1.5)),
     ),
     "rms height": (
@@ -241,7 +236,7 @@ def test_surfaces_are_those_of_the_program(name, run_program, tmp_path):
     wanted = run_program("surface", *words, f"--out={tmp_path / 'h.npy'}")
     found = gfmd.self_affine(**arguments)
     heights = np.load(tmp_path / "h.npy")
-    assert found.heights.tobytes() == heights.tobytes() and found.size == tuple(wanted["length"])
+    assert found.heights.tobytes() == heights.tobytes() and found.size == tuple(wanted["size"])
     statistics = found.statistics()
     fitted = ("source", "unit", "asked", "out", "hurst", "hurst_error", "hurst_range")
     same(statistics, {key: value for key, value in wanted.items() if key not in fitted and not isinstance(value, list)})
@@ -257,7 +252,7 @@ def test_scans_are_those_of_the_program(run_program, tmp_path):
     for trend in ("plane", "slope", "quadratic"):
         words = [
             f"--surface={tmp_path / 'h.npy'}",
-            "--length=2",
+            "--size=2",
             "--flip",
             f"--detrend={trend}",
             "--periodise=mirror",
@@ -294,7 +289,7 @@ PATHS = {
             "--eps-f-inv=8",
             "--law=exponential",
             "--param=gamma=2e-4,range=5e-3",
-            "--displacement=-0.004,0.004,-0.008",
+            "--approach=-0.004,0.004,-0.008",
             "--steps=4",
         ],
         lambda s: gfmd.path(
@@ -306,7 +301,7 @@ PATHS = {
         ),
     ),
     "load": (
-        ["--n=32", "--p-star=0.01,0.1,0.01", "--steps=3", "--height=0.4", "--young=3", "--poisson=0.3", "--length=2"],
+        ["--n=32", "--p-star=0.01,0.1,0.01", "--steps=3", "--height=0.4", "--young=3", "--poisson=0.3", "--size=2"],
         lambda s: gfmd.path(s(size=2), gfmd.Body(3.0, 0.3, height=0.4), p_star=[0.01, 0.1, 0.01], steps=3),
     ),
     "coulomb": (
@@ -327,7 +322,7 @@ PATHS = {
             s(),
             gfmd.Body(poisson=0.5),
             shear_strength=0.01,
-            mean_pressure=0.005,
+            pressure=0.005,
             lateral=[0, 0.001, 0],
             direction=30,
             steps=3,
@@ -357,7 +352,7 @@ def test_paths_are_those_of_the_program(name, run_program, tmp_path):
         "law",
         "direction",
         "n",
-        "length",
+        "size",
         "e_star",
         "rms_gradient",
         "rms_height",
@@ -376,8 +371,8 @@ def test_punches_and_fields_below_are_those_of_the_program(run_program, tmp_path
     cases = [
         (["--n=32", "--nodes=inclusive"], dict(n=32, nodes="inclusive"), None),
         (
-            ["--n=64", "--dim=2", "--contact=frictionless", "--length=2", "--height=0.7", "--young=3", "--poisson=0.2"],
-            dict(n=64, dim=2, contact="frictionless", length=2.0),
+            ["--n=64", "--dim=2", "--contact=frictionless", "--size=2", "--height=0.7", "--young=3", "--poisson=0.2"],
+            dict(n=64, dim=2, contact="frictionless", size=2.0),
             gfmd.Body(3.0, 0.2, height=0.7),
         ),
         (["--n=16", "--refine=2", "--height=inf", "--young=1", "--poisson=0"], dict(n=16, refine=2), gfmd.Body()),

@@ -46,7 +46,7 @@ def test_a_contact_on_layers_is_written_and_read(tmp_path):
 def test_punches_and_paths_take_any_body():
     whole = gfmd.Body(poisson=0.3, height=0.3, base="sliding")
     parts = gfmd.Body(poisson=0.3, height=0.1, layers=[[1.0, 0.3, 0.2]], base="sliding")
-    a, b = (gfmd.punch(body, n=16, length=1.0, nodes="inclusive") for body in (whole, parts))
+    a, b = (gfmd.punch(body, n=16, size=1.0, nodes="inclusive") for body in (whole, parts))
     assert math.isclose(a.mean_pressure, b.mean_pressure, rel_tol=1e-6)
     assert gfmd.interior(b, depths=[0.0, 0.2]).stress.shape[0] == 2
     s = gfmd.self_affine(n=16, eps_f_inv=4)

@@ -45,7 +45,7 @@ def draw(index, folder):
     np.save(file, heights)
     size = length[0] if is_line else tuple(length)
     surface = gfmd.Surface(heights, size=size)
-    words = [f"--surface={file}", "--length=" + (repr(length[0]) if is_line else f"{length[0]!r},{length[1]!r}")]
+    words = [f"--surface={file}", "--size=" + (repr(length[0]) if is_line else f"{length[0]!r},{length[1]!r}")]
     body = dict(young=round(dice.uniform(0.5, 3), 3), poisson=dice.choice([0.0, 0.3, 0.49, 0.5, -0.3]))
     kind = "path" if is_path else dice.choice(["plain"] * 5 + ["all", "held", "steep", "lower"])
     if kind in ("all", "held", "steep", "lower"):
@@ -111,19 +111,19 @@ def draw(index, folder):
         options["lower_surface"] = gfmd.Surface(lower, size=size)
     tolerance = 1e-6 if kind == "all" or has_friction else 1e-8
     if tolerance != 1e-8:
-        words.append("--tol=1e-6")
+        words.append("--tolerance=1e-6")
         options["tolerance"] = 1e-6
     is_floating = (
         is_free and is_line and body.get("base", "bonded" if "height" in body else None) in (None, "half-space")
     )
     control = dice.choice(
-        ["pressure", "p-star"] if kind == "all" or is_floating else ["pressure", "p-star", "displacement"]
+        ["pressure", "p-star"] if kind == "all" or is_floating else ["pressure", "p-star", "approach"]
     )
     count = dice.randint(2, 3) if is_path else dice.randint(1, 3)
-    scale = {"pressure": 0.02, "p-star": 0.3, "displacement": 0.003}[control]
+    scale = {"pressure": 0.02, "p-star": 0.3, "approach": 0.003}[control]
     loads = [round(scale * dice.uniform(0.1, 1), 6) for _ in range(count)]
     words.append(f"--{control}=" + ",".join(map(repr, loads)))
-    options[{"pressure": "mean_pressure", "p-star": "p_star", "displacement": "approach"}[control]] = loads
+    options[control.replace("-", "_")] = loads
     if is_path:
         words.append("--steps=2")
         options["steps"] = 2

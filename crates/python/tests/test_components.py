@@ -31,9 +31,9 @@ def test_all_components_are_those_that_follow_from_the_pressure(tmp_path):
 
 def test_a_surface_that_is_held_sideways_is_stiffer():
     half_space, s = gfmd.Body(young=1.0, poisson=0.33), (1 - 0.66) / (2 - 0.66)
-    held = gfmd.contact(SMALL, half_space, mean_pressure=0.002, components="held", tolerance=1e-10)
+    held = gfmd.contact(SMALL, half_space, pressure=0.002, components="held", tolerance=1e-10)
     stiffer = gfmd.Body(e_star=1 / (1 - 0.33**2) / (1 - s**2))
-    wanted = gfmd.contact(SMALL, stiffer, mean_pressure=0.002, tolerance=1e-10)
+    wanted = gfmd.contact(SMALL, stiffer, pressure=0.002, tolerance=1e-10)
     assert held.approach == pytest.approx(wanted.approach, rel=1e-8) and held.displacement_x is None
     surface = held.interior(depths=[0.0], quantities=["displacement"]).displacement[0]
     assert np.abs(surface[..., :2]).max() < 1e-12 * np.abs(surface[..., 2]).max()

@@ -24,7 +24,7 @@ CASES = {
         ("path", "--surface", "h.npy", "--p-star", "0.05", "--friction", "0.3", "--lateral", "0,0.001", "--steps", "1"),
     ),
     "creep": (
-        lambda **more: gfmd.path(ROUGH, RUBBER, mean_pressure=0.01, time=[0, 1], steps=1, **more),
+        lambda **more: gfmd.path(ROUGH, RUBBER, pressure=0.01, time=[0, 1], steps=1, **more),
         ("path", "--surface", "h.npy", *PRONY, "--pressure", "0.01", "--time", "0,1", "--steps", "1"),
     ),
     "imprint": (
@@ -114,7 +114,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize("case", CASES)
 def test_the_file_is_that_of_the_program(case, folder, run_program):
     made, words = CASES[case]
-    length = () if words[0] == "punch" else ("--length", "1")
+    length = () if words[0] == "punch" else ("--size", "1")
     run_program(*words, *length, "--out", "theirs.h5")
     result = made(out="ours.h5")
     same(contents("ours.h5"), contents("theirs.h5"))

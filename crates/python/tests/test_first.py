@@ -13,7 +13,7 @@ def surface():
 
 @pytest.fixture(scope="module")
 def pressed(surface):
-    return gfmd.contact(surface, gfmd.Body(young="70 GPa", poisson=0.3), mean_pressure="100 MPa")
+    return gfmd.contact(surface, gfmd.Body(young="70 GPa", poisson=0.3), pressure="100 MPa")
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +44,14 @@ def results(tmp_path_factory):
         (lambda: gfmd.self_affine(n=16, length=1.0), "size"),
         (lambda: gfmd.self_affine(n=16, rms_gradiant=0.1), "rms_gradient"),
         (lambda: gfmd.Surface(np.eye(4), length=1.0), "size"),
-        (lambda: gfmd.contact(np.eye(4), gfmd.Body(), pressure=0.1), "mean_pressure"),
-        (lambda: gfmd.contact(np.eye(4), gfmd.Body(), force=0.1), "mean_pressure, the force divided by the area"),
-        (lambda: gfmd.contacts(np.eye(4), gfmd.Body(), pressure=[0.1]), "mean_pressure"),
+        (lambda: gfmd.contact(np.eye(4), gfmd.Body(), mean_pressure=0.1), "pressure"),
+        (lambda: gfmd.contact(np.eye(4), gfmd.Body(), force=0.1), "pressure, the force divided by the area"),
+        (lambda: gfmd.contacts(np.eye(4), gfmd.Body(), mean_pressure=[0.1]), "pressure"),
         (lambda: gfmd.contact(np.eye(4), gfmd.Body(), p_star=0.1, tol=1e-6), "tolerance"),
         (lambda: gfmd.contact(np.eye(4), gfmd.Body(), displacement=0.1), "approach"),
-        (lambda: gfmd.path(np.eye(4), gfmd.Body(), pressure=0.1), "mean_pressure"),
+        (lambda: gfmd.path(np.eye(4), gfmd.Body(), mean_pressure=0.1), "pressure"),
         (lambda: gfmd.slide(np.eye(4), gfmd.Body(), speed=0.1, p_star=0.1), "velocity"),
-        (lambda: gfmd.wear(np.eye(4), gfmd.Body(), coefficient=1, distance=1, pressure=0.1), "mean_pressure"),
+        (lambda: gfmd.wear(np.eye(4), gfmd.Body(), coefficient=1, distance=1, mean_pressure=0.1), "pressure"),
         (lambda: gfmd.read("scan.sur", units="um"), "unit"),
     ],
 )
@@ -73,6 +73,7 @@ def test_an_argument_that_nobody_has_is_answered_with_all():
         ("contact_area", "area_fraction"),
         ("displacements", "displacement_z"),
         ("indentation", "approach"),
+        ("displacement", "approach"),
         ("mask", "touching"),
         ("heights", "surface.heights"),
         ("area_fractoin", "area_fraction"),
@@ -107,8 +108,8 @@ def test_attributes_of_other_results_and_of_surfaces_have_hints(surface, pressed
 def test_both_leak_rates_are_one_number(surface):
     body = gfmd.Body(young="70 GPa", poisson=0.3)
     fluid = {"viscosity": "1 mPa*s", "pressure_drop": "1 bar"}
-    way = gfmd.path(surface, body, mean_pressure=["100 MPa"], steps=1, flow=True)
-    alone = gfmd.contact(surface, body, mean_pressure="100 MPa", tolerance=1e-12)
+    way = gfmd.path(surface, body, pressure=["100 MPa"], steps=1, flow=True)
+    alone = gfmd.contact(surface, body, pressure="100 MPa", tolerance=1e-12)
     assert np.allclose(way.leak_rate(**fluid)[-1], alone.leak_rate(**fluid), rtol=1e-5)
     slit = (alone.mean_gap * 1e-6) ** 3 / (12 * 1e-3) * 1e5
     assert np.allclose(alone.leak_rate(**fluid), np.diag(alone.flow().conductivity) * slit, rtol=1e-12)

@@ -162,8 +162,8 @@ solve = dict(
     finite_slope=st.sampled_from([False, False, True]),
     lower_surface=st.sampled_from([None, None, SURFACE, np.zeros((8, 8))]),
 )
-one_load = dict(mean_pressure=positive, p_star=positive, approach=signed)
-load = dict(mean_pressure=loads, p_star=loads, approach=st.one_of(signed, st.lists(signed, min_size=1, max_size=3)))
+one_load = dict(pressure=positive, p_star=positive, approach=signed)
+load = dict(pressure=loads, p_star=loads, approach=st.one_of(signed, st.lists(signed, min_size=1, max_size=3)))
 sweep = st.fixed_dictionaries(
     {
         "points": st.just({"eps_t_inv": [1, 2], "eps_f_inv": [2], "eps_c_inv": [2], "centre": [1, 2, 2]}),
@@ -286,7 +286,7 @@ ENTRIES = {
         gfmd.punch,
         dict(
             body=bodies,
-            length=positive,
+            size=positive,
             n=st.integers(4, 16),
             dim=st.integers(2, 3),
             punch_fraction=st.floats(0.1, 0.9),
@@ -353,7 +353,7 @@ ENTRIES = {
 WRITERS = (CONTACT.save, CONTACTS.save, gfmd.kappa_sweep)
 # At most one of these is meant; the strategy leaves most of the others out.
 CHOICES = [
-    {"mean_pressure", "p_star", "approach"},
+    {"pressure", "p_star", "approach"},
     {"rms_gradient", "rms_height"},
     {"young", "e_star"},
     {"coefficient", "shear_strength"},
@@ -496,7 +496,6 @@ def test_arguments_that_do_not_exist_are_type_errors(call):
 
 def test_an_option_that_does_not_exist_is_named_with_those_that_do():
     with pytest.raises(
-        TypeError,
-        match="contact has no argument 'best'; it must be one of mean_pressure, p_star, .*, solver, tolerance, ",
+        TypeError, match="contact has no argument 'best'; it must be one of pressure, p_star, .*, solver, tolerance, "
     ):
         gfmd.contact(SURFACE, BODY, best=1)

@@ -47,7 +47,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("load", [{"mean_pressure": 0.02}, {"approach": 0.004}])
+@pytest.mark.parametrize("load", [{"pressure": 0.02}, {"approach": 0.004}])
 @pytest.mark.parametrize("options", CASES)
 def test_derivatives_are_difference_quotients(load, options):
     options = dict(options)
@@ -74,9 +74,9 @@ def test_derivatives_are_difference_quotients(load, options):
 
 
 def test_it_is_that_of_a_file_and_of_the_other_load(tmp_path):
-    c = gfmd.contact(HEIGHTS, BODY, p_star=0.1, tolerance=1e-12, stiffness_tol=1e-9)
+    c = gfmd.contact(HEIGHTS, BODY, p_star=0.1, tolerance=1e-12, stiffness_tolerance=1e-9)
     plain = c.vjp(approach=1.0)
-    assert plain.fixed == "mean_pressure" and plain.load == pytest.approx(1 / c.stiffness, rel=1e-8)
+    assert plain.fixed == "pressure" and plain.load == pytest.approx(1 / c.stiffness, rel=1e-8)
     assert c.vjp(mean_pressure=1.0, fixed="approach").load == pytest.approx(c.stiffness, rel=1e-8)
     c.save(tmp_path / "c.h5")
     assert gfmd.load(tmp_path / "c.h5").vjp(approach=1.0).heights == pytest.approx(plain.heights, rel=1e-8)
@@ -98,7 +98,7 @@ def test_a_law_has_the_derivatives_of_its_file_and_of_a_line(tmp_path):
     assert with_law.vjp(**COTANGENTS).heights == pytest.approx(bare.vjp(**COTANGENTS).heights, rel=1e-5, abs=1e-5)
     line = gfmd.contact(HEIGHTS[:, 0], BODY, p_star=0.1, law=EXPONENTIAL)
     assert line.vjp(pressure=np.ones(16)).load == pytest.approx(16.0)
-    free = gfmd.contact(HEIGHTS[:, 0], BODY, mean_pressure=0.02, law=EXPONENTIAL, boundary="free")
+    free = gfmd.contact(HEIGHTS[:, 0], BODY, pressure=0.02, law=EXPONENTIAL, boundary="free")
     with pytest.raises(gfmd.InputError, match="known up to a constant"):
         free.vjp(approach=1.0)
     assert free.vjp(pressure=np.ones(16)).load == pytest.approx(16.0)
@@ -121,7 +121,7 @@ def test_what_has_no_derivative_is_named():
         (dict(lower_surface=0.0 * HEIGHTS), "lower.surface is given"),
         (dict(base_displacement=0.01 * HEIGHTS), "base.displacement is given"),
     ]:
-        other = gfmd.contact(HEIGHTS, slab, mean_pressure=0.01, **options)
+        other = gfmd.contact(HEIGHTS, slab, pressure=0.01, **options)
         with pytest.raises(gfmd.InputError, match=words):
             other.vjp(approach=1.0)
 
@@ -132,12 +132,10 @@ def test_torch_differentiates_through_a_contact():
 
     heights = torch.tensor(HEIGHTS.copy(), dtype=torch.float64, requires_grad=True)
     load = torch.tensor(0.02, dtype=torch.float64, requires_grad=True)
-    found = gfmd.torch.contact(heights, BODY, mean_pressure=load, tolerance=1e-12)
+    found = gfmd.torch.contact(heights, BODY, pressure=load, tolerance=1e-12)
     value = (torch.tensor(PRESSURE) * found.pressure).sum() + 3 * found.approach + (found.gap * torch.tensor(GAP)).sum()
     value.backward()
-    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(
-        pressure=PRESSURE, gap=GAP, approach=3.0
-    )
+    wanted = gfmd.contact(HEIGHTS, BODY, pressure=0.02, tolerance=1e-12).vjp(pressure=PRESSURE, gap=GAP, approach=3.0)
     assert heights.grad.numpy() == pytest.approx(wanted.heights, rel=1e-9) and float(load.grad) == pytest.approx(
         wanted.load
     )
@@ -149,12 +147,10 @@ def test_jax_differentiates_through_a_contact():
     import gfmd.jax
 
     def value(heights, load):
-        found = gfmd.jax.contact(heights, BODY, mean_pressure=load, tolerance=1e-12)
+        found = gfmd.jax.contact(heights, BODY, pressure=load, tolerance=1e-12)
         return (PRESSURE * found.pressure).sum() + 3 * found.approach + (found.gap * GAP).sum()
 
-    wanted = gfmd.contact(HEIGHTS, BODY, mean_pressure=0.02, tolerance=1e-12).vjp(
-        pressure=PRESSURE, gap=GAP, approach=3.0
-    )
+    wanted = gfmd.contact(HEIGHTS, BODY, pressure=0.02, tolerance=1e-12).vjp(pressure=PRESSURE, gap=GAP, approach=3.0)
     for differentiate in (jax.grad(value, argnums=(0, 1)), jax.jit(jax.grad(value, argnums=(0, 1)))):
         by_heights, by_load = differentiate(HEIGHTS.copy(), 0.02)
         assert np.asarray(by_heights) == pytest.approx(wanted.heights, rel=1e-9) and float(by_load) == pytest.approx(

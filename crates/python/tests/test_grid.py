@@ -6,7 +6,7 @@ import pytest
 
 BODY = gfmd.Body()
 ROUGH = dict(hurst=0.8, eps_t_inv=2, eps_f_inv=6, seed=4)
-NAMES = ["area_fraction", "displacement", "mean_gap", "elastic_energy", "stiffness"]
+NAMES = ["area_fraction", "approach", "mean_gap", "elastic_energy", "stiffness"]
 
 
 def agree(coarse, fine, names=NAMES):

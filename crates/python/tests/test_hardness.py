@@ -34,7 +34,7 @@ def test_a_hardness_that_cannot_be_used_is_named():
             lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness=1, law=gfmd.law("morse", gamma=1e-4, range=5e-3)),
             "hardness is given",
         ),
-        (lambda: gfmd.contact(SMALL, BODY, mean_pressure=0.2, hardness=0.1), "mean_pressure: the mean pressure is 0.2"),
+        (lambda: gfmd.contact(SMALL, BODY, pressure=0.2, hardness=0.1), "pressure: the mean pressure is 0.2"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=0.1, hardness=1, solver="cg"), "solver: "),
     ]:
         with pytest.raises(gfmd.InputError) as reported:
@@ -46,7 +46,7 @@ def test_the_stiffness_is_the_slope_of_the_load():
     low, high = (gfmd.contact(SMALL, BODY, approach=d, tolerance=1e-11) for d in (0.004, 0.004002))
     slope = (high.mean_pressure - low.mean_pressure) / (high.approach - low.approach)
     assert 0.5 * (low.stiffness + high.stiffness) == pytest.approx(slope, rel=1e-3)
-    exact = gfmd.contact(SMALL, BODY, approach=0.004, tolerance=1e-11, stiffness_tol=1e-9)
+    exact = gfmd.contact(SMALL, BODY, approach=0.004, tolerance=1e-11, stiffness_tolerance=1e-9)
     assert exact.stiffness_error <= 1e-9 and low.stiffness_error <= 5e-6
     assert low.stiffness == pytest.approx(exact.stiffness, rel=5e-6)
     assert np.isnan(gfmd.contact(SMALL, BODY, p_star=3.0).stiffness)
@@ -73,7 +73,7 @@ def test_plastic_depth_stays_along_a_path():
         p = gfmd.path(SMALL, BODY, p_star=[0.05, 0.4, 0.02, 0.4], hardness=hardness, steps=2, tolerance=1e-10)
         assert p.plastic_depth.shape == (4, 32, 32) and np.all(np.asarray(p.hardness) == 0.05)
         assert p.plastic_depth[2].mean() == pytest.approx(p.steps.plastic_volume[4], rel=1e-12)
-        assert p.steps.displacement[6] == pytest.approx(p.steps.displacement[2], rel=1e-8)
+        assert p.steps.approach[6] == pytest.approx(p.steps.approach[2], rel=1e-8)
     free = gfmd.path(SMALL, BODY, p_star=[0.05, 0.4], boundary="free", steps=2)
     assert free.boundary == "free" and free.dissipated == 0.0
     with pytest.raises(gfmd.InputError, match="hardness"):

@@ -120,8 +120,8 @@ def test_ctrl_c_ends_the_program_with_its_state_saved(tmp_path):
         "--n=64",
         "--p-star=0.02",
         "--solver=verlet-critical",
-        "--tol=1e-15",
-        "--max-iter=1000000000",
+        "--tolerance=1e-15",
+        "--max-iterations=1000000000",
         "--out=c.h5",
     ]
     # A shell in the background has the signal ignored.

@@ -27,13 +27,13 @@ def test_a_table_and_a_function_are_the_law_that_they_sample(surface, tmp_path, 
     named = gfmd.law("exponential", gamma=GAMMA, range=RANGE)
     middle = 0.5 * (GAPS[1:] + GAPS[:-1])
     assert np.abs(table.traction(middle) - named.traction(middle)).max() < 1e-4 * GAMMA / RANGE
-    found, wanted = (gfmd.contact(surface, gfmd.Body(), law=law, mean_pressure=0.003) for law in (table, named))
-    for name in ("displacement", "mean_gap", "interface_energy", "elastic_energy"):
+    found, wanted = (gfmd.contact(surface, gfmd.Body(), law=law, pressure=0.003) for law in (table, named))
+    for name in ("approach", "mean_gap", "interface_energy", "elastic_energy"):
         assert found[name] == pytest.approx(wanted[name], rel=1e-4)
     found.save(tmp_path / "t.h5")
     assert gfmd.load(tmp_path / "t.h5").law == table
     assert run_program("check", str(tmp_path / "t.h5"), "--rerun")["differing"] == 0
-    again = gfmd.contact(surface, gfmd.Body(), law=gfmd.load(tmp_path / "t.h5").law, mean_pressure=0.003, start=found)
+    again = gfmd.contact(surface, gfmd.Body(), law=gfmd.load(tmp_path / "t.h5").law, pressure=0.003, start=found)
     assert again.approach == pytest.approx(found.approach, rel=1e-7)
     loop = gfmd.path(surface, gfmd.Body(), law=table, approach=[-0.002, 0.002], steps=2)
     assert loop.steps.interface_energy[-1] < 0
@@ -42,10 +42,8 @@ def test_a_table_and_a_function_are_the_law_that_they_sample(surface, tmp_path, 
 def test_a_table_has_units():
     scan = gfmd.self_affine(n=32, size="1 um", unit="um", eps_f_inv=4)
     in_units = gfmd.law(1e3 * GAPS, exponential(GAPS), units=("nm", "MPa"))
-    sticky = gfmd.contact(scan, gfmd.Body(young="1 MPa"), law=in_units, mean_pressure="3 kPa")
-    bare = gfmd.contact(
-        scan, gfmd.Body(young="1 MPa"), law=gfmd.law(GAPS, 1e6 * exponential(GAPS)), mean_pressure="3 kPa"
-    )
+    sticky = gfmd.contact(scan, gfmd.Body(young="1 MPa"), law=in_units, pressure="3 kPa")
+    bare = gfmd.contact(scan, gfmd.Body(young="1 MPa"), law=gfmd.law(GAPS, 1e6 * exponential(GAPS)), pressure="3 kPa")
     assert sticky.approach == pytest.approx(bare.approach, rel=1e-9)
     assert sticky.law.table[1][0] == pytest.approx(GAPS[1], rel=1e-12)
 
@@ -77,8 +75,10 @@ def test_a_body_from_a_table_or_a_function_is_the_body_that_it_samples(surface, 
         bodies[0] == bodies[1] == pickle.loads(pickle.dumps(bodies[0])) != half_space
         and len(bodies[0]["compliance"]) == 300
     )
-    found, wanted = (gfmd.contact(surface, body, p_star=0.05, stiffness_tol=1e-9) for body in (bodies[0], half_space))
-    for name in ("displacement", "mean_gap", "elastic_energy", "stiffness", "kappa"):
+    found, wanted = (
+        gfmd.contact(surface, body, p_star=0.05, stiffness_tolerance=1e-9) for body in (bodies[0], half_space)
+    )
+    for name in ("approach", "mean_gap", "elastic_energy", "stiffness", "kappa"):
         assert found[name] == pytest.approx(wanted[name], rel=1e-6)
     assert found.conductance() == pytest.approx(wanted.conductance(), rel=1e-6)
     assert found.vjp(approach=1.0).load == pytest.approx(1 / found.stiffness, rel=1e-7)
@@ -90,7 +90,7 @@ def test_a_body_from_a_table_or_a_function_is_the_body_that_it_samples(surface, 
     found.save(tmp_path / "b.h5")
     assert gfmd.load(tmp_path / "b.h5").body == found.body
     assert run_program("check", str(tmp_path / "b.h5"), "--rerun")["differing"] == 0
-    loop = gfmd.path(surface, tabulated, mean_pressure=[0.001, 0.003], steps=1)
+    loop = gfmd.path(surface, tabulated, pressure=[0.001, 0.003], steps=1)
     assert loop.steps.mean_gap[-1] < loop.steps.mean_gap[0]
     for ask in (
         lambda: found.interior(depths=[0.01]),
@@ -140,10 +140,10 @@ def test_a_body_by_direction_presses_waves_as_their_directions_do(tmp_path, run_
         softness = compliance(2.0 * np.pi * p, 2.0 * np.pi * q)
         full = amplitude / softness
         surface = gfmd.Surface(heights, size=1.0)
-        pressed = gfmd.contact(surface, body, mean_pressure=1.5 * full)
+        pressed = gfmd.contact(surface, body, pressure=1.5 * full)
         assert np.abs(pressed.pressure - 1.5 * full - heights / softness).max() < 1e-6 * full
         # The area of a wave below the pressure of full contact, to the points of its crest.
-        part = gfmd.contact(surface, body, mean_pressure=0.4 * full)
+        part = gfmd.contact(surface, body, pressure=0.4 * full)
         assert part.area_fraction == pytest.approx(
             2.0 / np.pi * np.arcsin(np.sqrt(0.4)), abs=2.0 * max(abs(p), abs(q)) / n
         )
@@ -153,7 +153,7 @@ def test_a_body_by_direction_presses_waves_as_their_directions_do(tmp_path, run_
     bumps = np.random.default_rng(1).normal(size=part.surface.heights.shape)
     step = 1e-7 * amplitude
     moved = [gfmd.Surface(part.surface.heights + sign * step * bumps, size=1.0) for sign in (1, -1)]
-    ends = [gfmd.contact(surface, body, mean_pressure=0.4 * full, tolerance=1e-12) for surface in moved]
+    ends = [gfmd.contact(surface, body, pressure=0.4 * full, tolerance=1e-12) for surface in moved]
     wanted = (ends[0].elastic_energy - ends[1].elastic_energy) / (2.0 * step)
     assert np.sum(part.vjp(elastic_energy=1.0).heights * bumps) == pytest.approx(wanted, rel=1e-3)
 

@@ -12,12 +12,12 @@ RUBBER = {"prony": [(0.1, 0.3), (10.0, 0.4)]}
 
 def test_creep_grows_from_the_instantaneous_to_the_long_term_contact():
     surface = gfmd.self_affine(n=32, eps_f_inv=4)
-    creep = gfmd.path(surface, gfmd.Body(**RUBBER), mean_pressure=0.01, time=[0, 1, 1e4], steps=1, tolerance=1e-10)
+    creep = gfmd.path(surface, gfmd.Body(**RUBBER), pressure=0.01, time=[0, 1, 1e4], steps=1, tolerance=1e-10)
     assert creep.steps.time.tolist() == [0.0, 1.0, 10001.0]
     assert creep.pressure.shape == (3, 32, 32)
     assert (creep.young_long_term, round(creep.young_instantaneous, 12)) == (1.0, round(1 / 0.3, 12))
-    at_once = gfmd.contact(surface, gfmd.Body(young=1 / 0.3), mean_pressure=0.01, tolerance=1e-10)
-    assert creep.steps.displacement[0] == pytest.approx(at_once.displacement, rel=1e-8)
+    at_once = gfmd.contact(surface, gfmd.Body(young=1 / 0.3), pressure=0.01, tolerance=1e-10)
+    assert creep.steps.approach[0] == pytest.approx(at_once.approach, rel=1e-8)
     assert (np.diff(creep.steps.area_fraction) > 0).all() and (creep.steps.dissipated >= 0).all()
 
 
@@ -92,6 +92,6 @@ def test_what_does_not_go_together_is_refused():
             gfmd.slide(surface, gfmd.Body(), velocity=1.0, p_star=0.05, heat=heat, friction=0.3)
     table = gfmd.Body(young=1.0, compliance=([1.0, 10.0, 100.0, 1e3, 1e4], [2.0, 0.2, 0.02, 2e-3, 2e-4]))
     with pytest.raises(gfmd.InputError, match="body has a table of compliances; it must have moduli to slide"):
-        gfmd.slide(surface, table, velocity=1.0, mean_pressure=0.01, heat=(1, 1), friction=0.3)
+        gfmd.slide(surface, table, velocity=1.0, pressure=0.01, heat=(1, 1), friction=0.3)
     with pytest.raises(gfmd.InputError, match="velocity is 0; it must be positive and finite"):
         gfmd.slide(surface, rubber, velocity=0.0, p_star=0.05)

@@ -17,7 +17,7 @@ def scan():
 
 @pytest.fixture(scope="module")
 def pressed(scan):
-    return gfmd.contact(scan, gfmd.Body(young="70 GPa", poisson=0.3), mean_pressure="100 MPa")
+    return gfmd.contact(scan, gfmd.Body(young="70 GPa", poisson=0.3), pressure="100 MPa")
 
 
 def test_conductivities_have_units():
@@ -31,9 +31,9 @@ def test_conductivities_have_units():
 
 def test_a_quantity_is_its_number(scan, pressed):
     body = gfmd.Body(young=70e9, poisson=0.3)
-    bare = gfmd.contact(scan, body, mean_pressure=1e8, stress_unit="Pa")
+    bare = gfmd.contact(scan, body, pressure=1e8, stress_unit="Pa")
     assert bare == pressed and bare.body == pressed.body and pressed.units == ("µm", "Pa")
-    assert gfmd.contact(scan, body, mean_pressure=1e8).units == ("µm", None)
+    assert gfmd.contact(scan, body, pressure=1e8).units == ("µm", None)
     layers = dict(
         height="20 um", layers=[("2GPa", 0.3, "3 um")], base="half-space", base_young="9 GPa", base_poisson=0.2
     )
@@ -47,15 +47,15 @@ def test_a_quantity_is_its_number(scan, pressed):
     sticky = gfmd.contact(scan, gfmd.Body(e_star="10 MPa"), law=law, approach="1 nm")
     assert sticky.law == gfmd.law("exponential", gamma=0.05e6, range=1.0)
     assert sticky == gfmd.contact(scan, gfmd.Body(e_star=1e7), law=sticky.law, approach=1e-3, stress_unit="Pa")
-    giga = gfmd.contact(scan, gfmd.Body(young="70 GPa"), mean_pressure="50 MPa", stress_unit="GPa")
+    giga = gfmd.contact(scan, gfmd.Body(young="70 GPa"), pressure="50 MPa", stress_unit="GPa")
     assert giga.body.young == 70.0 and giga.mean_pressure == pytest.approx(0.05, rel=1e-8)
 
 
 def test_loads_in_a_list_are_contacts_one_after_the_other(scan):
     body = gfmd.Body(young="70 GPa")
-    several = gfmd.contact(scan, body, mean_pressure=["50 MPa", 1e8, "0.2 GPa"])
+    several = gfmd.contact(scan, body, pressure=["50 MPa", 1e8, "0.2 GPa"])
     assert isinstance(several, gfmd.Contacts)
-    assert several == gfmd.contacts(scan, gfmd.Body(young=70e9), mean_pressure=[5e7, 1e8, 2e8], stress_unit="Pa")
+    assert several == gfmd.contacts(scan, gfmd.Body(young=70e9), pressure=[5e7, 1e8, 2e8], stress_unit="Pa")
     assert "approach / nm" in repr(several)
     assert len(gfmd.contact(scan, body, p_star=np.array([0.01, 0.02]))) == 2
 
@@ -66,9 +66,7 @@ def test_a_path_and_the_interior_take_units(scan, pressed):
     plain = gfmd.law("exponential", gamma=0.05e6, range=1.0)
     bare = gfmd.path(scan, gfmd.Body(e_star=1e7), law=plain, approach=[-0.01, 0.005], steps=2)
     assert np.array_equal(with_units.steps.mean_pressure, bare.steps.mean_pressure)
-    pushed = gfmd.path(
-        scan, gfmd.Body(young="1GPa"), friction=0.3, mean_pressure="10 MPa", lateral=[0, "2 nm"], steps=2
-    )
+    pushed = gfmd.path(scan, gfmd.Body(young="1GPa"), friction=0.3, pressure="10 MPa", lateral=[0, "2 nm"], steps=2)
     assert pushed.steps.lateral[-1][0] == 2e-3
     assert np.array_equal(pressed.interior(depths=["500 nm"]).von_mises, pressed.interior(depths=[0.5]).von_mises)
 
@@ -81,7 +79,7 @@ def test_surfaces_are_converted(scan, tmp_path):
     np.save(tmp_path / "h.npy", scan.heights)
     assert gfmd.read(tmp_path / "h.npy", size="50 um", unit="um").unit == "µm"
     body = gfmd.Body(young="1 GPa")
-    one, other = (gfmd.contact(surface, body, mean_pressure="20 MPa") for surface in (scan, nano))
+    one, other = (gfmd.contact(surface, body, pressure="20 MPa") for surface in (scan, nano))
     assert other.mean_gap == pytest.approx(1e3 * one.mean_gap, rel=1e-6)
     with pytest.raises(gfmd.InputError, match="the surface has none"):
         gfmd.Surface(scan.heights).to_unit("um")
@@ -94,11 +92,8 @@ def test_surfaces_are_converted(scan, tmp_path):
     [
         (lambda s: gfmd.contact(s, gfmd.Body(), p_star=0.1), "young is missing; lengths are in µm"),
         (lambda s: gfmd.contact(s.heights, gfmd.Body(young="1 GPa"), p_star=0.1), "the lengths have none"),
-        (lambda s: gfmd.contact(s.heights, gfmd.Body(), mean_pressure="1 MPa"), "the lengths have none"),
-        (
-            lambda s: gfmd.contact(s, gfmd.Body(young=1e9), mean_pressure="1 nm"),
-            'mean_pressure is "1 nm": it is a length',
-        ),
+        (lambda s: gfmd.contact(s.heights, gfmd.Body(), pressure="1 MPa"), "the lengths have none"),
+        (lambda s: gfmd.contact(s, gfmd.Body(young=1e9), pressure="1 nm"), 'pressure is "1 nm": it is a length'),
         (lambda s: gfmd.contact(s, gfmd.Body(young=1e9), approach="1 MPa"), 'approach is "1 MPa": it is a stress'),
         (lambda s: gfmd.contact(s, gfmd.Body(young=1e9), p_star="1 MPa"), "it must be a number without a unit"),
         (lambda s: gfmd.Body(young="70 GPaa"), '"GPaa" is no unit'),
@@ -119,7 +114,7 @@ def test_units_that_are_mixed_up_are_told(scan):
     with pytest.warns(UserWarning, match="softer than any gel"):
         gfmd.contact(gfmd.self_affine(n=16, size=1e-4, unit="m"), gfmd.Body(young=70), p_star=0.05)
     with pytest.warns(UserWarning, match="far beyond full contact"):
-        gfmd.contact(scan, gfmd.Body(young="1 MPa"), mean_pressure="20 MPa")
+        gfmd.contact(scan, gfmd.Body(young="1 MPa"), pressure="20 MPa")
 
 
 @pytest.mark.parametrize(
@@ -128,13 +123,13 @@ def test_units_that_are_mixed_up_are_told(scan):
         ("--young is 0; it must be positive", "young is 0; it must be positive"),
         ("--young 70GPa has its own", 'young="70GPa" has its own'),
         ("--param gamma=0.05J/m^2 has its own", 'gamma="0.05J/m^2" has its own'),
-        ("as --pressure 1MPa and --young 70GPa are not.", 'as mean_pressure="1MPa" and young="70GPa" are not.'),
+        ("as --pressure 1MPa and --young 70GPa are not.", 'as pressure="1MPa" and young="70GPa" are not.'),
         ("not with a law (--grid-error refine)", 'not with a law (grid_error="refine")'),
         ("--energy-solves 4 did not suffice", "energy_solves=4 did not suffice"),
         ("--unit gives them one, as in --unit um, or", 'unit gives them one, as in unit="um", or'),
-        ("--length 5e-324 is too small", "size=5e-324 is too small"),
-        ("--tol 1e-8.", "tolerance=1e-8."),
-        ("--displacement, load 0: 3", "approach, load 0: 3"),
+        ("--size 5e-324 is too small", "size=5e-324 is too small"),
+        ("--tolerance 1e-8.", "tolerance=1e-8."),
+        ("--approach, load 0: 3", "approach, load 0: 3"),
     ],
 )
 def test_messages_name_arguments_as_python_writes_them(said, spoken):
@@ -180,7 +175,7 @@ def test_flow_and_conductance_in_si(scan, pressed):
     slit = gap**3 / (12 * 1e-3) * 1e5
     assert np.allclose(rate, np.diag(flow.conductivity) * slit, rtol=1e-12)
     assert np.allclose(flow.transmissivity, flow.conductivity * pressed.mean_gap**3 / 12)
-    metres = gfmd.contact(scan.to_unit("m"), gfmd.Body(young="70 GPa", poisson=0.3), mean_pressure="100 MPa")
+    metres = gfmd.contact(scan.to_unit("m"), gfmd.Body(young="70 GPa", poisson=0.3), pressure="100 MPa")
     assert np.allclose(metres.leak_rate(viscosity=1e-3, pressure_drop=1e5), rate, rtol=1e-5)
     # Of two bodies with k = 50 and 20 W/(m K): h = G / (1/50 + 1/20).
     assert pressed.conductance(50, 20) == pytest.approx(pressed.conductance() * 1e6 / (1 / 50 + 1 / 20))
@@ -196,7 +191,7 @@ def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", pressed.surface.heights)
     words = (
-        f"contact --surface {tmp_path}/h.npy --unit um --length 50 --young 70GPa --poisson 0.3 --pressure 100MPa"
+        f"contact --surface {tmp_path}/h.npy --unit um --size 50 --young 70GPa --poisson 0.3 --pressure 100MPa"
         f" --statistics --flow --out {tmp_path}/c.h5"
     )
     gfmd._gfmd.report_of(words.split())
@@ -232,7 +227,7 @@ def test_a_reason_stands_where_a_number_is_none():
 def test_the_spectrum_is_that_of_the_program(scan, tmp_path):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", scan.heights)
-    gfmd._gfmd.report_of(f"surface --surface {tmp_path}/h.npy --length 50 --window hann --out {tmp_path}/s.h5".split())
+    gfmd._gfmd.report_of(f"surface --surface {tmp_path}/h.npy --size 50 --window hann --out {tmp_path}/s.h5".split())
     spectrum = scan.psd(window="hann")
     with h5py.File(tmp_path / "s.h5") as file:
         assert np.array_equal(file["spectrum/density"], spectrum.density)

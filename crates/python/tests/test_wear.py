@@ -23,7 +23,7 @@ def test_a_surface_runs_in_and_its_volume_is_known():
     assert worn.wear_volume == steps.wear_volume[-1] and worn.coefficient == 0.5
     # The heights that are left are those that a further contact begins with.
     heights = gfmd.Surface(worn.surface.heights - worn.wear_depth[1])
-    left = gfmd.contact(heights, body, mean_pressure=float(steps.mean_pressure[10]))
+    left = gfmd.contact(heights, body, pressure=float(steps.mean_pressure[10]))
     assert left.pressure == pytest.approx(worn.pressure[1], abs=1e-5 * steps.max_pressure[10])
     assert pickle.loads(pickle.dumps(worn)).steps.distance.tolist() == steps.distance.tolist()
 
@@ -31,8 +31,8 @@ def test_a_surface_runs_in_and_its_volume_is_known():
 @pytest.mark.parametrize(
     ("words", "body", "given"),
     [
-        (["--pressure=0.01,0.004"], {}, dict(mean_pressure=[0.01, 0.004])),
-        (["--displacement=0.005", "--height=0.3"], dict(height=0.3), dict(approach=0.005)),
+        (["--pressure=0.01,0.004"], {}, dict(pressure=[0.01, 0.004])),
+        (["--approach=0.005", "--height=0.3"], dict(height=0.3), dict(approach=0.005)),
         (["--p-star=0.05", "--boundary=free"], {}, dict(p_star=0.05, boundary="free")),
     ],
 )
@@ -41,7 +41,7 @@ def test_the_numbers_are_those_of_the_program(words, body, given, run_program):
     wanted = run_program("wear", *flags, *words)
     surface = gfmd.self_affine(**SURFACE)
     worn = gfmd.wear(surface, gfmd.Body(**body), coefficient=0.7, distance=[0.1, 2], steps=3, **given)
-    lengths = ("distance", "displacement", "wear_volume", "max_wear")
+    lengths = ("distance", "approach", "wear_volume", "max_wear")
     for name in (*lengths, "mean_pressure", "max_pressure", "dissipated", "elastic_energy"):
         assert worn.steps[name].tolist() == [step[name] for step in wanted["steps"]], name
     assert (worn.wear_volume, worn.dissipated) == (wanted["wear_volume"], wanted["dissipated"])
@@ -51,8 +51,8 @@ def test_quantities_may_have_units():
     made = gfmd.self_affine(**SURFACE)
     surface = gfmd.Surface(made.heights, size=made.size, unit="um")
     body = gfmd.Body(young="2GPa")
-    units = gfmd.wear(surface, body, coefficient="3e-12 1/Pa", distance="1mm", mean_pressure="10MPa", steps=2)
-    bare = gfmd.wear(surface, gfmd.Body(young=2e9), coefficient=3e-12, distance=1000.0, mean_pressure=1e7, steps=2)
+    units = gfmd.wear(surface, body, coefficient="3e-12 1/Pa", distance="1mm", pressure="10MPa", steps=2)
+    bare = gfmd.wear(surface, gfmd.Body(young=2e9), coefficient=3e-12, distance=1000.0, pressure=1e7, steps=2)
     assert units.steps.wear_volume.tolist() == bare.steps.wear_volume.tolist()
     # The load grows over the first leg: half of it at the first of two steps.
     assert units.wear_volume == pytest.approx(0.75 * 3e-12 * 1e7 * 1000.0, rel=1e-12)

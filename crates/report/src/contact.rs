@@ -51,7 +51,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         });
         page.answer.push(html! {
             p {
-                "Mean pressure " (shown("mean_pressure", 1.0)) ", approach " (shown("displacement", 1.0)) ", mean gap "
+                "Mean pressure " (shown("mean_pressure", 1.0)) ", approach " (shown("approach", 1.0)) ", mean gap "
                 (shown("mean_gap", 1.0)) ", largest pressure " (shown("max_pressure", 1.0)) ". "
                 @if kappa[last].is_finite() {
                     "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". "
@@ -98,7 +98,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         None => {}
     }
     page.asked.push(Fact::new("loads", &format!("{} ({})", loads.len(), controlled(&table))));
-    let tolerance = of(&table, "tol");
+    let tolerance = of(&table, "tolerance");
     page.asked.push(Fact(html! { "solver" }, html! { (text(&word("solver"))) ", tolerance " (given(tolerance)) }));
 
     let drawn = AREAS.map(column);
@@ -138,7 +138,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 
 /// Returns the name of the prescribed quantity of a configuration.
 fn controlled(table: &toml::Table) -> &'static str {
-    match ["displacement", "p_star"].map(|name| table.contains_key(name)) {
+    match ["approach", "p_star"].map(|name| table.contains_key(name)) {
         [true, _] => "prescribed approach",
         [_, true] => "prescribed reduced pressure",
         _ => "prescribed mean pressure",

@@ -41,7 +41,7 @@ pub fn page(reader: &Reader, session: &Session) -> Result<Page, Failure> {
     match toml::from_str::<Config>(&config) {
         Ok(config) => {
             asked(&mut page, &config);
-            let tolerance = config.solver.tol;
+            let tolerance = config.solver.tolerance;
             for name in loads.names("residual_") {
                 let (largest, name) = (loads.worst(&name), name.trim_start_matches("residual_").replace('_', " "));
                 page.certificates.push(Certificate { name, largest, allowed: tolerance });
@@ -243,7 +243,7 @@ fn asked(page: &mut Page, config: &Config) {
         Fact::new("reduced pressures p*", &format!("{}; result at {}", list(&loads.p_star), fit.p_star)),
         Fact::new("number of surfaces", &surfaces(statistics)),
         Fact::new("exponents α (t, f, c)", &[fit.alpha_t, fit.alpha_f, fit.alpha_c].map(word).join(", ")),
-        Fact::new("solver", &format!("{}, tolerance {:e}", solver.method.name(), solver.tol)),
+        Fact::new("solver", &format!("{}, tolerance {:e}", solver.method.name(), solver.tolerance)),
     ]);
 }
 

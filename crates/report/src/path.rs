@@ -32,7 +32,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let mut page = Page { title: "Contact along a path".into(), cited: CITED.to_vec(), ..Page::default() };
     let column = |name: &str| stored.column(name);
     let [mean, p_star, approach, area, stick] =
-        ["mean_pressure", "p_star", "displacement", "area_fraction", "stick_fraction"].map(column);
+        ["mean_pressure", "p_star", "approach", "area_fraction", "stick_fraction"].map(column);
     let angle = Some(of(&table, "direction")).filter(|angle| angle.is_finite()).unwrap_or(0.0).to_radians();
     let along = |x: &str, y: &str| -> Vec<f64> {
         column(x).iter().zip(column(y)).map(|(x, y)| x * angle.cos() + y * angle.sin()).collect()
@@ -104,7 +104,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let friction = ["friction", "shear_strength"].into_iter().find(|name| table.contains_key(*name));
     let law = friction.map_or_else(|| word("law"), |name| format!("hard wall, {}", name.replace('_', " ")));
     page.asked(&surface, &table, &law);
-    let ways = ["pressure", "p_star", "displacement", "lateral", "time"].map(|name| (name, "waypoints, "));
+    let ways = ["pressure", "p_star", "approach", "lateral", "time"].map(|name| (name, "waypoints, "));
     let others = ["prony", "moduli", "relaxes", "friction", "shear_strength", "hardness"].map(|name| (name, ""));
     for (name, of) in ways.into_iter().chain(others) {
         if let Some(value) = table.get(name) {
@@ -113,7 +113,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         }
     }
     page.asked.push(Fact::new("steps between waypoints", &word("steps")));
-    page.asked.push(Fact(html! { "tolerance" }, given(of(&table, "tol"))));
+    page.asked.push(Fact(html! { "tolerance" }, given(of(&table, "tolerance"))));
 
     let (Ok(unit), gradient) =
         (surface.as_ref().map(|s| s.unit.clone()), surface.as_ref().map_or(f64::NAN, |s| s.rms_gradient))
@@ -181,7 +181,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.fields(reader, &surface, (shown, &state, scale / gradient), hardness.as_ref());
     page.failure(reader, "step");
 
-    let tolerance = of(&table, "tol");
+    let tolerance = of(&table, "tolerance");
     page.residual(&stored, tolerance);
     page.numbers::<State>(&stored, computed, "step");
     if let Some(widest) = widest {
@@ -206,7 +206,7 @@ pub(crate) fn waypoints(table: &toml::Table, length: &str, computed: usize, step
         return (0..computed).step_by(steps_of_leg).collect();
     }
     let legs =
-        ["pressure", "p_star", "displacement"].map(|name| list(name).len()).into_iter().fold(lengths.len(), usize::max);
+        ["pressure", "p_star", "approach"].map(|name| list(name).len()).into_iter().fold(lengths.len(), usize::max);
     let is_jump = |leg: usize| {
         let length = &lengths[leg.min(lengths.len() - 1)];
         length.as_float() == Some(0.0) || length.as_integer() == Some(0)

@@ -70,7 +70,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.asked.push(Fact(html! { "points under the punch" }, given(value("contact_nodes"))));
     page.asked.push(Fact(html! { "width" }, given(value("punch_width"))));
     page.asked.push(Fact(html! { "depth" }, given(depth)));
-    let tolerance = of(&table, "tol");
+    let tolerance = of(&table, "tolerance");
     page.asked.push(Fact(html! { "solver" }, html! { (text(&word("solver"))) ", tolerance " (given(tolerance)) }));
 
     let names = if components == 2 { &["x", "z"][..] } else { &["x", "y", "z"] };

@@ -151,7 +151,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             page.asked.push(Fact(html! { (term) }, option(key, value, &units)));
         }
     }
-    let tolerance = of(&table, "tol");
+    let tolerance = of(&table, "tolerance");
     page.asked.push(Fact(html! { "tolerance" }, given(tolerance)));
     // The states of a load end where the first velocity occurs again.
     let again = velocity.iter().skip(1).position(|other| Some(other) == velocity.first());

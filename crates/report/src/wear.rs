@@ -127,14 +127,14 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("distances of the legs", "distance"),
         ("waypoints, pressure", "pressure"),
         ("waypoints, p*", "p_star"),
-        ("waypoints, displacement", "displacement"),
+        ("waypoints, approach", "approach"),
         ("steps of a leg", "steps"),
     ] {
         if let Some(value) = table.get(key) {
             page.asked.push(Fact(html! { (term) }, option(key, value, &units)));
         }
     }
-    let tolerance = of(&table, "tol");
+    let tolerance = of(&table, "tolerance");
     page.asked.push(Fact(html! { "tolerance" }, given(tolerance)));
     let (mut shown, mut state, mut modulus) = (None, String::new(), f64::NAN);
     if let Ok(surface) = &surface {

@@ -228,13 +228,13 @@ impl StoredFailure {
 fn advice(why: &Why, history: &History, tolerance: f64) -> Words {
     // A search that sees no residual above the tolerance gains nothing from more iterations.
     let is_blind = *why == Why::Iterations && history.residual.last().is_some_and(|last| *last <= tolerance);
-    let looser = setting("tol", format!("{:.0e}", 10.0 * tolerance));
+    let looser = setting("tolerance", format!("{:.0e}", 10.0 * tolerance));
     match why {
         _ if is_blind => advice(&Why::Certificate, history, tolerance),
         Why::Iterations => match history.forecast(tolerance) {
             Some(needed) => words![
                 format!("at its rate over the last half of the search it needs about {needed:.0} iterations; try "),
-                setting("max_iter", format!("{:.0}", 1.5 * needed)),
+                setting("max_iterations", format!("{:.0}", 1.5 * needed)),
             ],
             None => {
                 let reached = history.residual.iter().copied().fold(tolerance, f64::min).max(tolerance);
@@ -243,7 +243,7 @@ fn advice(why: &Why, history: &History, tolerance: f64) -> Words {
                     "the residual has stopped falling; try another ",
                     key("solver"),
                     ", smaller steps of the load, or a ",
-                    key("tol"),
+                    key("tolerance"),
                     above,
                 ]
             }
@@ -320,7 +320,7 @@ mod tests {
             NotConverged::of(0, vec![("load", 1e-3), ("gap", f64::NAN)], 1e-2, &Why::Iterations, short, Spelling::Flag);
         assert_eq!(reported.criteria.len(), 1, "NaN passes no comparison");
         assert_eq!(reported.criteria[0].name, "gap");
-        assert!(reported.advice.contains("--max-iter"), "{}", reported.advice);
+        assert!(reported.advice.contains("--max-iterations"), "{}", reported.advice);
         assert_eq!(reported.history.to_string().chars().next(), Some('█'));
         assert_eq!(reported.history.to_string().chars().last(), Some('▁'));
     }

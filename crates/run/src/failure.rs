@@ -163,7 +163,7 @@ impl From<Refusal> for Failure {
     /// Puts the option to which the refusal applies in front.
     fn from(refusal: Refusal) -> Self {
         let option = match &refusal {
-            Refusal::Tolerance(_) => "tol",
+            Refusal::Tolerance(_) => "tolerance",
             Refusal::MeanPressure { .. }
             | Refusal::NotPressed { what: "mean pressure", .. }
             | Refusal::NotFinite { what: "mean pressure", .. }
@@ -182,7 +182,7 @@ impl From<Refusal> for Failure {
             | Refusal::Shallow { .. }
             | Refusal::Slight { .. }
             | Refusal::Unresolved { .. }
-            | Refusal::Rounding { .. } => "displacement",
+            | Refusal::Rounding { .. } => "approach",
             Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "solver",
             Refusal::Law(_) => "param",
             Refusal::Search(_) | Refusal::Overflow => return Self::computation(refusal.to_string()),

@@ -25,13 +25,12 @@ pub fn to_string(value: &impl Serialize) -> serde_json::Result<String> {
 }
 
 /// The keys of numbers that have a value whatever the input: they are `null` only if they are NaN or infinite.
-const ALWAYS: [&str; 41] = [
+const ALWAYS: [&str; 40] = [
     "approach",
     "area_fraction",
     "area_fraction_corrected",
     "complementarity",
     "critical_eta",
-    "displacement",
     "dt",
     "e_star",
     "effective_width",
@@ -39,7 +38,6 @@ const ALWAYS: [&str; 41] = [
     "eta",
     "height",
     "highest",
-    "length",
     "load",
     "lowest",
     "m0",
@@ -64,6 +62,7 @@ const ALWAYS: [&str; 41] = [
     "rms_laplacian",
     "sa",
     "sdr",
+    "size",
     "sp",
     "sv",
     "traction",
@@ -114,12 +113,12 @@ mod tests {
     fn numbers_that_are_not_finite_are_told_from_those_without_a_meaning() {
         let undefined = |text: &str| super::undefined(&serde_json::from_str(text).unwrap()).map(str::to_owned);
         assert_eq!(undefined(r#"{"loads":[{"kappa":1.0,"max_pressure":null}]}"#), Some("max_pressure".into()));
-        assert_eq!(undefined(r#"{"length":[1.0,null],"unit":null}"#), Some("length".into()));
+        assert_eq!(undefined(r#"{"size":[1.0,null],"unit":null}"#), Some("size".into()));
         assert_eq!(undefined(r#"{"loads":[{"kappa":null,"contact_nodes":1}]}"#), Some("kappa".into()));
         let with_law = r#"{"loads":[{"kappa":null,"contact_nodes":1,"interface_energy":1.0}],"nayak":null}"#;
         assert_eq!(undefined(with_law), None);
-        for reasons in [r#"{"no level":["gap","displacement"]}"#, r#"{"displacement":"no level"}"#] {
-            let with_reason = format!(r#"{{"loads":[{{"kappa":1.0,"displacement":null,"undefined":{reasons}}}]}}"#);
+        for reasons in [r#"{"no level":["gap","approach"]}"#, r#"{"approach":"no level"}"#] {
+            let with_reason = format!(r#"{{"loads":[{{"kappa":1.0,"approach":null,"undefined":{reasons}}}]}}"#);
             assert_eq!(undefined(&with_reason), None);
         }
         assert_eq!(undefined(r#"{"asked":{"rms_height":null},"new_key":null}"#), None);

@@ -61,9 +61,16 @@ pub struct SourceArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress_unit: Option<String>,
     /// Cell size, L or Lx,Ly; default: the size in the file, or 1
-    #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "L[,LY]", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        alias = "length",
+        value_delimiter = ',',
+        num_args = 1..=2,
+        value_name = "L[,LY]",
+        allow_negative_numbers = true
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
-    pub length: Vec<f64>,
+    pub size: Vec<f64>,
     /// Factor by which each side has more points than the file: heights in between follow from the waves of the
     /// periodic surface. For a generated surface --n gives the points
     #[arg(
@@ -153,7 +160,7 @@ fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processe
     memory::fits_shared(memory::SURFACE, key("n"), generator.points()?, processes)?;
     // Other impossible lengths are refused with the grid.
     let given = length.iter().filter(|length| length.is_finite() && **length > 0.0);
-    given.into_iter().try_for_each(|length| check_size("length", *length))?;
+    given.into_iter().try_for_each(|length| check_size("size", *length))?;
     Ok(generator.grid(length)?)
 }
 
@@ -312,9 +319,9 @@ impl Surface {
         archive.attribute(group, "rms_gradient", self.rms_gradient())?;
         archive.attribute(group, "boundary", self.boundary.name())?;
         archive.attribute(group, "height_sha256", checksum)?;
-        let [length_x, length_y] = self.grid.lengths();
-        archive.attribute(group, "length_x", length_x)?;
-        archive.attribute(group, "length_y", length_y)?;
+        let [size_x, size_y] = self.grid.lengths();
+        archive.attribute(group, "size_x", size_x)?;
+        archive.attribute(group, "size_y", size_y)?;
         if let Some((file, checksum)) = &self.origin {
             archive.attribute(group, "file", file.as_str())?;
             archive.attribute(group, "file_sha256", checksum.as_str())?;
@@ -460,7 +467,7 @@ impl SourceArgs {
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
         if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
             // Another machine may have less memory.
-            let grid = session.agree(generated_grid(&self.generator, &self.length, session.processes()))?;
+            let grid = session.agree(generated_grid(&self.generator, &self.size, session.processes()))?;
             let share = shared(&grid)?;
             return Ok(Made::generated(self.generator.heights_shared(&grid, &share)?, grid, share, &self.generator));
         }
@@ -472,7 +479,7 @@ impl SourceArgs {
         });
         let [nx, ny, x, y] = processes::of_first(&**ranks, words);
         let (points, lengths) = ([nx as usize, ny as usize], [f64::from_bits(x), f64::from_bits(y)]);
-        let grid = Grid::new(points, lengths).map_err(|error| Failure::input(key("length"), error))?;
+        let grid = Grid::new(points, lengths).map_err(|error| Failure::input(key("size"), error))?;
         let share = shared(&grid)?;
         let heights = rows::handed_out(&share, made.as_ref().map(|made| &made.heights), points[1]);
         if let Some(made) = &mut made {
@@ -494,7 +501,7 @@ impl SourceArgs {
                 (heights, grid, description, Some(scan), origin)
             }
             None => {
-                let grid = grid_of(&self.generator, &self.length)?;
+                let grid = grid_of(&self.generator, &self.size)?;
                 (self.generator.heights(&grid)?, grid, self.generator.to_string(), None, None)
             }
         };
@@ -540,7 +547,7 @@ impl SourceArgs {
     /// Reads the second surface, which must have the cell and the points of the first.
     fn second(&self, file: &ArrayOption, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
         const OPTION: &str = "second_surface";
-        let cell = first.map_or(grid.lengths(), |scan| scan.length);
+        let cell = first.map_or(grid.lengths(), |scan| scan.size);
         let PeriodicScan { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
         let close = |(a, b): (f64, f64)| (a - b).abs() <= SAME_LENGTH * b;
         let sides = if grid.is_line() { 1 } else { 2 };
@@ -565,7 +572,7 @@ impl SourceArgs {
 
     /// Checks that squares of the lengths are finite numbers, for the statistics and the units of the results.
     fn check_sizes(&self, grid: &Grid, heights: &Array2<f64>, share: &Share) -> Result<(), Failure> {
-        sides(grid).into_iter().try_for_each(|side| check_size("length", side))?;
+        sides(grid).into_iter().try_for_each(|side| check_size("size", side))?;
         let largest = heights.iter().fold(0.0, |largest: f64, height| largest.max(height.abs()));
         let largest = share.each(largest).into_iter().fold(0.0, f64::max);
         let first = share.first(heights.first().copied());

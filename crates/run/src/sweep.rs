@@ -45,7 +45,7 @@ fn pressed(record: &Record) -> serde_json::Result<Pressed> {
     let (summary, effort) = (value.clone(), value);
     Ok(Pressed {
         summary: serde_json::from_value(summary)?,
-        approach: record.number("displacement"),
+        approach: record.number("approach"),
         residual,
         effort: serde_json::from_value(effort)?,
     })

@@ -3,7 +3,7 @@
 
 use std::ffi::OsString;
 
-use clap::Command;
+use clap::{Arg, Command};
 use gfmd_files::{Reader, Topography, split_dataset};
 use gfmd_problem::options::given::{ArrayOption, Arrays};
 use gfmd_problem::options::quantities::{Sought, columns, is_rows, takes_units, text_in_units, value_in_units};
@@ -84,6 +84,11 @@ pub fn units_of_result(reader: &Reader) -> Option<Units> {
     Some(Units::new(length.as_deref(), stress))
 }
 
+/// Returns true if an option has this long name, or had it once.
+pub fn has_long(option: &Arg, name: &str) -> bool {
+    option.get_long() == Some(name) || option.get_all_aliases().is_some_and(|names| names.contains(&name))
+}
+
 /// Returns the words of a command line, program first, with bare numbers in place of quantities with a unit, and the
 /// rows of tables in place of their files.
 ///
@@ -99,7 +104,7 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
         let Some(text) = word.to_str() else { continue };
         if let Some(name) = text.strip_prefix("--") {
             let (name, value) = name.split_once('=').map_or((name, None), |(name, value)| (name, Some(value)));
-            let found = sub.get_arguments().find(|argument| argument.get_long() == Some(name));
+            let found = sub.get_arguments().find(|argument| has_long(argument, name));
             let key = found.map(|argument| argument.get_id().to_string());
             let most =
                 found.map_or(0, |argument| match (argument.get_action().takes_values(), argument.get_num_args()) {
@@ -162,7 +167,7 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
         }
     }
     // Generated heights take the unit of the length of their cell.
-    if let (None, None, Some(length)) = (&source.unit, &source.surface, value_of("length")) {
+    if let (None, None, Some(length)) = (&source.unit, &source.surface, value_of("size")) {
         let found = length.split(',').find_map(unit_in);
         if let Some(found) = found {
             words.extend([format!("--{UNIT}").into(), found.clone().into()]);

@@ -216,9 +216,9 @@ pub struct SolverConfig {
     #[serde(with = "solver")]
     pub method: Solver,
     /// Largest residual of a converged state.
-    pub tol: f64,
+    pub tolerance: f64,
     /// Largest number of iterations for one load.
-    pub max_iter: u64,
+    pub max_iterations: u64,
 }
 
 /// Extrapolation of a sweep.
@@ -331,7 +331,7 @@ fn is_zero(number: &f64) -> bool {
 
 impl Default for SolverConfig {
     fn default() -> Self {
-        Self { method: Solver::Auto, tol: 1e-8, max_iter: 10_000 }
+        Self { method: Solver::Auto, tolerance: 1e-8, max_iterations: 10_000 }
     }
 }
 
@@ -487,7 +487,7 @@ impl Config {
 impl SolverConfig {
     /// Returns the tolerance and the iteration limit.
     pub fn budget(&self) -> Budget {
-        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+        Budget { tolerance: self.tolerance, max_iterations: self.max_iterations }
     }
 }
 

@@ -184,7 +184,7 @@ impl Case {
             let path = folder.join(format!("{}-{n}.npy", self.seed));
             let written = ndarray_npy::write_npy(&path, &heights);
             written.map_err(|error| Failure::computation(error.to_string()))?;
-            Ok::<_, Failure>(format!("--surface {} --length 1", path.display()))
+            Ok::<_, Failure>(format!("--surface {} --size 1", path.display()))
         };
         let at = |i: usize, axis: usize| i as f64 / n as f64 - self.random[axis];
         match self.kind {

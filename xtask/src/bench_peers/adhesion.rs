@@ -103,7 +103,7 @@ pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> 
         machine: machine(),
         commit: GIT_COMMIT.into(),
         tamaas: environment.versions().remove(Peer::Tamaas.package()).unwrap_or_default(),
-        tolerance: args.tol,
+        tolerance: args.tolerance,
         patience: args.patience(),
         rows: Vec::new(),
     };
@@ -148,7 +148,7 @@ impl Trial<'_> {
         let own = self.own()?;
         let (mut theirs, mut said) = (None, None);
         for over in TOLERANCES {
-            let course = match self.theirs(over * self.args.tol) {
+            let course = match self.theirs(over * self.args.tolerance) {
                 Ok(course) => course,
                 Err(Ended::Interrupted) => return Err(Ended::Interrupted.failure("adhesion by Tamaas")),
                 Err(ended) => {
@@ -156,7 +156,7 @@ impl Trial<'_> {
                     break;
                 }
             };
-            let is_enough = course.residual <= self.args.tol;
+            let is_enough = course.residual <= self.args.tolerance;
             theirs = Some(course);
             if is_enough {
                 break;
@@ -174,7 +174,11 @@ impl Trial<'_> {
         command.args(["--law", "exponential", "--param", &format!("gamma={work:?}"), "--param"]);
         command.arg(format!("range={range:?}")).arg("--pressure");
         command.arg(self.pressures().map(|p| format!("{p:?}")).join(","));
-        command.arg("--tol").arg(format!("{:e}", self.args.tol)).arg("--threads").arg(self.threads.to_string());
+        command
+            .arg("--tolerance")
+            .arg(format!("{:e}", self.args.tolerance))
+            .arg("--threads")
+            .arg(self.threads.to_string());
         let printed = output(&mut command, LONG, self.session).map_err(|ended| ended.failure("adhesion by gfmd"))?;
         let report: Value = serde_json::from_str(&printed).map_err(|error| Failure::computation(error.to_string()))?;
         let loads = crate::solved::loads(&report);

@@ -185,7 +185,7 @@ pub(super) fn run(
         commit: gfmd_run::session::GIT_COMMIT.into(),
         versions: environment.versions(),
         points: args.sizes[0],
-        tolerance: args.tol,
+        tolerance: args.tolerance,
         seed: args.seed,
         patience: args.patience(),
         timed: !args.without_times,
@@ -253,7 +253,7 @@ impl Trial<'_> {
     fn cell(&self, contestant: &Contestant, reference: &Contestant) -> Result<Cell, Ended> {
         let Self { args, problem, .. } = self;
         let mut best = Cell::default();
-        let mut tolerance = args.tol;
+        let mut tolerance = args.tolerance;
         for _ in 0..TRIALS {
             let cell = self.solve(contestant, reference, tolerance)?;
             let residual = cell.residual();
@@ -265,7 +265,7 @@ impl Trial<'_> {
             if best.certified || gave_up || residual.is_nan() || matches!(contestant, Contestant::Own(_)) {
                 break;
             }
-            tolerance *= (AIM * args.tol / residual).clamp(LEAST, AIM);
+            tolerance *= (AIM * args.tolerance / residual).clamp(LEAST, AIM);
         }
         if best.certified && !args.without_times {
             let mut seconds: Vec<f64> = best.seconds.into_iter().collect();
@@ -300,7 +300,7 @@ impl Trial<'_> {
             Ok(mut verdicts) => verdicts.remove(&contestant.to_string()),
         };
         let Solve { seconds, iterations, transform_pairs, failure, .. } = solve;
-        let certified = verdict.as_ref().is_some_and(|verdict| verdict.worst() <= args.tol);
+        let certified = verdict.as_ref().is_some_and(|verdict| verdict.worst() <= args.tolerance);
         let no_number = || verdict.is_none().then(|| "its pressure is no number, or zero".to_owned());
         let said = failure.or_else(no_number);
         Ok(Cell { tolerance, seconds: Some(seconds), iterations, transform_pairs, verdict, certified, said })

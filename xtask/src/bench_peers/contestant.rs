@@ -171,7 +171,7 @@ pub(super) fn own(
     ]);
     command.arg("--surface").arg(&problem.heights);
     command.arg("--pressure").arg(format!("{:?}", problem.mean_pressure));
-    command.arg("--tol").arg(format!("{tolerance:e}"));
+    command.arg("--tolerance").arg(format!("{tolerance:e}"));
     command.arg("--threads").arg(threads.to_string());
     if let Some(hardness) = problem.hardness {
         command.arg("--hardness").arg(format!("{hardness:?}"));

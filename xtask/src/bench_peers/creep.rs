@@ -96,7 +96,7 @@ pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> 
         machine: machine(),
         commit: gfmd_run::session::GIT_COMMIT.into(),
         tamaas: environment.versions().remove(Peer::Tamaas.package()).unwrap_or_default(),
-        tolerance: args.tol,
+        tolerance: args.tolerance,
         rows: Vec::new(),
         notes: environment.notes.clone(),
     };
@@ -183,7 +183,11 @@ impl Trial<'_> {
         command.arg(&self.problem.heights).args(["--prony", &branches.join(",")]);
         command.args(["--time", &vec![STEP.to_string(); STEPS].join(",")]);
         command.arg("--pressure").arg(format!("{:?}", self.problem.mean_pressure));
-        command.arg("--tol").arg(format!("{:e}", self.args.tol)).arg("--threads").arg(self.threads.to_string());
+        command
+            .arg("--tolerance")
+            .arg(format!("{:e}", self.args.tolerance))
+            .arg("--threads")
+            .arg(self.threads.to_string());
         let printed =
             output(&mut command, LONG, self.session).map_err(|ended| ended.failure("a creep test of gfmd"))?;
         let own: Own = serde_json::from_str(&printed)
@@ -198,7 +202,7 @@ impl Trial<'_> {
         let task = json!({
             "heights": self.problem.heights,
             "mean_pressure": self.problem.mean_pressure,
-            "tolerance": self.args.tol,
+            "tolerance": self.args.tolerance,
             "threads": self.threads,
             "step": STEP,
             "steps": STEPS,

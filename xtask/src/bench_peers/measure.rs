@@ -127,10 +127,10 @@ impl<'a> Bench<'a> {
     fn own(&self, contestant: Contestant, problem: &Problem) -> Result<Starter, Failure> {
         let threads = self.most_threads();
         let file = self.file(&contestant, threads);
-        let solve = contestant.solve(problem, self.args.tol, threads, Some(&file), self.place(1.0));
+        let solve = contestant.solve(problem, self.args.tolerance, threads, Some(&file), self.place(1.0));
         let solve = solve.and_then(Solve::converged).map_err(|ended| ended.failure(&contestant.to_string()))?;
         let cost = Some((solve.iterations, solve.transform_pairs));
-        Ok(Starter { contestant, tolerance: self.args.tol, first: None, cost })
+        Ok(Starter { contestant, tolerance: self.args.tolerance, first: None, cost })
     }
 
     /// Finds the loosest tolerance for which the result of a peer is certified.
@@ -151,8 +151,10 @@ impl<'a> Bench<'a> {
             (contestant.to_string(), file.clone()),
         ]);
         let mut last = f64::NAN;
-        let found =
-            loosest(MARGIN * self.args.tol, known.map_or(self.args.tol, |known| known.tolerance), |tolerance| {
+        let found = loosest(
+            MARGIN * self.args.tolerance,
+            known.map_or(self.args.tolerance, |known| known.tolerance),
+            |tolerance| {
                 let solve = contestant.solve(problem, tolerance, threads, Some(&file), self.place(1.0))?.converged()?;
                 let verdicts = judge(problem, &fields, &reference.to_string(), self.environment, self.session)?;
                 let residual = verdicts.get(&contestant.to_string()).map_or(f64::NAN, Verdict::worst);
@@ -162,9 +164,10 @@ impl<'a> Bench<'a> {
                 );
                 last = tolerance;
                 Ok((residual, solve))
-            })?;
+            },
+        )?;
         let Some(found) = found else {
-            return Err(Ended::Failed(format!("it does not reach a certified residual of {:e}", self.args.tol)));
+            return Err(Ended::Failed(format!("it does not reach a certified residual of {:e}", self.args.tolerance)));
         };
         let seconds = found.solve.seconds;
         self.known.insert(key, Known { points: problem.points, tolerance: found.tolerance, seconds });
@@ -290,7 +293,7 @@ impl<'a> Bench<'a> {
             }
         }
         for (contestant, verdict) in &verdicts {
-            if let Some(objection) = verdict.objection(self.args.tol, problem.points) {
+            if let Some(objection) = verdict.objection(self.args.tolerance, problem.points) {
                 let text = format!("{contestant} at {name}, {threads} threads, against {reference}: {objection}");
                 return Err(Failure::computation(text));
             }

@@ -28,7 +28,7 @@ pub struct Args {
     pub pressure: f64,
     /// Tolerance of the residuals
     #[arg(long)]
-    pub tol: f64,
+    pub tolerance: f64,
     /// Solver
     #[arg(long, value_parser = parse_choice::<Solver>())]
     pub solver: Solver,
@@ -93,7 +93,7 @@ pub fn run(args: &Args) -> Result<Solve, Failure> {
     if let Some(hardness) = args.hardness {
         contact = contact.with_hardness(hardness)?;
     }
-    let budget = Budget { tolerance: args.tol, ..Budget::default() };
+    let budget = Budget { tolerance: args.tolerance, ..Budget::default() };
     let started = Instant::now();
     let solved = contact.press(Load::MeanPressure(args.pressure)).solver(args.solver).budget(budget).solve();
     let seconds = started.elapsed().as_secs_f64();

@@ -225,7 +225,7 @@ fn flags_out_of_range_are_refused_by_name() {
     refused(|args| args.sizes.push(31), "--sizes contains 31; each must be at least 32");
     refused(|args| args.sizes.clear(), "--sizes");
     refused(|args| args.p_star = vec![0.0], "--p-star");
-    refused(|args| args.tol = f64::NAN, "--tol");
+    refused(|args| args.tolerance = f64::NAN, "--tolerance");
     refused(|args| args.repeats = 0, "--repeats");
     refused(|args| args.thread_counts = vec![0], "--thread-counts");
     refused(|args| args.patience = Some(-1.0), "--patience");

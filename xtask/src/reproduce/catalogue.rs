@@ -46,10 +46,11 @@ impl Figure {
 }
 
 /// Runs that write files for other commands.
-pub(super) const PREPARATION: [&str; 1] = ["punch --tol 1e-10 --out punch.h5"];
+pub(super) const PREPARATION: [&str; 1] = ["punch --tolerance 1e-10 --out punch.h5"];
 
 /// Comparison on the surface: figures 4.3 to 4.6.
-pub(super) const SURFACE: &str = "punch --tol 1e-10 --compare data/reference/punch3d_elements/u_n128.npy --plots top";
+pub(super) const SURFACE: &str =
+    "punch --tolerance 1e-10 --compare data/reference/punch3d_elements/u_n128.npy --plots top";
 
 /// Comparison below the surface, on y = L/2 and on x = L/2: figures 4.7 to 4.11.
 pub(super) const ALONG_X: &str = "body --surface punch.h5 --levels 65 --slice y=0.635 \

@@ -30,7 +30,7 @@ const HEIGHT: f64 = 1.0;
 /// Returns the command of the punch with one factor, as it appears on the page.
 pub(super) fn command(factor: &str) -> String {
     format!(
-        "punch --solver verlet-critical --damping {factor} --max-iter {STEPS} --tol 1e-15 --history \
+        "punch --solver verlet-critical --damping {factor} --max-iterations {STEPS} --tolerance 1e-15 --history \
          --history-mode 1,0,x"
     )
 }

@@ -110,7 +110,7 @@ impl Surface {
         let lengths = cell(length, found.lengths, points);
         let grid = Grid::new(points, lengths);
         let grid =
-            grid.map_err(|error| Failure::input(if length.is_empty() { name.into() } else { key("length") }, error))?;
+            grid.map_err(|error| Failure::input(if length.is_empty() { name.into() } else { key("size") }, error))?;
         let values = (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
         let description = match (found.load, found.kind) {
             (Some(load), Kind::Normal) => {
@@ -153,8 +153,7 @@ impl Surface {
             return Err(Failure::value(key("n"), format!("{points:?}"), "at least 2 along x, and at least 1 along y"));
         }
         memory::fits(memory::BODY, key("n"), points)?;
-        let grid =
-            Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input(key("length"), error))?;
+        let grid = Grid::new(points, cell(length, None, points)).map_err(|error| Failure::input(key("size"), error))?;
         let words: Vec<String> = waves.iter().map(Wave::to_string).collect();
         Ok(Self {
             grid,

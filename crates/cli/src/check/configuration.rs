@@ -63,7 +63,7 @@ fn other_keys_and_other_types_are_refused_in_one_line() {
         ("layer = [[1.0]]", "layer is [[1.0]]: it must be E, NU"),
         ("seed = -1", "seed is -1: "),
         ("dim = 4", "dim is 4: it must be a whole number from 2 to 3"),
-        ("length = [1.0, 2.0, 3.0]", "it has 3 values; it must have 1 to 2"),
+        ("size = [1.0, 2.0, 3.0]", "it has 3 values; it must have 1 to 2"),
         ("seed = 18446744073709551615", "config of the file: "),
         ("p_star = 0.1", "p_star is 0.1: invalid type"),
         ("p_star = [\"1:2:3\"]", "p_star is [\"1:2:3\"]: invalid type"),

@@ -46,7 +46,7 @@ impl Checked for Args {
             comparison.differ("/lower/height", "its checksum does not hold".into());
         }
         let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
-        let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.tol)?;
+        let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.tolerance)?;
         let (count, asked) = (stored.count(), loads.drives.len());
         if count != asked {
             comparison.differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {asked}"));
@@ -79,7 +79,7 @@ fn compare(
         let Some(state) = stored.state(index, *drive)? else { continue };
         stored.compare_fields(index, &state, comparison)?;
         let at = stored.at(index, &state);
-        let tolerance = args.problem.stiffness_tol;
+        let tolerance = args.problem.stiffness_tolerance;
         let stiffness =
             if at.has_converged() { stiffness(stored.contact, &state, tolerance, |_| {}) } else { Err(NOT_SOLVED) };
         let at = At { stiffness: stiffness.map_err(Into::into), ..at };
@@ -101,7 +101,7 @@ fn compare(
         measured.extend(findings.arrays);
         stored.compare_record(index, (&record, &state), comparison);
         if let Load::Approach(asked) = drive.load {
-            comparison.number("/loads/displacement", asked, record.number("displacement"), 0.0);
+            comparison.number("/loads/approach", asked, record.number("approach"), 0.0);
         }
         records.push(record);
     }

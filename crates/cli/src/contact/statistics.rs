@@ -54,8 +54,8 @@ pub fn measure(
         memory::fits(MemoryNeed::FLOW_ALONE, "flow", prepared.surface.grid.points())?;
     }
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
-    let stiffness = stiffness(contact, state, args.problem.stiffness_tol, &mut warn).map_err(Into::into);
-    let at = At { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tol) };
+    let stiffness = stiffness(contact, state, args.problem.stiffness_tolerance, &mut warn).map_err(Into::into);
+    let at = At { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tolerance) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
     let findings = Findings::of(args, (&prepared.surface, &conducting), [repulsion, gap], &at, |_, text| warn(text))?;

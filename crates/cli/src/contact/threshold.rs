@@ -23,7 +23,7 @@ pub struct Threshold(Vec<(&'static Column, [f64; 2])>);
 
 /// Names of its columns.
 const NAMES: [&str; 6] =
-    ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "mean_gap"];
+    ["mean_pressure", "p_star", "approach", "area_fraction", "area_fraction_corrected", "mean_gap"];
 
 /// Returns the columns, defined as for a load.
 fn columns() -> impl Iterator<Item = &'static Column> {

@@ -11,7 +11,7 @@ impl Args {
     /// Returns the facts of the contact; `line` is true for a profile.
     pub(super) fn facts(&self, line: bool) -> Facts {
         Facts {
-            approach: !self.control.displacement.is_empty(),
+            approach: !self.control.approach.is_empty(),
             statistics: self.statistics,
             flow: self.flow,
             flow_threshold: self.flow_threshold,

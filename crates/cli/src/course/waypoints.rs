@@ -32,6 +32,7 @@ pub(crate) struct LoadArgs {
     /// Rigid approaches beyond first touch, length; a negative one is a separation
     #[arg(
         long,
+        alias = "displacement",
         value_delimiter = ',',
         value_name = "D1|A:B:N,..",
         group = "drive",
@@ -39,7 +40,7 @@ pub(crate) struct LoadArgs {
         allow_negative_numbers = true
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    displacement: Vec<Entry>,
+    approach: Vec<Entry>,
 }
 
 /// Function that returns the load or approach of a number.
@@ -52,14 +53,14 @@ impl LoadArgs {
     /// Returns an error for a value that cannot be used, or for several flags.
     pub(crate) fn values(&self, unit_pressure: f64, hard: bool) -> Result<(Vec<f64>, LoadOf), Failure> {
         let option = self.given();
-        let given = [&self.pressure, &self.p_star, &self.displacement];
+        let given = [&self.pressure, &self.p_star, &self.approach];
         if given.into_iter().filter(|values| !values.is_empty()).count() > 1 {
             return Err(Failure::refused(words![key(option), " is given beside another of ", one_of_loads()]));
         }
         let (given, unit, load): (_, f64, LoadOf) = match option {
             "pressure" => (&self.pressure, 1.0, Load::MeanPressure),
             "p_star" => (&self.p_star, unit_pressure, Load::MeanPressure),
-            _ => (&self.displacement, 1.0, Load::Approach),
+            _ => (&self.approach, 1.0, Load::Approach),
         };
         let allowed = if hard { "positive and finite" } else { "finite" };
         match numbers(given).find(|value| !(value.is_finite() && (!hard || *value > 0.0))) {
@@ -73,7 +74,7 @@ impl LoadArgs {
         match (self.pressure.is_empty(), self.p_star.is_empty()) {
             (false, _) => "pressure",
             (_, false) => "p_star",
-            _ => "displacement",
+            _ => "approach",
         }
     }
 }

@@ -32,7 +32,7 @@ impl Checked for Args {
             file.finish(&[], way.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
-        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tol)?;
+        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tolerance)?;
         let check = StepCheck { args: &args, stored: &stored };
         for (index, drive) in way.drives.iter().enumerate() {
             if !stored.compare_step(index, *drive, comparison) {
@@ -99,7 +99,7 @@ impl StepCheck<'_> {
         let before = |name: &str| self.stored.number(name, step - 1);
         let [mut work, mut spread, mut floor] = [0.0_f64; 3];
         for (force, way) in
-            [("mean_pressure", "displacement"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
+            [("mean_pressure", "approach"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
         {
             let moved = now(way) - before(way);
             work += 0.5 * (now(force) + before(force)) * moved;
@@ -123,7 +123,7 @@ impl StepCheck<'_> {
         }
         let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
         let (mut repulsion, floor) = self.repulsion(&pressure, &gap);
-        let least = self.args.steps.search.tol * floor;
+        let least = self.args.steps.search.tolerance * floor;
         repulsion.mapv_inplace(|p| if p > least { p } else { 0.0 });
         let found = through(surface, [repulsion.view(), gap.view()], mean_gap, |_| {})?;
         for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
@@ -158,8 +158,7 @@ impl StepCheck<'_> {
         }
         let now = |name: &str| self.stored.number(name, step);
         let before = |name: &str| if step == 0 { 0.0 } else { self.stored.number(name, step - 1) };
-        let work =
-            0.5 * (now("mean_pressure") + before("mean_pressure")) * (now("displacement") - before("displacement"));
+        let work = 0.5 * (now("mean_pressure") + before("mean_pressure")) * (now("approach") - before("approach"));
         let mut missing = work - (now("elastic_energy") - before("elastic_energy")) - now("dissipated");
         let mut floor = now("elastic_energy").abs().max(before("elastic_energy").abs()).max(work.abs());
         if has_law {
@@ -167,7 +166,7 @@ impl StepCheck<'_> {
             floor = floor.max(now("interface_energy").abs()).max(before("interface_energy").abs());
         }
         // Only a law has jumps; the loss of a step with a jump closes the balance.
-        let spread = (now("mean_pressure") - before("mean_pressure")) * (now("displacement") - before("displacement"));
+        let spread = (now("mean_pressure") - before("mean_pressure")) * (now("approach") - before("approach"));
         let is_closed = has_law && missing.abs() <= CLOSED * floor && now("work_imbalance") > CLOSED * floor;
         // A sudden change of the load takes no time and loses nothing in the dashpots.
         let is_at_once = now("time") == before("time");
@@ -196,7 +195,7 @@ impl StepCheck<'_> {
         let (number, height) = (|name: &str| file.number(name, step), file.height());
         let heights = &file.prepared.surface.heights;
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let approach = number("displacement");
+        let approach = number("approach");
         let found: Vec<f64> = heights.iter().zip(&displacement).map(|(h, u)| highest - h - u - approach).collect();
         comparison.values("/fields/gap", &flat(&gap), &found, height);
         let least = |values: &Array2<f64>| values.iter().copied().fold(0.0, f64::min);
@@ -210,7 +209,11 @@ impl StepCheck<'_> {
                 let left = p - of_law;
                 if touches(*gap) { (-left).max(0.0) } else { left.abs() }
             });
-            comparison.at_most("/fields/pressure (of the law)", worst(left) / floor, 100.0 * args.steps.search.tol);
+            comparison.at_most(
+                "/fields/pressure (of the law)",
+                worst(left) / floor,
+                100.0 * args.steps.search.tolerance,
+            );
             let energy = mean(&gap.mapv(|gap| law.opening_energy(gap)));
             let size = number("elastic_energy").abs() + energy.abs();
             comparison.number("/path/interface_energy", number("interface_energy"), energy, size);
@@ -219,10 +222,10 @@ impl StepCheck<'_> {
             let pressed = pressure.sum();
             let closed = (&pressure * &gap).sum().abs();
             let open = if pressed > 0.0 { closed / (pressed * height) } else { 0.0 };
-            comparison.at_most("/fields/gap (in contact)", open, args.steps.search.tol);
+            comparison.at_most("/fields/gap (in contact)", open, args.steps.search.tolerance);
         }
         if !facts.has_law() || law.has_wall() {
-            comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.steps.search.tol);
+            comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.steps.search.tolerance);
         }
         let largest = repulsion.iter().copied().fold(0.0, f64::max);
         match facts.has_law() {
@@ -230,21 +233,21 @@ impl StepCheck<'_> {
             true => comparison.at_most(
                 "/path/mean_pressure",
                 (number("mean_pressure") - mean(&pressure)).abs() / floor,
-                100.0 * args.steps.search.tol,
+                100.0 * args.steps.search.tolerance,
             ),
             false => comparison.number("/path/mean_pressure", number("mean_pressure"), mean(&pressure), floor),
         }
         comparison.number("/path/max_pressure", number("max_pressure"), largest, floor);
         // Where a law vanishes, its pressure has the sign of rounding errors.
         let touching = |least: f64| repulsion.iter().filter(|p| **p > least).count() as f64 / repulsion.len() as f64;
-        let [fewest, most] = [touching(args.steps.search.tol * floor), touching(0.0)];
+        let [fewest, most] = [touching(args.steps.search.tolerance * floor), touching(0.0)];
         let area = number("area_fraction");
         comparison.number("/path/area_fraction", area, area.clamp(fewest, most), 0.0);
         let is_closed = !facts.has_law() && area == 1.0;
-        compare_gap(comparison, number("mean_gap"), mean(&gap), (is_closed, height, args.steps.search.tol));
+        compare_gap(comparison, number("mean_gap"), mean(&gap), (is_closed, height, args.steps.search.tolerance));
         if is_last {
             let fields = (&pressure, &displacement, number("elastic_energy"));
-            memory::check(file.reader, file.prepared, fields, 100.0 * args.steps.search.tol, comparison)?;
+            memory::check(file.reader, file.prepared, fields, 100.0 * args.steps.search.tolerance, comparison)?;
         }
         Ok(())
     }
@@ -286,13 +289,13 @@ impl StepCheck<'_> {
             surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
         let height = file.height();
         let stored_displacement = flat(&field("displacement_z")?);
-        comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.steps.search.tol);
+        comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.steps.search.tolerance);
         let distance = apart(&displacement[lateral..], &stored_displacement) / height;
-        comparison.at_most("/fields/displacement_z", distance, 100.0 * args.steps.search.tol);
+        comparison.at_most("/fields/displacement_z", distance, 100.0 * args.steps.search.tolerance);
         let law = limit.is_none().then_some(law);
         if law.is_none_or(|law| law.has_wall()) {
             let below = -gap.iter().copied().fold(0.0, f64::min) / height;
-            comparison.at_most("/fields/gap (penetration)", below, args.steps.search.tol);
+            comparison.at_most("/fields/gap (penetration)", below, args.steps.search.tolerance);
         }
         let mean_pressure = pressure.mean().unwrap_or(f64::NAN);
         match law {
@@ -300,21 +303,21 @@ impl StepCheck<'_> {
             Some(_) => comparison.at_most(
                 "/path/mean_pressure",
                 (stored("mean_pressure") - mean_pressure).abs() / unit_pressure,
-                100.0 * args.steps.search.tol,
+                100.0 * args.steps.search.tolerance,
             ),
             None => comparison.number("/path/mean_pressure", stored("mean_pressure"), mean_pressure, 0.0),
         }
         let is_closed = law.is_none() && stored("area_fraction") == 1.0;
         let mean_gap = gap.mean().unwrap_or(f64::NAN);
-        compare_gap(comparison, stored("mean_gap"), mean_gap, (is_closed, height, args.steps.search.tol));
+        compare_gap(comparison, stored("mean_gap"), mean_gap, (is_closed, height, args.steps.search.tolerance));
         let energy = 0.5 * traction.iter().zip(&displacement).map(|(t, u)| t * u).sum::<f64>() / points as f64;
         let approaches =
             surface.heights.iter().zip(&stored_displacement).zip(gap).map(|((h, u), gap)| highest - h - u - gap);
         let approach = approaches.sum::<f64>() / points as f64;
         comparison.at_most(
-            "/path/displacement",
-            (stored("displacement") - approach).abs() / height,
-            args.steps.search.tol,
+            "/path/approach",
+            (stored("approach") - approach).abs() / height,
+            args.steps.search.tolerance,
         );
         if let Some(limit) = *limit {
             comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
@@ -333,7 +336,7 @@ impl StepCheck<'_> {
         let magnitude = |i: usize| shear.chunks_exact(points).map(|s| s[i] * s[i]).sum::<f64>().sqrt();
         let excess = (0..points).map(|i| magnitude(i) - limits[i]).fold(0.0, f64::max);
         if strongest > 0.0 {
-            comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.steps.search.tol);
+            comparison.at_most("/fields/shear (limit)", excess / strongest, self.args.steps.search.tolerance);
         }
     }
 }

@@ -25,7 +25,7 @@ pub(super) fn draw(
     // Motion that separates the directions of a loop, common to all panels.
     let drive = |step: &Record| match report.moves_sideways() {
         true => lateral(step),
-        false => step.value("displacement").unwrap_or_else(|| step.number("p_star")),
+        false => step.value("approach").unwrap_or_else(|| step.number("p_star")),
     };
     let drive: Vec<f64> = report.steps.iter().map(drive).collect();
     let legs = |of: &dyn Fn(&Record) -> (f64, f64)| -> Vec<Series> {
@@ -35,7 +35,7 @@ pub(super) fn draw(
     let reduced = "*p*/(*E*\\* *ḡ*)";
     let panels = if report.head.relaxation.is_some() {
         let points = |name: &str| report.steps.iter().map(|step| (step.number("time"), step.number(name))).collect();
-        in_time(["area_fraction", "p_star", "displacement"].map(points), reduced, unit)
+        in_time(["area_fraction", "p_star", "approach"].map(points), reduced, unit)
     } else if report.moves_sideways() {
         let read = length(unit, report.steps.iter().map(|step| lateral(step).abs()).fold(0.0, f64::max));
         let x = Axis::linear(&format!("lateral displacement / {}", read.name));
@@ -53,11 +53,11 @@ pub(super) fn draw(
             Panel { x, y: Axis::linear(area), series: legs(&|step| (lateral(step), share(step))), ..Panel::default() },
         ]
     } else {
-        let read = length(unit, report.steps.iter().map(|step| step.number("displacement").abs()).fold(0.0, f64::max));
+        let read = length(unit, report.steps.iter().map(|step| step.number("approach").abs()).fold(0.0, f64::max));
         let approach = Panel {
             x: Axis::linear(&format!("approach / {}", read.name)),
             y: Axis::linear(reduced),
-            series: legs(&|step| (step.number("displacement") * read.factor, step.number("p_star"))),
+            series: legs(&|step| (step.number("approach") * read.factor, step.number("p_star"))),
             ..Panel::default()
         };
         let mut panels = vec![
@@ -69,7 +69,7 @@ pub(super) fn draw(
                 ..Panel::default()
             },
         ];
-        if report.steps.iter().all(|step| step.value("displacement").is_none()) {
+        if report.steps.iter().all(|step| step.value("approach").is_none()) {
             panels.remove(0);
         }
         panels

@@ -149,7 +149,7 @@ fn lowest(steps: &[Record], name: &str) -> f64 {
 }
 
 /// Columns of the table that may lack a value although others of their kind have one.
-const TABLE: [&str; 5] = ["displacement", "elastic_energy", "dissipated", "dissipated_error", "passed_instability"];
+const TABLE: [&str; 5] = ["approach", "elastic_energy", "dissipated", "dissipated_error", "passed_instability"];
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -21,7 +21,7 @@ use gfmd_unit::Units;
 pub struct Report {
     pub dim: u8,
     pub n: [usize; 2],
-    pub length: [f64; 2],
+    pub size: [f64; 2],
     #[serde(with = "height")]
     pub height: Height,
     pub young: f64,
@@ -76,8 +76,8 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "{nx} x {ny} points, cell {} x {}, {} points under the punch ({nodes})",
-            self.length[0],
-            self.length[1],
+            self.size[0],
+            self.size[1],
             number("contact_nodes")
         )?;
         match &self.mask {

@@ -40,7 +40,7 @@ impl Checked for Args {
                 let floor = if name == "gap" { height } else { 0.0 };
                 comparison.values(&format!("/fields/{name}"), &slab(name)?, &reached.field(name), floor);
             }
-            let record = way.record(at, &reached, args.search.tol, f64::NAN);
+            let record = way.record(at, &reached, args.search.tolerance, f64::NAN);
             for (column, cell) in record.cells().filter(|(column, _)| (column.in_file)(&way.facts())) {
                 if matches!(column.origin, Origin::Way | Origin::Clock) {
                     continue;
@@ -59,13 +59,13 @@ impl Checked for Args {
                 comparison.at_most(
                     &format!("residual of state {index}"),
                     worst([record.worst(), heat]),
-                    args.search.tol,
+                    args.search.tolerance,
                 );
             }
             // The load is met to the tolerance.
             if let Load::MeanPressure(asked) = at.0 {
                 let apart = (reached.state.solution.mean_pressure - asked).abs() / asked;
-                comparison.at_most(&format!("load of state {index}"), apart, args.search.tol);
+                comparison.at_most(&format!("load of state {index}"), apart, args.search.tolerance);
             }
         }
         Ok(())

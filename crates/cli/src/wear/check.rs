@@ -28,14 +28,14 @@ impl Checked for Args {
             file.finish(&[], course.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
-        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tol)?;
+        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tolerance)?;
         let (mut volume, mut before) = (0.0, [0.0; 4]);
         for (index, drive) in course.drives.iter().enumerate() {
             let number = |name: &str| stored.number(name, index);
             if !stored.compare_step(index, *drive, comparison) {
                 continue;
             }
-            let [pressure, approach, energy] = ["mean_pressure", "displacement", "elastic_energy"].map(number);
+            let [pressure, approach, energy] = ["mean_pressure", "approach", "elastic_energy"].map(number);
             comparison.number("/wear/distance", number("distance"), drive.distance, 0.0);
             let [pressure_before, approach_before, energy_before, distance_before] = before;
             let moved = drive.distance - distance_before;

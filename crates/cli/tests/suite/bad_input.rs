@@ -31,14 +31,14 @@ fn flags_out_of_range() {
     contact(&format!("{small} --e-star -2"), &["--e-star", "-2"]);
     contact(&format!("{small} --height -0.5"), &["--height", "-0.5"]);
     contact(&format!("{small} --height tall"), &["--height", "tall", "inf"]);
-    contact(&format!("{small} --length 0"), &["--length", "0"]);
-    contact(&format!("{small} --tol 0"), &["--tol", "0"]);
+    contact(&format!("{small} --size 0"), &["--size", "0"]);
+    contact(&format!("{small} --tolerance 0"), &["--tolerance", "0"]);
     contact(&format!("{small} --hurst 1.5"), &["--hurst", "1.5"]);
     contact(&format!("{small} --rms-gradient 0"), &["--rms-gradient", "0"]);
     contact(&format!("{small} --solver newton"), &["--solver", "newton", "cg"]);
     contact(&format!("{small} --law glue"), &["--law", "glue", "hard-wall"]);
     contact(&format!("{small} --out no/such/folder/c.h5"), &["--out", "no/such/folder"]);
-    contact("--eps-f-inv 4", &["--pressure", "--p-star", "--displacement"]);
+    contact("--eps-f-inv 4", &["--pressure", "--p-star", "--approach"]);
     contact(&format!("{small} --components both"), &["--components", "both", "held"]);
     for (more, words) in [
         ("all --law morse --param gamma=1e-4,range=0.01", ["all", "--law"]),
@@ -54,7 +54,7 @@ fn flags_out_of_range() {
     ] {
         contact(&format!("{small} --components {more}"), &words);
     }
-    contact("--eps-f-inv 4 --displacement 0.01 --components all", &["all", "--displacement"]);
+    contact("--eps-f-inv 4 --approach 0.01 --components all", &["all", "--approach"]);
     contact(&format!("{small} --fields displacement_x"), &["--fields", "displacement_x", "--components all"]);
     contact(&format!("{small} --dim 2 --components all --fields displacement_y"), &["--fields", "displacement_y"]);
     contact(&format!("{small} --dt 0.5"), &["--dt", "verlet-critical"]);
@@ -71,15 +71,15 @@ fn flags_out_of_range() {
     contact("--eps-f-inv 4 --pressure 0", &["--pressure", "0", "positive"]);
     contact("--eps-f-inv 4 --pressure 0.1,-0.1", &["--pressure", "-0.1"]);
     contact("--eps-f-inv 4 --p-star nan", &["--p-star", "NaN"]);
-    contact("--eps-f-inv 4 --displacement -1", &["--displacement", "-1"]);
+    contact("--eps-f-inv 4 --approach -1", &["--approach", "-1"]);
     contact("--eps-f-inv 4 --pressure 1 --p-star 1", &["--pressure", "--p-star"]);
     contact("--eps-f-inv 64 --p-star 0.1", &["--n", "16", "wavelength"]);
     refused(folder.path(), "contact --n 3000000 --p-star 0.1", 2, &["3000000", "GiB"]);
     // The number of bytes for 2³¹ points a side exceeds 64 bits.
-    for line in ["contact --p-star 0.1", "path --displacement 0.1", "surface", "punch"] {
+    for line in ["contact --p-star 0.1", "path --approach 0.1", "surface", "punch"] {
         refused(folder.path(), &format!("{line} --n 2147483648"), 2, &["2147483648"]);
     }
-    refused(folder.path(), "contact --n 16 --eps-f-inv 4 --displacement 1e9", 2, &["--displacement", "1000000000"]);
+    refused(folder.path(), "contact --n 16 --eps-f-inv 4 --approach 1e9", 2, &["--approach", "1000000000"]);
     refused(folder.path(), "green --qx 1 --poisson 0.6", 2, &["--poisson", "0.6"]);
     refused(folder.path(), "green --qx 1 --height 0", 2, &["--height", "0"]);
     refused(folder.path(), "surface --n 1", 2, &["--n"]);
@@ -134,13 +134,13 @@ fn punches_that_cannot_be_pressed() {
     punch("--depth 0", &["--depth", "positive", "0"]);
     punch("--depth -0.005", &["--depth", "-0.005"]);
     punch("--depth nan", &["--depth", "NaN"]);
-    punch("--length 0", &["--length", "0"]);
+    punch("--size 0", &["--size", "0"]);
     punch("--height 0", &["--height", "0"]);
     punch("--young -70", &["--young", "-70"]);
     punch("--poisson 0.51", &["--poisson", "0.51", "0.5"]);
     punch("--dim 4", &["--dim", "4"]);
     punch("--refine 0", &["--refine", "0"]);
-    punch("--tol 1", &["--tol", "1e-15"]);
+    punch("--tolerance 1", &["--tolerance", "1e-15"]);
     punch("--solver newton", &["--solver", "newton", "fire"]);
     punch("--contact glued", &["--contact", "glued", "sticking"]);
     punch("--nodes some", &["--nodes", "some", "inclusive"]);
@@ -205,7 +205,7 @@ fn sweeps_that_cannot_be_computed() {
 #[test]
 fn not_converged_is_an_error_that_keeps_what_was_reached() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = "contact --n 64 --eps-f-inv 16 --p-star 0.1,0.2 --max-iter 3 --json --out c.h5";
+    let flags = "contact --n 64 --eps-f-inv 16 --p-star 0.1,0.2 --max-iterations 3 --json --out c.h5";
     let output = gfmd(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
     assert_eq!(output.status.code(), Some(1));
     let text = String::from_utf8_lossy(&output.stderr);

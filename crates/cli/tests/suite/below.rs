@@ -293,7 +293,7 @@ fn over_a_base_that_moves_all_numbers_are_of_the_displaced_surface() {
     let [height, lift] = ["/surface/height", "/base/lift"].map(|name| reader.values::<f64>(name).unwrap());
     let sum = height.iter().zip(&lift).map(|(h, lift)| h + lift).collect();
     ndarray_npy::write_npy(folder.join("sum.npy"), &Array2::from_shape_vec((16, 16), sum).unwrap()).unwrap();
-    let rest = run(folder, &format!("contact --surface sum.npy --length 1 {body} --json"));
+    let rest = run(folder, &format!("contact --surface sum.npy --size 1 {body} --json"));
     let same = |a: &Value, b: &Value, what: &str| {
         let [a, b] = [a, b].map(|value| value.as_f64().unwrap_or_else(|| panic!("{what} {value}")));
         assert!((a - b).abs() < 1e-7 * b.abs(), "{what}: {a} {b}");
@@ -328,7 +328,7 @@ fn a_line_without_a_level_has_no_approach_and_no_energy() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let line = "--dim 2 --n 32 --eps-f-inv 8 --boundary free --young 1 --poisson 0.3";
-    let without = ["displacement", "elastic_energy", "stiffness", "stiffness_error"];
+    let without = ["approach", "elastic_energy", "stiffness", "stiffness_error"];
     for law in ["", "--hardness 0.05", "--law morse --param gamma=1e-3,range=0.03"] {
         let report = run(folder, &format!("contact {line} {law} --p-star 0.05,0.1 --out c.h5 --json"));
         for load in report["loads"].as_array().unwrap() {
@@ -336,7 +336,7 @@ fn a_line_without_a_level_has_no_approach_and_no_energy() {
             assert!(without.iter().all(|key| found.iter().any(|name| name == key)), "{law}: {found:?}");
         }
         let reader = Reader::open(folder.join("c.h5")).unwrap();
-        for key in ["displacement", "elastic_energy"] {
+        for key in ["approach", "elastic_energy"] {
             let path = format!("/loads/{key}");
             assert!(reader.values::<f64>(&path).unwrap().iter().all(|value| value.is_nan()));
             assert!(reader.text(&path, "undefined").unwrap().contains("known up to a constant"));
@@ -349,22 +349,22 @@ fn a_line_without_a_level_has_no_approach_and_no_energy() {
     for action in ["", "--hardness 0.05", "--law morse --param gamma=1e-3,range=0.03"] {
         let report = run(folder, &format!("path {line} {action} --p-star 0.05,0.1 --steps 2 --out p.h5 --json"));
         for step in report["steps"].as_array().unwrap() {
-            for key in ["displacement", "elastic_energy"] {
+            for key in ["approach", "elastic_energy"] {
                 assert!(step[key].is_null(), "{action}: {step}");
                 assert!(reason_for(step, key).unwrap().contains("known up to a constant"), "{step}");
             }
             assert!(step["mean_gap"].as_f64().is_some());
         }
         let reader = Reader::open(folder.join("p.h5")).unwrap();
-        assert!(reader.values::<f64>("/path/displacement").unwrap().iter().all(|value| value.is_nan()));
+        assert!(reader.values::<f64>("/path/approach").unwrap().iter().all(|value| value.is_nan()));
         assert!(reader.text("/path/elastic_energy", "undefined").unwrap().contains("known up to a constant"));
         assert_eq!(run(folder, "check p.h5 --rerun --json")["differing"], 0, "{action}");
-        let text = refused(folder, &format!("path {line} {action} --displacement 0.01 --steps 2"));
-        assert!(text.contains("--displacement"), "{text}");
+        let text = refused(folder, &format!("path {line} {action} --approach 0.01 --steps 2"));
+        assert!(text.contains("--approach"), "{text}");
     }
     // A slab has a level.
     let report = run(folder, &format!("contact {line} --height 0.3 --p-star 0.1 --json"));
-    assert!(report["loads"][0]["displacement"].is_number() && report["loads"][0]["elastic_energy"].is_number());
+    assert!(report["loads"][0]["approach"].is_number() && report["loads"][0]["elastic_energy"].is_number());
 }
 
 /// Every missing stiffness has a reason.
@@ -402,7 +402,7 @@ fn the_check_poses_the_contact_of_the_program_in_any_unit() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let reduced = |flags: &str, young: f64, length: f64| -> Vec<f64> {
-        let flags = format!("contact {SURFACE} --young {young:e} --length {length:e} {flags} --out c.h5 --json");
+        let flags = format!("contact {SURFACE} --young {young:e} --size {length:e} {flags} --out c.h5 --json");
         let load = run(folder, &flags)["loads"][0].clone();
         let check = run(folder, "check c.h5 --json");
         assert_eq!((&check["differing"], &check["rounded"]), (&0.into(), &0.into()), "{flags}: {check}");
@@ -412,7 +412,7 @@ fn the_check_poses_the_contact_of_the_program_in_any_unit() {
             of("mean_pressure", young),
             of("max_pressure", young),
             of("mean_gap", length),
-            of("displacement", length),
+            of("approach", length),
             of("elastic_energy", young * length),
         ]
         .into()

@@ -111,15 +111,15 @@ fn what_is_the_same_body_has_the_same_numbers() {
             "contact --n 32 --eps-f-inv 4 --p-star 0.1",
             &whole,
             &parts,
-            &["/loads/0/displacement", "/loads/0/elastic_energy"],
+            &["/loads/0/approach", "/loads/0/elastic_energy"],
         );
         let keys = ["/mean_pressure", "/elastic_energy"];
-        both("punch --n 24 --length 1 --young 1 --nodes inclusive", &whole, &parts, &keys);
+        both("punch --n 24 --size 1 --young 1 --nodes inclusive", &whole, &parts, &keys);
         let path = "path --n 16 --eps-f-inv 4 --p-star 0.1 --friction 0.3 --lateral 0,0.002 --steps 2";
-        both(path, &whole, &parts, &["/steps/2/mean_shear/0", "/steps/2/displacement"]);
+        both(path, &whole, &parts, &["/steps/2/mean_shear/0", "/steps/2/approach"]);
     }
     let pair = "--young 1 --poisson 0.5 --second-body 4,0.5";
-    let keys = ["/e_star", "/loads/0/displacement", "/loads/0/area_fraction", "/loads/0/max_pressure"];
+    let keys = ["/e_star", "/loads/0/approach", "/loads/0/area_fraction", "/loads/0/max_pressure"];
     both("contact --n 32 --eps-f-inv 4 --p-star 0.1", "--young 0.8 --poisson 0.5", pair, &keys);
     both("contact --n 32 --eps-f-inv 4 --p-star 0.1 --boundary free", "--young 0.8 --poisson 0.5", pair, &keys);
     let law = "contact --n 32 --eps-f-inv 4 --p-star 0.02 --law exponential --param gamma=1e-4,range=3e-3";
@@ -300,7 +300,7 @@ fn a_body_from_a_table_is_the_body_that_the_table_is_of() {
     let slab_table = format!("--e-star 1 --compliance slab.csv --uniform-compliance {uniform}");
     for (loads, further) in [
         ("contact --pressure 0.001,0.01 --statistics --flow", ""),
-        ("contact --displacement 0.004", ""),
+        ("contact --approach 0.004", ""),
         ("contact --p-star 0.05 --hardness 0.1", ""),
         ("contact --pressure 0.005 --law exponential --param gamma=2e-5,range=3e-3", ""),
         ("path --pressure 0.005,0.001 --steps 2", ""),
@@ -313,8 +313,7 @@ fn a_body_from_a_table_is_the_body_that_the_table_is_of() {
             let (found, wanted) = (all(table, "--out t.h5"), all(body, ""));
             let of = if loads.starts_with("path") { "steps" } else { "loads" };
             for (found, wanted) in found[of].as_array().unwrap().iter().zip(wanted[of].as_array().unwrap()) {
-                for name in ["displacement", "mean_gap", "elastic_energy", "area_fraction", "stiffness", "conductance"]
-                {
+                for name in ["approach", "mean_gap", "elastic_energy", "area_fraction", "stiffness", "conductance"] {
                     let [Some(found), Some(wanted)] = [found, wanted].map(|load| load[name].as_f64()) else { continue };
                     let off = (found - wanted).abs() / wanted.abs();
                     assert!(off < 1e-4, "{loads}, {body}, {name}: {found} {wanted}");
@@ -343,17 +342,17 @@ fn a_table_by_direction_is_a_half_space_on_a_stretched_cell() {
     run(surface);
     for (loads, of) in [
         ("contact --pressure 2kPa,20kPa --statistics", "loads"),
-        ("contact --displacement 5nm", "loads"),
+        ("contact --approach 5nm", "loads"),
         ("contact --pressure 5kPa --law exponential --param gamma=2e-5J/m^2,range=3nm --grid-error none", "loads"),
         ("contact --pressure 50kPa --hardness 100kPa", "loads"),
         ("path --pressure 5kPa,1kPa --steps 2", "steps"),
         ("wear --pressure 5kPa --coefficient 1e-9/Pa --distance 0,10um --steps 2", "steps"),
     ] {
         let all = |body: &str| run(&format!("{loads} --surface h.npy --unit um {body}"));
-        let found = all("--length 1um --e-star 1MPa --compliance g.csv --out t.h5");
-        let wanted = all("--length 0.5um,1um --e-star 1MPa");
+        let found = all("--size 1um --e-star 1MPa --compliance g.csv --out t.h5");
+        let wanted = all("--size 0.5um,1um --e-star 1MPa");
         for (found, wanted) in found[of].as_array().unwrap().iter().zip(wanted[of].as_array().unwrap()) {
-            for name in ["displacement", "mean_gap", "elastic_energy", "area_fraction", "stiffness", "mean_pressure"] {
+            for name in ["approach", "mean_gap", "elastic_energy", "area_fraction", "stiffness", "mean_pressure"] {
                 let [Some(found), Some(wanted)] = [found, wanted].map(|load| load[name].as_f64()) else { continue };
                 assert!((found - wanted).abs() < 1e-6 * wanted.abs(), "{loads}, {name}: {found} {wanted}");
             }
@@ -375,7 +374,7 @@ fn a_body_from_a_table_has_units_and_names_what_it_does_not_have() {
     write_compliance(folder.path(), "units.csv", "wavenumber [um^-1],compliance [um/MPa]", |q| 2.0 / q);
     let report = json(
         folder.path(),
-        &"contact --n 32 --eps-f-inv 4 --unit um --length 1um --e-star 1MPa --compliance units.csv --pressure 5kPa \
+        &"contact --n 32 --eps-f-inv 4 --unit um --size 1um --e-star 1MPa --compliance units.csv --pressure 5kPa \
           --json -q --out u.h5"
             .split_whitespace()
             .collect::<Vec<_>>(),
@@ -384,7 +383,7 @@ fn a_body_from_a_table_has_units_and_names_what_it_does_not_have() {
         folder.path(),
         &"contact --n 32 --eps-f-inv 4 --e-star 1 --pressure 0.005 --json -q".split_whitespace().collect::<Vec<_>>(),
     );
-    let [found, wanted] = [&report, &plain].map(|report| report["loads"][0]["displacement"].as_f64().unwrap());
+    let [found, wanted] = [&report, &plain].map(|report| report["loads"][0]["approach"].as_f64().unwrap());
     assert!((found / wanted - 1.0).abs() < 1e-6, "{found} {wanted}");
     let table = "--n 32 --eps-f-inv 4 --p-star 0.05 --compliance half.csv";
     for (flags, words) in [

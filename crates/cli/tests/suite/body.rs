@@ -18,7 +18,7 @@ fn punch(name: &str) -> PathBuf {
 fn a_slice_below_the_punch_is_that_of_the_independent_solution() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(punch("discrete_strict_u_n128.npy"), folder.path().join("u.npy")).unwrap();
-    let flags = "body --surface u.npy --length 1.27 --young 70 --poisson 0.33 --height 1.27 --levels 9 --slice y=0.636 \
+    let flags = "body --surface u.npy --size 1.27 --young 70 --poisson 0.33 --height 1.27 --levels 9 --slice y=0.636 \
                  --out slice.h5 --plots punch --json";
     let report = json(folder.path(), &words(flags));
     assert_eq!((&report["slice"], report["levels"].as_array().unwrap().len()), (&"y=0.635".into(), 9));

@@ -21,7 +21,7 @@ const FILES: [(&str, &str, &str); 14] = [
     ("punch.h5", "punch --n 24 --contact sticking", "/fields/displacement"),
     ("line.h5", "punch --n 24 --dim 2 --contact frictionless --height inf", "/punch/mean_pressure"),
     ("wall.h5", "contact --n 48 --eps-f-inv 8 --p-star 0.02,0.1 --height 0.4 --poisson 0.3", "/fields/pressure"),
-    ("scan.h5", "contact --surface h.npy --length 2 --displacement 0.003,0.006 --detrend plane --flip", "/loads/kappa"),
+    ("scan.h5", "contact --surface h.npy --size 2 --approach 0.003,0.006 --detrend plane --flip", "/loads/kappa"),
     (
         "law.h5",
         "contact --n 48 --eps-f-inv 8 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,-0.001",
@@ -29,7 +29,7 @@ const FILES: [(&str, &str, &str); 14] = [
     ),
     (
         "loop.h5",
-        "path --n 48 --eps-f-inv 6 --law exponential --param gamma=1e-4,range=4e-3 --displacement=0.004,-0.002 \
+        "path --n 48 --eps-f-inv 6 --law exponential --param gamma=1e-4,range=4e-3 --approach=0.004,-0.002 \
          --steps 4",
         "/path/elastic_energy",
     ),
@@ -40,7 +40,7 @@ const FILES: [(&str, &str, &str); 14] = [
     ),
     ("sweep.h5", "kappa-sweep --config sweep.toml", "/fit/kappa_tfc"),
     ("below.h5", "body --surface punch.h5 --levels 5", "/fields/von_mises"),
-    ("patch.h5", "contact --surface h.npy --length 2 --boundary free --p-star 0.02,0.1", "/loads/force"),
+    ("patch.h5", "contact --surface h.npy --size 2 --boundary free --p-star 0.02,0.1", "/loads/force"),
     (
         "steep.h5",
         "contact --n 32 --eps-f-inv 4 --rms-gradient 0.25 --poisson 0.3 --finite-slope --p-star 0.02,0.1",
@@ -212,24 +212,24 @@ fn warnings_stand_in_json_and_in_the_file() {
     assert_eq!(codes("punch --n 16 --depth 0.2"), ["large-strain", "large-strain"]);
     // The approach is given, or follows from the pressure; the rough surfaces are lower than the slab.
     for slab in ["--height 0.05", "--height 0.05 --lower-seed 3", "--height 0.02 --layer 1,0.3,0.03"] {
-        for load in ["--displacement 0.1", "--pressure 0.3"] {
+        for load in ["--approach 0.1", "--pressure 0.3"] {
             let words = format!("contact --n 32 --eps-f-inv 4 {slab} {load}");
             assert_eq!(codes(&words), ["large-strain"], "{words}");
         }
-        let gentle = codes(&format!("contact --n 32 --eps-f-inv 4 {slab} --displacement 0.004"));
+        let gentle = codes(&format!("contact --n 32 --eps-f-inv 4 {slab} --approach 0.004"));
         assert!(!gentle.contains(&"large-strain".into()), "{slab}: {gentle:?}");
     }
     let slab = "--n 16 --eps-f-inv 4 --height 0.05";
     for command in [
-        "path --displacement 0.002,0.1 --steps 2",
-        "wear --displacement 0.1 --coefficient 1e-6 --distance 0,1",
-        "slide --displacement 0.1 --velocity 1 --prony 1:0.5",
+        "path --approach 0.002,0.1 --steps 2",
+        "wear --approach 0.1 --coefficient 1e-6 --distance 0,1",
+        "slide --approach 0.1 --velocity 1 --prony 1:0.5",
     ] {
         assert_eq!(codes(&format!("{command} {slab}")), ["large-strain"], "{command}");
     }
     let law = "--law exponential --param gamma=1e-4,range=1e-5 --coarse";
     assert_eq!(codes(&format!("contact --n 16 --eps-f-inv 4 {law} --p-star 0.05")), ["lattice-trapping", "grid"]);
-    assert_eq!(codes(&format!("path --n 16 --eps-f-inv 4 {law} --displacement 0.01")), ["lattice-trapping"]);
+    assert_eq!(codes(&format!("path --n 16 --eps-f-inv 4 {law} --approach 0.01")), ["lattice-trapping"]);
     let sweep = codes("kappa-sweep --config sweep.toml");
     assert!(sweep.iter().any(|code| code == "few-realisations"), "{sweep:?}");
 }
@@ -238,9 +238,9 @@ fn warnings_stand_in_json_and_in_the_file() {
 fn a_search_without_convergence_names_the_criterion_its_history_and_what_to_try() {
     let folder = tempfile::tempdir().unwrap();
     for (words, part) in [
-        ("contact --n 32 --eps-f-inv 8 --p-star 0.02,0.05 --solver verlet --max-iter 60 --tol 1e-9", 0),
-        ("path --n 32 --eps-f-inv 8 --p-star 0.05 --friction 0.3 --lateral 0,0.01 --steps 2 --max-iter 3", 0),
-        ("punch --n 24 --solver verlet --max-iter 20", 0),
+        ("contact --n 32 --eps-f-inv 8 --p-star 0.02,0.05 --solver verlet --max-iterations 60 --tolerance 1e-9", 0),
+        ("path --n 32 --eps-f-inv 8 --p-star 0.05 --friction 0.3 --lateral 0,0.01 --steps 2 --max-iterations 3", 0),
+        ("punch --n 24 --solver verlet --max-iterations 20", 0),
     ] {
         let arguments: Vec<&str> = words.split_whitespace().chain(["--out", "n.h5", "--json"]).collect();
         let output = gfmd(folder.path(), &arguments);
@@ -272,7 +272,7 @@ fn a_search_without_convergence_names_the_criterion_its_history_and_what_to_try(
 fn a_step_whose_numbers_overflow_leaves_those_before_it() {
     let folder = tempfile::tempdir().unwrap();
     let law = "--law morse --param gamma=1e-4,range=0.01";
-    let words = format!("path --n 8 --eps-f-inv 2 {law} --steps 1 --displacement=0.001,1000 --json --out p.h5");
+    let words = format!("path --n 8 --eps-f-inv 2 {law} --steps 1 --approach=0.001,1000 --json --out p.h5");
     let output = gfmd(folder.path(), &words.split(' ').collect::<Vec<_>>());
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(1) && message.contains("error: step 1: the traction of the law"), "{message}");

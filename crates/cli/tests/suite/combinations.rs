@@ -76,8 +76,9 @@ fn with_units(words: &[String]) -> Vec<String> {
         }
         let unit = match flag {
             "--young" | "--e-star" | "--base-young" | "--pressure" | "--shear-strength" | "--hardness" => "Pa",
-            "--height" | "--length" | "--shift" | "--rms-height" | "--displacement" | "--lateral"
-            | "--conductor-height" => "um",
+            "--height" | "--size" | "--shift" | "--rms-height" | "--approach" | "--lateral" | "--conductor-height" => {
+                "um"
+            }
             "--layer" | "--second-body" => ["Pa", "", "um"][place],
             _ => "",
         };

@@ -73,8 +73,9 @@ fn unbounded(i: usize, j: usize) -> f64 {
 fn it_is_that_of_all_points_in_contact() {
     let folder = tempfile::tempdir().unwrap();
     let endless = |q: f64| 1.0 / q;
-    let surface =
-        format!("contact --n {N} --eps-f-inv 4 --statistics --tol 1e-10 --stiffness-tol 1e-9 --json --out c.h5");
+    let surface = format!(
+        "contact --n {N} --eps-f-inv 4 --statistics --tolerance 1e-10 --stiffness-tolerance 1e-9 --json --out c.h5"
+    );
     let law = "--law exponential --param gamma=1e-4,range=4e-3";
     type Kernel<'a> = Box<dyn Fn(usize, usize) -> f64 + 'a>;
     let electrode = |depth: f64| -> Kernel { Box::new(periodic(move |q| (q * depth).tanh() / q)) };

@@ -27,7 +27,7 @@ fn a_surface_from_a_file_gives_the_published_numbers_in_json_and_in_the_file() {
     let heights = four_waves(64);
     ndarray_npy::write_npy(folder.path().join("h.npy"), &heights).unwrap();
     let flags =
-        "contact --surface h.npy --length 1 --young 1 --poisson 0 --pressure 0.005,0.02,0.05 --tol 1e-12 --json";
+        "contact --surface h.npy --size 1 --young 1 --poisson 0 --pressure 0.005,0.02,0.05 --tolerance 1e-12 --json";
     let mut arguments: Vec<&str> = flags.split_whitespace().collect();
     arguments.extend(["--out", "c.h5"]);
     let report = json(folder.path(), &arguments);
@@ -51,7 +51,7 @@ fn a_surface_from_a_file_gives_the_published_numbers_in_json_and_in_the_file() {
     }
 
     let file = Reader::open(folder.path().join("c.h5")).unwrap();
-    for key in ["mean_pressure", "p_star", "displacement", "area_fraction", "kappa", "mean_gap", "elastic_energy"] {
+    for key in ["mean_pressure", "p_star", "approach", "area_fraction", "kappa", "mean_gap", "elastic_energy"] {
         let stored: Vec<f64> = file.values(&format!("/loads/{key}")).unwrap();
         for (stored, load) in stored.iter().zip(report["loads"].as_array().unwrap()) {
             assert_eq!(stored.to_bits(), number(load, key).to_bits(), "{key}");
@@ -96,10 +96,10 @@ fn a_list_of_loads_in_steps_and_the_stiffness_of_each() {
     }
 
     // A difference quotient along the curve, and none with a law.
-    let flags = "contact --n 32 --hurst 0.8 --displacement 0.006,0.006003 --json";
+    let flags = "contact --n 32 --hurst 0.8 --approach 0.006,0.006003 --json";
     let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
     let [low, high] =
-        [0, 1].map(|i| ["mean_pressure", "displacement", "stiffness"].map(|key| number(&report["loads"][i], key)));
+        [0, 1].map(|i| ["mean_pressure", "approach", "stiffness"].map(|key| number(&report["loads"][i], key)));
     assert_relative_eq!((high[0] - low[0]) / (high[1] - low[1]), 0.5 * (low[2] + high[2]), max_relative = 1e-3);
     let flags = "contact --n 32 --law exponential --param gamma=1e-5,range=1e-3 --p-star 0.05 --json";
     let report = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
@@ -215,13 +215,13 @@ fn solvers_agree_and_threads_do_not_matter() {
         );
         json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())["loads"].clone()
     };
-    let reference = run("--solver cg --tol 1e-11");
+    let reference = run("--solver cg --tolerance 1e-11");
     for solver in ["auto", "projected-cg", "preconditioned-cg", "verlet", "verlet-critical", "verlet-modes", "fire"] {
-        let loads = run(&format!("--solver {solver} --tol 1e-11"));
+        let loads = run(&format!("--solver {solver} --tolerance 1e-11"));
         for (a, b) in loads.as_array().unwrap().iter().zip(reference.as_array().unwrap()) {
             assert_eq!(a["contact_nodes"], b["contact_nodes"], "{solver}");
             assert_relative_eq!(number(a, "max_pressure"), number(b, "max_pressure"), max_relative = 1e-9);
-            assert_relative_eq!(number(a, "displacement"), number(b, "displacement"), max_relative = 1e-9);
+            assert_relative_eq!(number(a, "approach"), number(b, "approach"), max_relative = 1e-9);
         }
     }
     let strip = |mut loads: Value| {
@@ -236,12 +236,13 @@ fn approach_and_pressure_are_two_views_of_one_contact() {
     let folder = tempfile::tempdir().unwrap();
     for height in ["inf", "0.4"] {
         let run = |control: &str| {
-            let flags =
-                format!("contact --n 48 --eps-f-inv 8 {control} --height {height} --poisson 0.3 --tol 1e-12 --json");
+            let flags = format!(
+                "contact --n 48 --eps-f-inv 8 {control} --height {height} --poisson 0.3 --tolerance 1e-12 --json"
+            );
             json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())["loads"][0].clone()
         };
         let pressed = run("--p-star 0.1");
-        let moved = run(&format!("--displacement {:.17e}", number(&pressed, "displacement")));
+        let moved = run(&format!("--approach {:.17e}", number(&pressed, "approach")));
         assert_relative_eq!(number(&moved, "mean_pressure"), number(&pressed, "mean_pressure"), max_relative = 1e-9);
         assert_eq!(moved["contact_nodes"], pressed["contact_nodes"]);
     }
@@ -302,7 +303,7 @@ fn a_text_scan_brings_its_size_and_its_wrap_around_is_stated() {
         (report, String::from_utf8_lossy(&output.stderr).into_owned())
     };
     let (raw, warning) = run("");
-    assert_relative_eq!(raw["length"][0].as_f64().unwrap(), 2e-6, max_relative = 1e-12);
+    assert_relative_eq!(raw["size"][0].as_f64().unwrap(), 2e-6, max_relative = 1e-12);
     assert_eq!(raw["unit"], "m");
     assert!(warning.contains("seam") && warning.contains("--periodise"), "{warning}");
     let (mirrored, quiet) = run("--detrend plane --periodise mirror");
@@ -432,7 +433,7 @@ fn all_components_are_those_that_follow_from_the_pressure() {
     let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
     for (body, dim) in [("--height 0.4 --poisson 0.3", 3), ("--poisson 0.2", 3), ("--height 0.3 --poisson 0.45", 2)] {
         let contact = format!(
-            "contact --dim {dim} --n 45 --eps-t-inv 3 --eps-f-inv 5 {body} --p-star 0.05,0.1 --tol 1e-10 --json"
+            "contact --dim {dim} --n 45 --eps-t-inv 3 --eps-f-inv 5 {body} --p-star 0.05,0.1 --tolerance 1e-10 --json"
         );
         let normal = run(&format!("{contact} --out normal.h5"));
         let all = run(&format!("{contact} --components all --out all.h5"));
@@ -441,7 +442,7 @@ fn all_components_are_those_that_follow_from_the_pressure() {
             let [a, b] = [&all, &normal].map(|report| report["loads"][load].clone());
             assert_eq!(a["contact_nodes"], b["contact_nodes"], "{body}");
             assert!(number(&a["residual"], "lateral_traction") <= 1e-10 && a["stiffness"].is_null(), "{a}");
-            for name in ["displacement", "max_pressure", "mean_gap", "elastic_energy"] {
+            for name in ["approach", "max_pressure", "mean_gap", "elastic_energy"] {
                 assert_relative_eq!(number(&a, name), number(&b, name), max_relative = 1e-7);
             }
         }
@@ -466,7 +467,7 @@ fn all_components_are_those_that_follow_from_the_pressure() {
 fn a_surface_that_is_held_sideways_is_stiffer() {
     let folder = tempfile::tempdir().unwrap();
     let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
-    let contact = "contact --n 48 --eps-f-inv 8 --pressure 0.002 --tol 1e-11 --stiffness-tol 1e-9 --json";
+    let contact = "contact --n 48 --eps-f-inv 8 --pressure 0.002 --tolerance 1e-11 --stiffness-tolerance 1e-9 --json";
     let held = run(&format!("{contact} --young 1 --poisson 0.33 --components held --statistics --out held.h5"));
     // K_N = (E* q/2)/(1 - s^2) on a half-space (theory.md, section 3).
     let s: f64 = (1.0 - 0.66) / (2.0 - 0.66);
@@ -474,7 +475,7 @@ fn a_surface_that_is_held_sideways_is_stiffer() {
     let expected = run(&format!("{contact} --e-star {stiffer:.17e}"));
     let [a, b] = [&held, &expected].map(|report| report["loads"][0].clone());
     assert_eq!((&a["contact_nodes"], &held["components"]), (&b["contact_nodes"], &"held".into()));
-    for name in ["displacement", "max_pressure", "elastic_energy", "stiffness"] {
+    for name in ["approach", "max_pressure", "elastic_energy", "stiffness"] {
         assert_relative_eq!(number(&a, name), number(&b, name), max_relative = 1e-8);
     }
     assert_relative_eq!(number(&held, "e_star"), 1.0 / (1.0 - 0.33 * 0.33), max_relative = 1e-15);
@@ -497,8 +498,9 @@ fn the_history_of_a_contact_ends_at_its_state() {
     let numbers = |value: &Value| -> Vec<f64> {
         value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap_or(f64::NAN)).collect()
     };
-    let contact = "contact --n 27 --eps-f-inv 4 --height 0.5 --poisson 0.3 --p-star 0.05 --tol 1e-9 --history --json";
-    let expected = number(&run(contact)["loads"][0], "displacement");
+    let contact =
+        "contact --n 27 --eps-f-inv 4 --height 0.5 --poisson 0.3 --p-star 0.05 --tolerance 1e-9 --history --json";
+    let expected = number(&run(contact)["loads"][0], "approach");
     for how in [
         "--solver verlet-critical",
         "--solver verlet-critical --dt 0.5 --damping 1.5",
@@ -516,7 +518,7 @@ fn the_history_of_a_contact_ends_at_its_state() {
         assert!(numbers(&trace["residual"])[steps] <= 1e-9 && numbers(&trace["energy"])[steps] < 0.0, "{how}");
         let file = Reader::open(folder.path().join("h.h5")).unwrap();
         let u: Vec<f64> = file.values("/fields/displacement_z").unwrap();
-        let approach = number(load, "displacement");
+        let approach = number(load, "approach");
         if !how.contains("held") {
             assert_relative_eq!(approach, expected, max_relative = 1e-6);
         }
@@ -540,7 +542,7 @@ fn the_history_of_a_contact_ends_at_its_state() {
     let report = run(&format!("{contact} {law}"));
     let points = numbers(&report["history"]["points"][0]["u"]);
     let u: Vec<f64> = Reader::open(folder.path().join("l.h5")).unwrap().values("/fields/displacement_z").unwrap();
-    let approach = number(&report["loads"][0], "displacement");
+    let approach = number(&report["loads"][0], "approach");
     assert_relative_eq!(points[points.len() - 1], u[0] + approach, epsilon = 1e-6 * approach);
 }
 
@@ -590,7 +592,7 @@ fn converged_means_that_all_residuals_of_the_record_are_at_most_the_tolerance() 
     let folder = folder.path();
     let kinds = [
         ("--p-star 0.05", "complementarity"),
-        ("--displacement 0.002", "penetration"),
+        ("--approach 0.002", "penetration"),
         ("--p-star 0.05 --components held", "load"),
         ("--p-star 0.1 --hardness 0.03", "saturation"),
         ("--p-star 0.05 --finite-slope", "lateral_displacement"),
@@ -608,8 +610,8 @@ fn converged_means_that_all_residuals_of_the_record_are_at_most_the_tolerance() 
         for (tolerance, iterations) in [(1e-3, 100_000), (1e-8, 100_000), (1e-8, 1), (1e-8, 4), (1e-8, 12), (1e-10, 30)]
         {
             let line = format!(
-                "contact --n 16 --eps-f-inv 4 {flags} --tol {tolerance:e} --max-iter {iterations} --json --quiet \
-                 --out c.h5"
+                "contact --n 16 --eps-f-inv 4 {flags} --tolerance {tolerance:e} --max-iterations {iterations} --json \
+                 --quiet --out c.h5"
             );
             let output = gfmd(folder, &line.split_whitespace().collect::<Vec<_>>());
             let message = String::from_utf8_lossy(&output.stderr);

@@ -29,7 +29,7 @@ const COMMANDS: [&str; 12] = [
     "law contact --n 64 --eps-f-inv 8 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,0.02,0,0.01 \
      --checkpoint 0.001",
     "path path --n 32 --eps-f-inv 8 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 6",
-    "loop path --n 64 --dim 2 --law exponential --param gamma=2e-4,range=4e-3 --displacement=0.002,0.006,-0.002 \
+    "loop path --n 64 --dim 2 --law exponential --param gamma=2e-4,range=4e-3 --approach=0.002,0.006,-0.002 \
      --steps 5",
     "body body --surface whole-punch.h5 --levels 24",
     "punch punch --n 32",
@@ -48,7 +48,7 @@ const SMALL: [&str; 12] = [
     "law contact --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=4e-3 --p-star 0.05,0 \
      --checkpoint 0.0001",
     "path path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 2",
-    "loop path --n 32 --dim 2 --eps-f-inv 4 --law exponential --param gamma=2e-4,range=4e-3 --displacement=0.002,0.006 \
+    "loop path --n 32 --dim 2 --eps-f-inv 4 --law exponential --param gamma=2e-4,range=4e-3 --approach=0.002,0.006 \
      --steps 3",
     "body body --surface whole-punch.h5 --levels 3",
     "punch punch --n 16",

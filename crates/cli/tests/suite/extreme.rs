@@ -83,34 +83,34 @@ struct Base {
 const BASES: &[Base] = &[
     Base {
         line: "contact --n 8 --eps-f-inv 2 --p-star 0.05",
-        numbers: "--length --young --poisson --e-star --height --tol --hurst --eps-t-inv --eps-f-inv --rms-gradient \
-                  --rms-height --roll-off --p-star --pressure --displacement",
-        counts: "--n --max-iter --threads --seed --dim",
-        lists: "--p-star --pressure --displacement --length --n",
+        numbers: "--size --young --poisson --e-star --height --tolerance --hurst --eps-t-inv --eps-f-inv \
+                  --rms-gradient --rms-height --roll-off --p-star --pressure --approach",
+        counts: "--n --max-iterations --threads --seed --dim",
+        lists: "--p-star --pressure --approach --size --n",
     },
     Base {
-        line: "contact --n 8 --eps-f-inv 2 --height 0.3 --displacement 0.01",
-        numbers: "--length --young --poisson --height --rms-gradient --displacement",
+        line: "contact --n 8 --eps-f-inv 2 --height 0.3 --approach 0.01",
+        numbers: "--size --young --poisson --height --rms-gradient --approach",
         counts: "",
-        lists: "--displacement",
+        lists: "--approach",
     },
     Base {
         line: "contact --n 8 --eps-f-inv 2 --law exponential --param gamma=1e-4,range=0.01 --p-star 0.05",
-        numbers: "--length --young --poisson --height --rms-gradient --p-star --pressure --displacement @gamma @range",
-        counts: "--max-iter",
-        lists: "--p-star --displacement",
+        numbers: "--size --young --poisson --height --rms-gradient --p-star --pressure --approach @gamma @range",
+        counts: "--max-iterations",
+        lists: "--p-star --approach",
     },
     Base {
-        line: "path --n 8 --eps-f-inv 2 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.005,0.005 \
-               --steps 1 --max-iter 3000",
-        numbers: "--length --young --height --tol --energy-tol --displacement --pressure --lateral --direction @gamma \
-                  @range",
-        counts: "--steps --max-iter --energy-solves --n",
-        lists: "--displacement --lateral",
+        line: "path --n 8 --eps-f-inv 2 --law morse --param gamma=1e-4,range=0.01 --approach=-0.005,0.005 \
+               --steps 1 --max-iterations 3000",
+        numbers: "--size --young --height --tolerance --energy-tolerance --approach --pressure --lateral --direction \
+                  @gamma @range",
+        counts: "--steps --max-iterations --energy-solves --n",
+        lists: "--approach --lateral",
     },
     Base {
         line: "path --n 6 --eps-f-inv 1 --eps-t-inv 1 --p-star 0.05 --friction 0.3 --lateral 0,0.002 --steps 1",
-        numbers: "--length --young --poisson --height --friction --p-star --displacement --lateral --tol \
+        numbers: "--size --young --poisson --height --friction --p-star --approach --lateral --tolerance \
                   --rms-gradient",
         counts: "--steps",
         lists: "--p-star --lateral",
@@ -123,25 +123,25 @@ const BASES: &[Base] = &[
     },
     Base {
         line: "punch --n 8",
-        numbers: "--length --height --young --poisson --punch-fraction --depth --tol",
-        counts: "--n --refine --max-iter --dim",
+        numbers: "--size --height --young --poisson --punch-fraction --depth --tolerance",
+        counts: "--n --refine --max-iterations --dim",
         lists: "",
     },
     Base {
         line: "punch --n 8 --contact frictionless --height inf --dim 2",
-        numbers: "--length --young --poisson --depth",
+        numbers: "--size --young --poisson --depth",
         counts: "",
         lists: "",
     },
     Base {
         line: "surface --n 16 --eps-f-inv 4",
-        numbers: "--length --hurst --eps-t-inv --eps-f-inv --rms-gradient --rms-height --roll-off --fit-range",
+        numbers: "--size --hurst --eps-t-inv --eps-f-inv --rms-gradient --rms-height --roll-off --fit-range",
         counts: "--n --seed --dim --threads",
-        lists: "--length --n --fit-range",
+        lists: "--size --n --fit-range",
     },
     Base {
         line: "surface --n 16 --method rmd",
-        numbers: "--length --hurst --rms-gradient --rms-height",
+        numbers: "--size --hurst --rms-gradient --rms-height",
         counts: "--n",
         lists: "",
     },
@@ -214,13 +214,13 @@ const BASES: &[Base] = &[
     },
     Base {
         line: "body --surface contact.h5 --levels 3 --deepest 0.2",
-        numbers: "--length --young --poisson --e-star --height --deepest --depths",
+        numbers: "--size --young --poisson --e-star --height --deepest --depths",
         counts: "--levels --load",
-        lists: "--depths --length",
+        lists: "--depths --size",
     },
     Base {
         line: "body --surface punch.h5 --levels 3",
-        numbers: "--length --young --poisson --height --deepest --depths",
+        numbers: "--size --young --poisson --height --deepest --depths",
         counts: "--levels",
         lists: "",
     },
@@ -228,7 +228,7 @@ const BASES: &[Base] = &[
 
 /// Mutually exclusive flags: a new one replaces the others.
 const EXCLUSIVE: [&[&str]; 4] = [
-    &["--p-star", "--pressure", "--displacement"],
+    &["--p-star", "--pressure", "--approach"],
     &["--depth", "--z"],
     &["--depths", "--levels", "--deepest"],
     &["--rms-gradient", "--rms-height"],
@@ -459,7 +459,7 @@ fn special_files_are_not_replaced() {
     let before = names(folder.path());
     let commands = [
         "contact --n 8 --eps-f-inv 2 --p-star 0.05",
-        "path --n 8 --eps-f-inv 2 --law exponential --param gamma=1e-4,range=0.01 --displacement 0.002 --steps 1",
+        "path --n 8 --eps-f-inv 2 --law exponential --param gamma=1e-4,range=0.01 --approach 0.002 --steps 1",
         "punch --n 8",
         "surface --n 8 --eps-f-inv 2",
         "kappa-sweep --preset smoke",
@@ -495,7 +495,7 @@ fn inputs_that_are_no_regular_files_are_refused() {
     let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let rough = ndarray::Array2::from_shape_fn((8, 8), |(i, j)| ((5 * i + 3 * j) % 7) as f64 * 1e-3);
     ndarray_npy::write_npy(at("h.npy"), &rough).unwrap();
-    let made = limited(folder.path(), &words("contact --surface h.npy --length 1 --p-star 0.05 --out c.h5"));
+    let made = limited(folder.path(), &words("contact --surface h.npy --size 1 --p-star 0.05 --out c.h5"));
     assert_eq!(made.0, Some(0), "{}", made.2);
     for name in ["pipe", "pipe.npy", "pipe.h5"] {
         assert!(Command::new("mkfifo").arg(at(name)).status().unwrap().success());
@@ -513,8 +513,8 @@ fn inputs_that_are_no_regular_files_are_refused() {
         "contact --surface X --p-star 0.05",
         "contact --surface X.npy --p-star 0.05",
         "contact --surface h.npy --second-surface X --p-star 0.05",
-        "contact --surface h.npy --length 1 --p-star 0.05 --hardness X.npy",
-        "contact --surface h.npy --length 1 --p-star 0.05 --height 1 --base-displacement X.npy",
+        "contact --surface h.npy --size 1 --p-star 0.05 --hardness X.npy",
+        "contact --surface h.npy --size 1 --p-star 0.05 --height 1 --base-displacement X.npy",
         "contact --surface X.h5:/heights --p-star 0.05",
         "surface --surface X",
         "surface --surface X --list",
@@ -710,14 +710,14 @@ fn sweeps_out_of_range_are_refused_by_name() {
         .into_iter()
         .for_each(|name| all(name, &["0", "0.0", "-0.0", "-1", "17.0"]));
     ["fit.alpha_t", "fit.alpha_f", "fit.alpha_c"].into_iter().for_each(|name| all(name, &numbers));
-    ["fit.resamples", "statistics.realisations", "statistics.seed", "solver.max_iter", "points.largest_n"]
+    ["fit.resamples", "statistics.realisations", "statistics.seed", "solver.max_iterations", "points.largest_n"]
         .into_iter()
         .for_each(|name| all(name, &counts));
     all("fit.resamples", &["9223372036854775807", "2147483648"]);
     all("statistics.realisations", &["0", "9223372036854775807", "2147483648"]);
-    all("solver.max_iter", &["0"]);
-    all("solver.tol", &numbers);
-    all("solver.tol", &["0.0", "1.0"]);
+    all("solver.max_iterations", &["0"]);
+    all("solver.tolerance", &numbers);
+    all("solver.tolerance", &["0.0", "1.0"]);
     all("fit.p_star", &numbers);
     let small = "
 [points]

@@ -36,13 +36,13 @@ fn attraction_and_layers_on_a_patch_are_recorded_and_recomputed() {
     let law = "--law exponential --param gamma=1e-4,range=4e-3";
     for flags in [
         format!("contact {SURFACE} {law} --p-star 0.05,0.01 --statistics"),
-        format!("contact {SURFACE} {law} --displacement 0.005,-0.001"),
+        format!("contact {SURFACE} {law} --approach 0.005,-0.001"),
         format!("contact {SURFACE} {law} --p-star 0.02 --height 0.2 --base sliding"),
         format!(
             "contact {SURFACE} --p-star 0.02,0.1 --height 0.2 --layer 3,0.4,0.1 --base half-space --base-young 2 \
              --base-poisson 0.2"
         ),
-        format!("contact {SURFACE} --displacement 0.01 --height 0.2 --second-body 3,0.4,0.3 --hardness 0.1"),
+        format!("contact {SURFACE} --approach 0.01 --height 0.2 --second-body 3,0.4,0.3 --hardness 0.1"),
     ] {
         let report = is_sound(folder.path(), &flags);
         for load in report["loads"].as_array().unwrap() {
@@ -75,7 +75,7 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
         last.iter().enumerate().filter(|(k, p)| **p > 0.0 && is_edge(*k)).count()
     };
     for command in ["contact", "path"] {
-        let flags = format!("{command} --surface cap.npy --boundary free --out {command}.h5 --json --displacement");
+        let flags = format!("{command} --surface cap.npy --boundary free --out {command}.h5 --json --approach");
         assert!(told(&run(folder, &format!("{flags} 0.001,0.06"))).is_empty());
         let report = run(folder, &format!("{flags} 0.001,0.11,0.2"));
         let (found, count) = (told(&report), pressed(&format!("{command}.h5")));
@@ -86,11 +86,10 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
         let count = pressed(&format!("{command}.h5"));
         assert!(count > 0 && (command == "path" || told(&one)[0].contains(&format!("at {count} of its 60"))), "{one}");
     }
-    assert!(told(&run(folder, "contact --surface cap.npy --displacement 0.02 --json")).is_empty());
+    assert!(told(&run(folder, "contact --surface cap.npy --approach 0.02 --json")).is_empty());
     // Nothing flows through a gap that is closed everywhere, despite rounding.
     for command in ["contact", "path"] {
-        let report =
-            run(folder, &format!("{command} --surface cap.npy --boundary free --displacement 0.2 --flow --json"));
+        let report = run(folder, &format!("{command} --surface cap.npy --boundary free --approach 0.2 --flow --json"));
         let of = report.get("loads").unwrap_or(&report["steps"]).as_array().unwrap().last().unwrap();
         assert_eq!((&of["area_fraction"], &of["mean_gap"]), (&1.0.into(), &0.0.into()));
         let reasons = of["undefined"].to_string();
@@ -99,7 +98,7 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
     let line = run(folder, "contact --dim 2 --n 32 --eps-f-inv 4 --boundary free --p-star 3 --json");
     assert!(told(&line)[0].contains("at 2 of its 2 points"), "{line}");
     // Attractive laws have no contact at the edge where the surfaces do not touch.
-    let law = "--law exponential --param gamma=1e-4,range=4e-3 --displacement 0.001 --json";
+    let law = "--law exponential --param gamma=1e-4,range=4e-3 --approach 0.001 --json";
     assert!(told(&run(folder, &format!("contact --surface cap.npy --boundary free {law}"))).is_empty());
 }
 
@@ -107,9 +106,8 @@ fn contacts_at_the_edge_of_a_patch_are_told() {
 fn paths_on_a_patch_lose_energy_and_slip() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let law = format!(
-        "path {SURFACE} --law exponential --param gamma=1e-4,range=4e-3 --displacement 0,0.006,-0.004 --steps 4"
-    );
+    let law =
+        format!("path {SURFACE} --law exponential --param gamma=1e-4,range=4e-3 --approach 0,0.006,-0.004 --steps 4");
     let report = is_sound(folder, &law);
     assert_eq!(report["boundary"], "free");
     let lateral = "--p-star 0.05 --lateral 0,0.002,-0.002 --steps 2";
@@ -167,11 +165,11 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
         let message = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && message.contains(reported), "{flags}: {message}");
     }
-    let output = gfmd(folder.path(), &words(&format!("contact {SURFACE} --dim 2 {law} --displacement 0.01")));
+    let output = gfmd(folder.path(), &words(&format!("contact {SURFACE} --dim 2 {law} --approach 0.01")));
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
         output.status.code() == Some(2)
-            && message.contains("--displacement is given; it must be left out with a profile on a half-space"),
+            && message.contains("--approach is given; it must be left out with a profile on a half-space"),
         "{message}"
     );
 }

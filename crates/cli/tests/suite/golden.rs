@@ -280,8 +280,8 @@ fn hard_wall() {
     check(folder, "surface-sra", "surface --n 64 --hurst 0.6 --method sra --seed 2 --out sra.h5");
     check(folder, "surface-rmd", "surface --n 64 --hurst 0.6 --method rmd --seed 2 --out rmd.h5");
     check(folder, "contact", "contact --n 128 --hurst 0.8 --p-star 0.01,0.05,0.2 --out c.h5");
-    check(folder, "contact-slab", "contact --n 64 --height 0.2 --poisson 0.45 --displacement 0.005,0.01 --out slab.h5");
-    check(folder, "contact-approach", "contact --n 64 --displacement 0.01 --solver verlet --tol 1e-5");
+    check(folder, "contact-slab", "contact --n 64 --height 0.2 --poisson 0.45 --approach 0.005,0.01 --out slab.h5");
+    check(folder, "contact-approach", "contact --n 64 --approach 0.01 --solver verlet --tolerance 1e-5");
     check(folder, "contact-line", "contact --n 512 --dim 2 --p-star 0.05 --out line.h5");
     check(
         folder,
@@ -302,10 +302,10 @@ fn hard_wall() {
         check(
             folder,
             &format!("solver-{solver}"),
-            &format!("contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --p-star 0.1 --tol 1e-6 --solver {solver}"),
+            &format!("contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --p-star 0.1 --tolerance 1e-6 --solver {solver}"),
         );
     }
-    let all = "contact --n 24 --eps-f-inv 4 --height 0.4 --poisson 0.3 --p-star 0.05 --tol 1e-6 --components all";
+    let all = "contact --n 24 --eps-f-inv 4 --height 0.4 --poisson 0.3 --p-star 0.05 --tolerance 1e-6 --components all";
     check(
         folder,
         "contact-all",
@@ -319,8 +319,8 @@ fn hard_wall() {
 fn laws() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let morse =
-        "contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --law morse --param gamma=1e-4,range=0.01 --p-star 0.05 --tol 1e-6";
+    let morse = "contact --n 32 --eps-f-inv 8 --eps-t-inv 1 --law morse --param gamma=1e-4,range=0.01 --p-star 0.05 \
+                 --tolerance 1e-6";
     check(
         folder,
         "contact-exponential",
@@ -331,7 +331,7 @@ fn laws() {
     check(
         folder,
         "path-adhesive",
-        "path --n 64 --law exponential --param gamma=1e-5,range=1e-3 --displacement=-0.002,0.006,-0.004 --steps 4 \
+        "path --n 64 --law exponential --param gamma=1e-5,range=1e-3 --approach=-0.002,0.006,-0.004 --steps 4 \
          --out p.h5",
     );
     check(
@@ -342,7 +342,7 @@ fn laws() {
     check(
         folder,
         "path-mixed-mode",
-        "path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 --displacement 0.002 \
+        "path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 --approach 0.002 \
          --lateral 0,0.01 --steps 3",
     );
     check(
@@ -403,7 +403,7 @@ fn histories_tables_and_theories() {
                  --steps 2 --out s.h5"
             ),
         ),
-        ("path-relaxing-law", format!("path {rough} {prony} {law} --displacement 0.005,-0.005 --time 1,0 --out l.h5")),
+        ("path-relaxing-law", format!("path {rough} {prony} {law} --approach 0.005,-0.005 --time 1,0 --out l.h5")),
         ("slide", format!("slide {rough} {prony} --p-star 0.05 --velocity 0.1,1 --out v.h5")),
         ("slide-heat", format!("slide {rough} --p-star 0.05 --velocity 1 --heat 1,0.01 --friction 0.3 --out h.h5")),
         ("wear", format!("wear {rough} --p-star 0.05 --coefficient 1 --distance 0,0.01 --steps 2 --flow --out w.h5")),
@@ -431,7 +431,11 @@ fn sweep_punch_and_elasticity() {
     std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
     check(folder, "kappa-sweep", "kappa-sweep --config sweep.toml --out k.h5");
     check(folder, "punch", "punch --n 32 --nodes inclusive --refine 2 --out p.h5");
-    check(folder, "punch-line", "punch --dim 2 --n 64 --contact frictionless --height inf --solver verlet --tol 1e-6");
+    check(
+        folder,
+        "punch-line",
+        "punch --dim 2 --n 64 --contact frictionless --height inf --solver verlet --tolerance 1e-6",
+    );
     check(folder, "green", "green --qx 3 --qy 4 --height 0.3 --poisson 0.45 --z 0.1");
     check(folder, "body-punch", "body --surface p.h5 --depths 0.1,0.3 --out b.h5");
 }
@@ -447,16 +451,16 @@ fn threads_change_no_bit() {
         "surface --n 512 --hurst 0.7 --out h.h5",
         "surface --n 256 --hurst 0.6 --method sra --out h.h5",
         "contact --n 256 --p-star 0.02,0.1 --out c.h5",
-        "contact --n 192,250 --height 0.3 --poisson 0.4 --displacement 0.01 --solver cg --out c.h5",
+        "contact --n 192,250 --height 0.3 --poisson 0.4 --approach 0.01 --solver cg --out c.h5",
         "contact --n 50000 --dim 2 --eps-f-inv 512 --p-star 0.05 --out c.h5",
-        "contact --n 128 --p-star 0.1 --tol 1e-4 --solver verlet --out c.h5",
-        "contact --n 128 --p-star 0.1 --tol 1e-4 --solver augmented-lagrangian --out c.h5",
-        "contact --n 96 --p-star 0.2 --tol 1e-3 --components all --solver verlet-modes --history --out c.h5",
-        "contact --n 128 --p-star 0.1 --tol 1e-3 --solver verlet-modes --out c.h5",
+        "contact --n 128 --p-star 0.1 --tolerance 1e-4 --solver verlet --out c.h5",
+        "contact --n 128 --p-star 0.1 --tolerance 1e-4 --solver augmented-lagrangian --out c.h5",
+        "contact --n 96 --p-star 0.2 --tolerance 1e-3 --components all --solver verlet-modes --history --out c.h5",
+        "contact --n 128 --p-star 0.1 --tolerance 1e-3 --solver verlet-modes --out c.h5",
         "contact --n 128 --law exponential --param gamma=1e-5,range=4e-4 --p-star 0.02 --out c.h5",
-        "path --n 128 --law morse --param gamma=1e-4,range=0.01 --displacement=-0.002,0.004 --steps 1 --tol 1e-6 \
+        "path --n 128 --law morse --param gamma=1e-4,range=0.01 --approach=-0.002,0.004 --steps 1 --tolerance 1e-6 \
          --out p.h5",
-        "path --n 64 --p-star 0.05 --friction 0.3 --lateral 0,0.002 --steps 1 --tol 1e-6 --out f.h5",
+        "path --n 64 --p-star 0.05 --friction 0.3 --lateral 0,0.002 --steps 1 --tolerance 1e-6 --out f.h5",
         "punch --n 128 --out u.h5",
         "body --surface u.h5 --levels 3 --out b.h5",
         "kappa-sweep --config sweep.toml --out k.h5",

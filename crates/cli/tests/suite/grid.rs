@@ -24,7 +24,7 @@ fn limit(load: &Value, name: &str) -> [f64; 3] {
 }
 
 const NAMES: [&str; 6] =
-    ["area_fraction", "mean_gap", "displacement", "elastic_energy", "stiffness", "mean_pressure_in_contact"];
+    ["area_fraction", "mean_gap", "approach", "elastic_energy", "stiffness", "mean_pressure_in_contact"];
 
 /// Checks that the numbers of a load on two grids agree within their errors.
 fn agree(problem: &str, [coarse, fine]: [&Value; 2], names: &[&str], factor: f64) {
@@ -44,7 +44,7 @@ fn a_finer_grid_tells_the_error_of_all_bodies_interactions_and_boundaries() {
         ("--height 0.1 --base sliding --poisson 0.4", &NAMES),
         ("--components held --poisson 0.2", &NAMES),
         ("--hardness 0.1", &NAMES),
-        ("--law exponential --param gamma=1e-6 --param range=4e-3", &["mean_gap", "area_fraction", "displacement"]),
+        ("--law exponential --param gamma=1e-6 --param range=4e-3", &["mean_gap", "area_fraction", "approach"]),
     ] {
         let run = |n: usize, how: &str| {
             let flags = format!(
@@ -81,7 +81,7 @@ fn between_the_points_of_a_scan_two_interpolations_tell_what_is_not_known() {
         0.05 * (0.2 * i as f64).sin() * (0.2 * j as f64).cos() + 0.02 * noise
     });
     ndarray_npy::write_npy(folder.path().join("scan.npy"), &rough).unwrap();
-    let scan = "contact --surface scan.npy --length 1 --p-star 0.05 --json -q";
+    let scan = "contact --surface scan.npy --size 1 --p-star 0.05 --json -q";
     let one = json(folder.path(), &words(scan));
     assert_eq!(one["grid_error"]["assumes"], "nothing rougher than the pixels");
     let reason = reason_for(&one["loads"][0], "area_fraction_limit").unwrap();
@@ -127,7 +127,7 @@ fn the_grid_is_made_finer_until_all_numbers_are_as_exact_as_asked_for() {
     };
     let smooth = waves.heights(&grid, 3).unwrap();
     ndarray_npy::write_npy(path.join("smooth.npy"), &smooth).unwrap();
-    let flags = "contact --surface smooth.npy --length 1 --p-star 0.1 --accuracy 0.02 --json -q --out s.h5";
+    let flags = "contact --surface smooth.npy --size 1 --p-star 0.1 --accuracy 0.02 --json -q --out s.h5";
     let found = json(path, &words(flags));
     assert!(found["n"][0].as_u64().unwrap() > 48 && found["accuracy"]["grids"].as_array().unwrap().len() > 1);
     assert!(gfmd(path, &words("check s.h5 --rerun")).status.success());
@@ -148,18 +148,11 @@ fn contacts_that_are_alike_have_wider_errors_and_stripes_none() {
     let (path, tau) = (folder.path(), std::f64::consts::TAU);
     let egg = |n: usize, offset: f64| {
         write(&path.join("egg.npy"), n, offset, |x, y| 0.01 * (tau * 2.0 * x).cos() * (tau * 2.0 * y).cos());
-        json(path, &words("contact --surface egg.npy --length 1 --pressure 0.002,0.006 --json -q"))
+        json(path, &words("contact --surface egg.npy --size 1 --pressure 0.002,0.006 --json -q"))
     };
     let exact = egg(256, 0.0);
-    let names = [
-        "area_fraction",
-        "mean_gap",
-        "displacement",
-        "elastic_energy",
-        "stiffness",
-        "pressure_moment_2",
-        "max_pressure",
-    ];
+    let names =
+        ["area_fraction", "mean_gap", "approach", "elastic_energy", "stiffness", "pressure_moment_2", "max_pressure"];
     for offset in [0.0, 0.3, 0.5] {
         let coarse = egg(36, offset);
         for load in [0, 1] {
@@ -170,12 +163,12 @@ fn contacts_that_are_alike_have_wider_errors_and_stripes_none() {
     }
     write(&path.join("wave.npy"), 32, 0.0, |x, _| 0.01 * (tau * x).cos());
     for how in ["estimate", "refine"] {
-        let flags = format!("contact --surface wave.npy --length 1 --pressure 0.005 --grid-error {how} --json -q");
+        let flags = format!("contact --surface wave.npy --size 1 --pressure 0.005 --grid-error {how} --json -q");
         let load = json(path, &words(&flags))["loads"][0].take();
         let reason = reason_for(&load, "area_fraction_limit").unwrap();
         assert!(reason.contains("slopes that differ by a factor of at most 2"), "{reason}");
     }
-    let reported = refused(path, "contact --surface wave.npy --length 1 --pressure 0.005 --accuracy 1%");
+    let reported = refused(path, "contact --surface wave.npy --size 1 --pressure 0.005 --accuracy 1%");
     assert!(reported.contains("the surface has 1.0 waves"), "{reported}");
 }
 
@@ -186,7 +179,7 @@ fn the_closed_form_of_a_sphere_is_within_the_errors_of_a_patch() {
     let path = folder.path();
     let press = |n: usize, offset: f64, force: f64| {
         write(&path.join("sphere.npy"), n, offset, |x, y| -0.5 * ((x - 0.5).powi(2) + (y - 0.5).powi(2)));
-        let flags = "contact --surface sphere.npy --length 1 --boundary free --young 1 --poisson 0 --json -q";
+        let flags = "contact --surface sphere.npy --size 1 --boundary free --young 1 --poisson 0 --json -q";
         json(path, &words(&format!("{flags} --pressure {force}")))["loads"][0].take()
     };
     let a: f64 = 0.2;
@@ -208,7 +201,7 @@ fn the_closed_form_of_a_sphere_is_within_the_errors_of_a_patch() {
             let bound = load[format!("{name}_grid_error")].as_f64().unwrap();
             assert!((value - exact).abs() <= bound && bound < 0.2 * exact, "{n} {offset} {name}: {value} ± {bound}");
         }
-        let reason = reason_for(&load, "displacement_limit").unwrap();
+        let reason = reason_for(&load, "approach_limit").unwrap();
         assert!(reason.contains("not measured with free boundaries"), "{reason}");
     }
     let load = press(32, 0.5, 4.0 * 0.6_f64.powi(3) / 3.0);
@@ -222,7 +215,7 @@ fn a_path_on_a_finer_grid_tells_the_error_of_the_pull_off_and_of_each_step() {
     let path = folder.path();
     let law = "--law exponential --param gamma=1e-6 --param range=4e-3";
     let pull = |n: usize, how: &str| {
-        let flags = "--displacement=-0.003,0.002,-0.008 --steps 12 --energy-solves 0 --seed 3 --json -q";
+        let flags = "--approach=-0.003,0.002,-0.008 --steps 12 --energy-solves 0 --seed 3 --json -q";
         json(path, &words(&format!("path --n {n} --eps-f-inv 4 {law} {flags} --grid-error {how} --out {how}{n}.h5")))
     };
     let (one, two, exact) = (pull(24, "estimate"), pull(24, "refine"), pull(96, "none"));
@@ -237,7 +230,7 @@ fn a_path_on_a_finer_grid_tells_the_error_of_the_pull_off_and_of_each_step() {
     assert!(lowest[2] < 0.5 * found.abs(), "{lowest:?} {found}");
     // The approach counts from the top of the surface, which lies above the points.
     let step = &two["steps"][12];
-    let [approach, top, _] = limit(step, "displacement");
+    let [approach, top, _] = limit(step, "approach");
     assert!(top > approach && top - approach < 1e-3, "{approach} {top}");
     for again in ["check refine24.h5", "check refine24.h5 --rerun", "check estimate24.h5", "report refine24.h5"] {
         assert!(gfmd(path, &words(again)).status.success(), "{again}");
@@ -247,7 +240,7 @@ fn a_path_on_a_finer_grid_tells_the_error_of_the_pull_off_and_of_each_step() {
     let steps = json(path, &words(&format!("path {flags} 0.02,0.1 --steps 1")));
     let loads = json(path, &words(&format!("contact {flags} 0.02,0.1")));
     for (step, load) in [0, 1].map(|k| (&steps["steps"][k], &loads["loads"][k])) {
-        for name in ["area_fraction", "mean_gap", "displacement", "elastic_energy"] {
+        for name in ["area_fraction", "mean_gap", "approach", "elastic_energy"] {
             let ([_, a, of_a], [_, b, of_b]) = (limit(step, name), limit(load, name));
             assert!(
                 (a - b).abs() < 1e-6 * b && (of_a - of_b).abs() < 1e-3 * of_b,
@@ -266,8 +259,8 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
         (format!("{contact} --accuracy 1% --grid-error refine"), "cannot be used with"),
         (format!("{contact} --accuracy 1% --law morse --param gamma=1e-5,range=0.01"), "not with a law"),
         (format!("{contact} --accuracy 1% --method rmd"), "--accuracy"),
-        ("contact --n 32 --displacement 0.001 --accuracy 1%".into(), "the approach counts from the highest point"),
-        ("contact --n 32 --displacement 0.001 --grid-error refine".into(), "--grid-error is refine"),
+        ("contact --n 32 --approach 0.001 --accuracy 1%".into(), "the approach counts from the highest point"),
+        ("contact --n 32 --approach 0.001 --grid-error refine".into(), "--grid-error is refine"),
         (format!("{contact} --grid-error refine --dim 2"), "--grid-error is refine"),
         (format!("{contact} --grid-error refine --finite-slope"), "--grid-error is refine"),
         (format!("{contact} --grid-error refine --method rmd"), "--method is rmd"),
@@ -288,19 +281,19 @@ fn at_a_prescribed_approach_the_pressure_has_the_grid_error() {
     let folder = tempfile::tempdir().unwrap();
     let load = |n: u32| {
         let n = n.to_string();
-        let flags = ["contact", "--n", &n, "--eps-f-inv", "8", "--displacement", "0.006", "--json"];
+        let flags = ["contact", "--n", &n, "--eps-f-inv", "8", "--approach", "0.006", "--json"];
         json(folder.path(), &flags)["loads"][0].clone()
     };
     let number = |load: &Value, key: &str| load[key].as_f64().unwrap_or_else(|| panic!("{key} of {load}"));
     let fine = number(&load(512), "mean_pressure_limit");
     for n in [64, 128] {
         let load = load(n);
-        assert!(load.get("displacement_limit").is_none(), "{load}");
+        assert!(load.get("approach_limit").is_none(), "{load}");
         let [value, limit, error] =
             ["mean_pressure", "mean_pressure_limit", "mean_pressure_limit_error"].map(|key| number(&load, key));
         assert!((limit - fine).abs() < error && (value - fine).abs() > 10.0 * error, "{n}: {value} {limit} {error}");
     }
-    let output = gfmd(folder.path(), &["contact", "--n", "64", "--eps-f-inv", "8", "--displacement", "0.006"]);
+    let output = gfmd(folder.path(), &["contact", "--n", "64", "--eps-f-inv", "8", "--approach", "0.006"]);
     assert!(String::from_utf8_lossy(&output.stdout).contains(" 6.0000e-3 "));
 }
 

@@ -43,11 +43,11 @@ fn same(folder: &Path, plain: &str, guess: &str) {
 fn a_file_that_stands_alone_is_the_surface() {
     let folder = folder();
     for (command, flags) in [
-        ("contact", "--length 1 --p-star 0.05"),
-        ("surface", "--length 1"),
-        ("path", "--length 1 --p-star 0.05 --steps 1"),
-        ("slide", "--length 1 --p-star 0.05 --prony 1:0.5 --velocity 0.1"),
-        ("wear", "--length 1 --p-star 0.05 --coefficient 1 --distance 0.1 --steps 1"),
+        ("contact", "--size 1 --p-star 0.05"),
+        ("surface", "--size 1"),
+        ("path", "--size 1 --p-star 0.05 --steps 1"),
+        ("slide", "--size 1 --p-star 0.05 --prony 1:0.5 --velocity 0.1"),
+        ("wear", "--size 1 --p-star 0.05 --coefficient 1 --distance 0.1 --steps 1"),
     ] {
         let plain = format!("{command} --surface scan.npy {flags}");
         same(folder.path(), &plain, &format!("{command} scan.npy {flags}"));
@@ -55,19 +55,19 @@ fn a_file_that_stands_alone_is_the_surface() {
     }
     std::fs::copy(folder.path().join("scan.npy"), folder.path().join("2um.npy")).unwrap();
     for file in ["2um.npy", "./scan.npy"] {
-        let rest = format!("contact --p-star 0.05 --length 1 {file}");
-        same(folder.path(), "contact --surface scan.npy --length 1 --p-star 0.05", &rest);
+        let rest = format!("contact --p-star 0.05 --size 1 {file}");
+        same(folder.path(), "contact --surface scan.npy --size 1 --p-star 0.05", &rest);
     }
     let of = |flags: &str| json(folder.path(), &words(flags));
-    let theory = "--length 1 --p-star 0.05 --json -q";
+    let theory = "--size 1 --p-star 0.05 --json -q";
     assert_eq!(of(&format!("theory --surface scan.npy {theory}")), of(&format!("theory scan.npy {theory}")));
-    of("contact scan.npy --length 1 --p-star 0.05 --json -q --out pressed.h5");
+    of("contact scan.npy --size 1 --p-star 0.05 --json -q --out pressed.h5");
     same(folder.path(), "body --surface pressed.h5 --depths 0.1,0.2", "body --depths 0.1,0.2 pressed.h5");
     // After flags of all commands, and after one without a value.
     same(
         folder.path(),
-        "contact --surface scan.npy --length 1 --p-star 0.05 --statistics",
-        "contact --threads 1 --length 1 --p-star 0.05 --statistics scan.npy",
+        "contact --surface scan.npy --size 1 --p-star 0.05 --statistics",
+        "contact --threads 1 --size 1 --p-star 0.05 --statistics scan.npy",
     );
     let text = refused(folder.path(), "contact scan.npy other.npy --p-star 0.05");
     assert!(text.contains("'other.npy' found; the surface is scan.npy") && text.contains("--lower-surface"), "{text}");
@@ -82,20 +82,16 @@ fn a_file_that_stands_alone_is_the_surface() {
 #[test]
 fn values_may_begin_with_minus() {
     let folder = folder();
-    let start = "contact --surface scan.npy --unit um --length 100um --young 70GPa";
-    same(folder.path(), &format!("{start} --displacement=1nm,2nm"), &format!("{start} --displacement 1nm,2nm"));
-    let pulled = "path --surface scan.npy --unit um --length 100um --young 70GPa --steps 1 --law exponential --coarse \
+    let start = "contact --surface scan.npy --unit um --size 100um --young 70GPa";
+    same(folder.path(), &format!("{start} --approach=1nm,2nm"), &format!("{start} --approach 1nm,2nm"));
+    let pulled = "path --surface scan.npy --unit um --size 100um --young 70GPa --steps 1 --law exponential --coarse \
                   --param gamma=0.05J/m^2,range=50nm";
     for values in ["-10nm,10nm", "-0.01,0.01", "-10nm", "-10nm,-5nm"] {
-        let [joined, apart] = ["=", " "].map(|between| format!("{pulled} --displacement{between}{values}"));
+        let [joined, apart] = ["=", " "].map(|between| format!("{pulled} --approach{between}{values}"));
         same(folder.path(), &joined, &apart);
     }
-    same(
-        folder.path(),
-        &format!("{pulled} --displacement=-10nm,10nm"),
-        &format!("{pulled} --displacement -10 nm,10 nm"),
-    );
-    let drawn = "path --surface scan.npy --length 1 --p-star 0.05 --friction 0.3 --steps 1 --lateral";
+    same(folder.path(), &format!("{pulled} --approach=-10nm,10nm"), &format!("{pulled} --approach -10 nm,10 nm"));
+    let drawn = "path --surface scan.npy --size 1 --p-star 0.05 --friction 0.3 --steps 1 --lateral";
     same(folder.path(), &format!("{drawn}=-0.001,0.001"), &format!("{drawn} -0.001,0.001"));
     // Each command refuses its invalid values with its own reason.
     for (flags, reason) in [
@@ -103,7 +99,7 @@ fn values_may_begin_with_minus() {
         ("slide --n 16 --prony 1:0.5 --p-star 0.1 --velocity -1,1", "must be"),
         ("wear --n 16 --p-star 0.1 --coefficient 1 --distance -1,1", "must be"),
         ("theory --n 16 --p-star -1,2", "must be"),
-        ("contact --n 16 --length -1,1 --p-star 0.1", "must be"),
+        ("contact --n 16 --size -1,1 --p-star 0.1", "must be"),
     ] {
         let text = refused(folder.path(), flags);
         assert!(text.contains(reason) && !text.contains("unexpected argument"), "{flags}: {text}");
@@ -115,19 +111,19 @@ fn a_number_and_its_unit_may_be_two_words() {
     let folder = folder();
     same(
         folder.path(),
-        "contact --surface scan.npy --unit um --length 100um --young 70GPa --height 2um --pressure 1MPa",
-        "contact scan.npy --unit um --length 100 um --young 70 GPa --height 2 um --pressure 1 MPa",
+        "contact --surface scan.npy --unit um --size 100um --young 70GPa --height 2um --pressure 1MPa",
+        "contact scan.npy --unit um --size 100 um --young 70 GPa --height 2 um --pressure 1 MPa",
     );
     same(
         folder.path(),
-        "contact --surface scan.npy --unit um --length 100um --young 70GPa --pressure 1MPa,2MPa,4MPa",
-        "contact --unit um --length 100um --young=70 GPa --pressure 1 MPa,2 MPa,4 MPa scan.npy",
+        "contact --surface scan.npy --unit um --size 100um --young 70GPa --pressure 1MPa,2MPa,4MPa",
+        "contact --unit um --size 100um --young=70 GPa --pressure 1 MPa,2 MPa,4 MPa scan.npy",
     );
     same(
         folder.path(),
-        "path --surface scan.npy --unit um --length 100um --young 2GPa --prony 1s:0.5 --pressure 1MPa --time 0,3min \
+        "path --surface scan.npy --unit um --size 100um --young 2GPa --prony 1s:0.5 --pressure 1MPa --time 0,3min \
          --steps 1",
-        "path scan.npy --unit um --length 100um --young 2GPa --prony 1s:0.5 --pressure 1 MPa --time 0,3 min --steps 1",
+        "path scan.npy --unit um --size 100um --young 2GPa --prony 1s:0.5 --pressure 1 MPa --time 0,3 min --steps 1",
     );
     for (flags, reason) in [
         ("contact scan.npy --unit um --young 70GPa --pressure 1,2 MPa", "as in 1MPa,2MPa"),
@@ -142,17 +138,44 @@ fn a_number_and_its_unit_may_be_two_words() {
 }
 
 #[test]
+fn former_names_of_options_are_understood() {
+    let folder = folder();
+    for (former, present) in [
+        (
+            "contact scan.npy --length=100 um --unit um --young 70GPa --displacement 1 nm,3 nm --tol 1e-9 \
+             --max-iter 999",
+            "contact scan.npy --size 100um --unit um --young 70GPa --approach 1nm,3nm --tolerance 1e-9 \
+             --max-iterations 999",
+        ),
+        (
+            "contact --n 16 --length 1mm --young 2GPa --pressure 1MPa --stiffness-tol 1e-9",
+            "contact --n 16 --size 1mm --young 2GPa --pressure 1MPa --stiffness-tolerance 1e-9",
+        ),
+        (
+            "path --n 16 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=0.02 --coarse \
+             --displacement -0.001,0.002 --steps 1 --energy-tol 1e-2",
+            "path --n 16 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=0.02 --coarse \
+             --approach=-0.001,0.002 --steps 1 --energy-tolerance 1e-2",
+        ),
+    ] {
+        same(folder.path(), former, present);
+    }
+    let text = refused(folder.path(), "contact scan.npy --displacement 1nm 2nm");
+    assert!(text.contains("--approach 1nm,2nm") && !text.contains("--displacement"), "{text}");
+}
+
+#[test]
 fn the_length_of_a_cell_has_the_unit_of_heights_that_are_made() {
     let folder = folder();
-    let made = "contact --n 16 --young 70GPa --pressure 10MPa --rms-height 1um --length 1mm";
+    let made = "contact --n 16 --young 70GPa --pressure 10MPa --rms-height 1um --size 1mm";
     same(folder.path(), &format!("{made} --unit mm"), made);
     let report = json(folder.path(), &words(&format!("{made} --json -q")));
     assert_eq!(report["unit"], "mm");
     assert!((report["rms_height"].as_f64().unwrap() - 1e-3).abs() < 1e-15, "{report}");
     // The unit of heights in a file is not guessed.
-    let text = refused(folder.path(), "contact scan.npy --young 70GPa --pressure 10MPa --length 1mm");
+    let text = refused(folder.path(), "contact scan.npy --young 70GPa --pressure 10MPa --size 1mm");
     assert!(text.contains("--unit"), "{text}");
-    let text = refused(folder.path(), "contact --n 16 --young 70GPa --pressure 10MPa --length 1s");
+    let text = refused(folder.path(), "contact --n 16 --young 70GPa --pressure 10MPa --size 1s");
     assert!(text.contains("it must be a length"), "{text}");
 }
 
@@ -168,10 +191,10 @@ fn other_names_of_options_are_answered_with_theirs() {
         ("contact scan.npy --time 1", "gfmd path --prony"),
         ("contact scan.npy --nu 0.3", "write --poisson"),
         ("contact scan.npy --E 70GPa", "write --young"),
-        ("contact scan.npy --size 1mm", "write --length"),
+        ("contact scan.npy --lx 1mm", "write --size"),
         ("contact scan.npy --p_star 0.1", "write --p-star"),
         ("contact --n 16 --rms-slope 0.1", "write --rms-gradient"),
-        ("contact scan.npy --approach 1nm", "write --displacement"),
+        ("contact scan.npy --indentation 1nm", "write --approach"),
         ("contact scan.npy --output a.h5", "write --out"),
         ("contact scan.npy --gamma 0.05", "--law exponential --param gamma="),
         ("contact scan.npy --velocity 1", "an option of gfmd slide"),

@@ -82,7 +82,7 @@ fn flags_have_groups_and_terms() {
         ("contact", "Output", "--plots"),
         ("contact", "Contact", "--finite-slope"),
         ("contact", "Measurements", "--flow"),
-        ("path", "Accuracy", "--energy-tol"),
+        ("path", "Accuracy", "--energy-tolerance"),
         ("surface", "Measurements", "--boundary"),
         ("surface", "Output", "--report"),
         ("punch", "Punch", "--mask"),

@@ -278,8 +278,8 @@ fn messages_name_the_flag_that_is_to_blame() {
     let rough = "--n 16 --eps-f-inv 4 --p-star 0.05";
     for (line, words) in [
         (format!("wear {rough} --coefficient 1 --distance 1e12 --steps 2"), "--distance is 1e12; it must be at most"),
-        (format!("contact {rough} --length 5e-324"), "--length is 5e-324; it must be between 1e-140 and 1e140"),
-        ("surface --n 16 --eps-f-inv 4 --length 1e-200".into(), "--length is 1e-200; it must be between"),
+        (format!("contact {rough} --size 5e-324"), "--size is 5e-324; it must be between 1e-140 and 1e140"),
+        ("surface --n 16 --eps-f-inv 4 --size 1e-200".into(), "--size is 1e-200; it must be between"),
         ("body --n 2147483648 --young 1 --wave 1,0,z,1 --depths 0.1".into(), "--n: "),
         ("kappa-sweep --target 2 --dry-run".into(), "--target is 2; it must be from 1e-5 to 1"),
         (

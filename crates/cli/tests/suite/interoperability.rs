@@ -58,7 +58,7 @@ fn files_open_in_h5py_xarray_netcdf4_and_h5dump() {
 
     for ending in ["vti", "vtp"] {
         run(&format!(
-            "contact --n 32 --length 2,1 --finite-slope --p-star 0.05,0.2 --json --out last.h5 --vtk last.{ending}"
+            "contact --n 32 --size 2,1 --finite-slope --p-star 0.05,0.2 --json --out last.h5 --vtk last.{ending}"
         ));
     }
     run("contact --n 64 --dim 2 --p-star 0.05 --json --vtk line.vtp");

@@ -90,7 +90,7 @@ fn a_law_from_a_table_is_kept_in_the_file_and_gives_the_numbers_of_the_law_it_is
     let [wanted, found] = [law, "--law table --law-table law.csv"]
         .map(|law| run(folder.path(), &format!("contact {problem} {law} --pressure 0.005,-0.0001 --out a.h5")));
     for (found, wanted) in found["loads"].as_array().unwrap().iter().zip(wanted["loads"].as_array().unwrap()) {
-        for name in ["displacement", "mean_gap", "elastic_energy", "interface_energy", "max_pressure"] {
+        for name in ["approach", "mean_gap", "elastic_energy", "interface_energy", "max_pressure"] {
             let [found, wanted] = [found, wanted].map(|load| number(load, name));
             assert!((found / wanted - 1.0).abs() < 1e-4, "{name}: {found} {wanted}");
         }
@@ -116,25 +116,23 @@ fn a_law_from_a_table_is_kept_in_the_file_and_gives_the_numbers_of_the_law_it_is
     assert_eq!(run(folder.path(), "check p.h5 --rerun")["differing"], 0);
     let again = run(folder.path(), &format!("{path} --out p.h5 --resume"));
     for (again, whole) in again["steps"].as_array().unwrap().iter().zip(whole["steps"].as_array().unwrap()) {
-        assert_eq!((&again["displacement"], &again["mean_gap"]), (&whole["displacement"], &whole["mean_gap"]));
+        assert_eq!((&again["approach"], &again["mean_gap"]), (&whole["approach"], &whole["mean_gap"]));
     }
     let walked = run(
         folder.path(),
         &format!("contact {problem} --law table --law-table law.csv --range-continuation --pressure 0.005"),
     );
-    assert!(
-        (number(&walked["loads"][0], "displacement") / number(&found["loads"][0], "displacement") - 1.0).abs() < 1e-6
-    );
+    assert!((number(&walked["loads"][0], "approach") / number(&found["loads"][0], "approach") - 1.0).abs() < 1e-6);
 }
 
 #[test]
 fn a_table_has_units_by_its_heads_and_is_refused_by_what_is_wrong() {
     let folder = tempfile::tempdir().unwrap();
-    let problem = "contact --n 32 --eps-f-inv 4 --unit um --length 1um --young 1Pa --pressure 0.005Pa --law table";
+    let problem = "contact --n 32 --eps-f-inv 4 --unit um --size 1um --young 1Pa --pressure 0.005Pa --law table";
     write_table(folder.path(), "bare.csv", "gap,traction", [1.0, 1.0]);
     write_table(folder.path(), "nano.csv", "gap [nm],traction [MPa]", [1e-3, 1e6]);
     let [bare, nano] = ["bare", "nano"].map(|name| run(folder.path(), &format!("{problem} --law-table {name}.csv")));
-    for name in ["displacement", "interface_energy"] {
+    for name in ["approach", "interface_energy"] {
         let [bare, nano] = [&bare, &nano].map(|report| number(&report["loads"][0], name));
         assert!((bare / nano - 1.0).abs() < 1e-9, "{name}: {bare} {nano}");
     }
@@ -220,7 +218,7 @@ fn surfaces_that_part_are_a_failure_of_the_computation() {
 fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
     let folder = tempfile::tempdir().unwrap();
     let flags = "path --n 128 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=2e-3 \
-                 --displacement=-0.006,0.002,-0.012";
+                 --approach=-0.006,0.002,-0.012";
     let report = run(folder.path(), &format!("{flags} --steps 8 --energy-solves 20 --out l.h5 --plots l"));
     let [lost, error] = ["dissipated", "dissipated_error"].map(|name| number(&report, name));
     assert!(lost > 20.0 * error && error > 0.0, "{lost:e} +- {error:e}");
@@ -272,8 +270,7 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
         head.split_whitespace().collect::<Vec<_>>().join(" ")
     };
     let surface = "path --n 32 --dim 2 --eps-f-inv 4 --steps 1";
-    let adhesive =
-        table(&format!("{surface} --law exponential --param gamma=1e-5,range=3e-3 --displacement 0.001,0.002"));
+    let adhesive = table(&format!("{surface} --law exponential --param gamma=1e-5,range=3e-3 --approach 0.001,0.002"));
     assert_eq!(
         columns(&adhesive),
         "pressure p* approach area mean gap steps pairs elastic interface dissipated +- residual"
@@ -284,8 +281,7 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
         "pressure p* approach lateral x shear x area stick mean gap increments steps pairs elastic dissipated +- \
          residual"
     );
-    let cohesive =
-        "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --height 0.5 --displacement 0.002";
+    let cohesive = "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --height 0.5 --approach 0.002";
     let cohesive = table(&format!("{surface} {cohesive} --lateral 0,0.001"));
     assert_eq!(columns(&cohesive), "pressure p* approach lateral x shear x area mean gap steps pairs elastic residual");
     assert!(cohesive.contains("no dissipated energy"));
@@ -376,7 +372,7 @@ fn a_path_and_a_contact_print_one_state_with_the_same_bits() {
             assert_eq!(number(&contact, name).to_bits(), number(&path, name).to_bits(), "{flags}: {name}");
         }
         let (load, step) = (&contact["loads"][0], &path["steps"][0]);
-        for name in ["mean_pressure", "p_star", "displacement", "area_fraction", "mean_gap", "elastic_energy"] {
+        for name in ["mean_pressure", "p_star", "approach", "area_fraction", "mean_gap", "elastic_energy"] {
             assert_eq!(number(load, name).to_bits(), number(step, name).to_bits(), "{flags}: {name}");
         }
     }
@@ -386,7 +382,7 @@ fn a_path_and_a_contact_print_one_state_with_the_same_bits() {
 fn a_cohesive_path_moves_all_components() {
     let folder = tempfile::tempdir().unwrap();
     let flags = "path --n 32 --dim 2 --eps-f-inv 4 --height 0.5 --law npb \
-                 --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --displacement 0.002 --lateral 0,0.01 \
+                 --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --approach 0.002 --lateral 0,0.01 \
                  --steps 2";
     let report = run(folder.path(), flags);
     for step in report["steps"].as_array().unwrap() {
@@ -417,16 +413,19 @@ fn unusable_flags_are_refused_in_one_line() {
         ),
         ("contact --n 16 --eps-f-inv 4 --law morse --param gamma=1 --p-star 1", &["--param", "range"]),
         ("contact --n 16 --eps-f-inv 4 --param gamma=1 --p-star 1", &["--param", "hard-wall", "gamma", "none"]),
-        ("path --n 16 --eps-f-inv 4", &["--displacement"]),
+        ("path --n 16 --eps-f-inv 4", &["--approach"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1,2 --lateral 1,2,3", &["--p-star", "1 or 3", "2"]),
         ("path --n 16 --eps-f-inv 4 --p-star=-1", &["--p-star", "positive"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --friction -0.1", &["--friction", "mu is -0.1"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --friction 0.1 --law morse", &["--friction", "--law"]),
-        ("path --n 16 --eps-f-inv 4 --p-star 1 --tol 1", &["--tol", "1"]),
+        ("path --n 16 --eps-f-inv 4 --p-star 1 --tolerance 1", &["--tolerance", "1"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --steps 0", &["--steps", "0"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1,2,1 --steps 4294967295", &["--steps", "8589934590", "1000000"]),
-        ("path --n 16 --eps-f-inv 4 --p-star 1 --energy-tol 1e-20", &["--energy-tol", "1e-20", "1e-9", "0.1"]),
-        ("path --n 16 --eps-f-inv 4 --displacement 1 --friction 0.1", &["--displacement", "full contact"]),
+        (
+            "path --n 16 --eps-f-inv 4 --p-star 1 --energy-tolerance 1e-20",
+            &["--energy-tolerance", "1e-20", "1e-9", "0.1"],
+        ),
+        ("path --n 16 --eps-f-inv 4 --approach 1 --friction 0.1", &["--approach", "full contact"]),
     ] {
         let output = gfmd(folder.path(), &flags.split_whitespace().chain(["-q"]).collect::<Vec<_>>());
         let text = String::from_utf8_lossy(&output.stderr);
@@ -480,7 +479,7 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
         let cap = ndarray::Array2::from_shape_fn([points; 2], |(i, j)| -(at(i).powi(2) + at(j).powi(2)) / 2.0 / 3.0);
         ndarray_npy::write_npy(folder.path().join("cap.npy"), &cap).unwrap();
         let flags = format!("--surface cap.npy --e-star 2 --law exponential --param gamma={gamma},range={range}");
-        let found = run(folder.path(), &format!("contact {flags} --displacement 0.001 --boundary free"));
+        let found = run(folder.path(), &format!("contact {flags} --approach 0.001 --boundary free"));
         let slopes = (0..points - 1).map(|k| ((at(k) + step / 2.0) / 3.0).powi(2)).sum::<f64>() / (points - 1) as f64;
         let gradient = (2.0 * slopes).sqrt();
         let sticky =
@@ -517,12 +516,12 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
     }
     assert!(reported.contains("Wang-Zhou-Müser 0.22 (below 0.5: resolved)"), "{reported}");
     for command in ["contact", "path"] {
-        let coarse = format!("{command} {} --displacement 0.002 -q", flags(1e-4));
+        let coarse = format!("{command} {} --approach 0.002 -q", flags(1e-4));
         let output = gfmd(folder.path(), &coarse.split_whitespace().collect::<Vec<_>>());
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.starts_with("error: --law: the process zone") && message.contains("--coarse"), "{message}");
-        let report = run(folder.path(), &format!("{command} {} --coarse --displacement 0.002", flags(1e-4)));
+        let report = run(folder.path(), &format!("{command} {} --coarse --approach 0.002", flags(1e-4)));
         assert!(number(&report["adhesion"], "process_zone_points") < 0.1);
         assert_eq!(report["warnings"][0]["code"], "lattice-trapping");
     }
@@ -531,8 +530,7 @@ fn an_attraction_is_told_before_the_solve_and_refused_on_a_grid_that_is_much_too
 #[test]
 fn a_search_that_starts_at_longer_ranges_ends_at_the_asked_one() {
     let folder = tempfile::tempdir().unwrap();
-    let law =
-        "--n 64 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=1e-3 --displacement=-0.0005,0.002";
+    let law = "--n 64 --dim 2 --eps-f-inv 8 --law exponential --param gamma=2e-4,range=1e-3 --approach=-0.0005,0.002";
     let plain = run(folder.path(), &format!("contact {law} --out plain.h5"));
     let walked = run(folder.path(), &format!("contact {law} --range-continuation --out walked.h5"));
     for load in walked["loads"].as_array().unwrap() {
@@ -574,5 +572,5 @@ fn a_step_with_friction_that_is_not_halved_has_no_error_and_says_why() {
     let reasons = few["steps"][4]["undefined"].as_object().unwrap();
     let of_error = |columns: &Value| columns.as_array().unwrap().iter().any(|column| column == "dissipated_error");
     let reason = reasons.iter().find(|(_, columns)| of_error(columns)).unwrap().0;
-    assert!(reason.contains("was not halved") && reason.contains("--energy-tol"), "{reason}");
+    assert!(reason.contains("was not halved") && reason.contains("--energy-tolerance"), "{reason}");
 }

@@ -124,7 +124,7 @@ fn the_surface_of_the_last_load_goes_to_a_file_of_vtk() {
     ] {
         let mut seen = Vec::new();
         for ending in ["vti", "vtp"] {
-            let flags = format!("contact --n 32 --length 2 {flags} --out c.h5 --vtk c.{ending}");
+            let flags = format!("contact --n 32 --size 2 {flags} --out c.h5 --vtk c.{ending}");
             let report = run(folder, &flags);
             assert_eq!(report["vtk"], format!("c.{ending}"));
             let file = Reader::open(folder.join("c.h5")).unwrap();

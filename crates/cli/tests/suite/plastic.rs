@@ -46,7 +46,7 @@ fn a_field_of_the_hardness_bounds_the_pressure_and_stays_with_the_result() {
     // A uniform hardness field gives the same numbers as the single number.
     ndarray_npy::write_npy(folder.path().join("one.npy"), &Array2::from_elem((24, 24), 0.05)).unwrap();
     let [one, field] = ["0.05", "one.npy"].map(|hardness| {
-        let run = format!("contact --n 24 --eps-f-inv 6 --hardness {hardness} --p-star 0.3 --tol 1e-12 --json");
+        let run = format!("contact --n 24 --eps-f-inv 6 --hardness {hardness} --p-star 0.3 --tolerance 1e-12 --json");
         json(folder.path(), &words(&run))["loads"][0]["plastic_volume"].as_f64().unwrap()
     });
     approx::assert_relative_eq!(one, field, max_relative = 1e-8);
@@ -66,12 +66,13 @@ fn a_path_keeps_its_plastic_depth_and_is_checked() {
         ("elastic", "--boundary free"),
     ] {
         let run = format!(
-            "path --n 24 --eps-f-inv 6 {flags} --p-star 0.05,0.4,0.02,0.4 --steps 2 --tol 1e-10 --out {name}.h5 --json"
+            "path --n 24 --eps-f-inv 6 {flags} --p-star 0.05,0.4,0.02,0.4 --steps 2 --tolerance 1e-10 --out {name}.h5 \
+             --json"
         );
         let report = json(folder.path(), &words(&run));
         let steps = report["steps"].as_array().unwrap();
         let number = |step: usize, key: &str| steps[step][key].as_f64().unwrap();
-        approx::assert_relative_eq!(number(2, "displacement"), number(6, "displacement"), max_relative = 1e-8);
+        approx::assert_relative_eq!(number(2, "approach"), number(6, "approach"), max_relative = 1e-8);
         assert_eq!(number(2, "area_fraction"), number(6, "area_fraction"), "{name}");
         let file = Reader::open(folder.path().join(format!("{name}.h5"))).unwrap();
         if name == "elastic" {

@@ -21,7 +21,7 @@ fn words(flags: &str) -> Vec<&str> {
 #[test]
 fn the_case_of_the_source_in_json_and_in_the_file() {
     let folder = tempfile::tempdir().unwrap();
-    let report = json(folder.path(), &words("punch --tol 1e-10 --json --out p.h5 --plots p"));
+    let report = json(folder.path(), &words("punch --tolerance 1e-10 --json --out p.h5 --plots p"));
     assert_eq!((&report["n"], &report["contact_nodes"]), (&serde_json::json!([128, 128]), &961.into()));
     // Independent solution of the same discrete problem.
     assert_relative_eq!(number(&report, "mean_pressure"), 0.099_962_220_138_224_98, max_relative = 1e-9);
@@ -98,7 +98,7 @@ fn solvers_agree_on_a_half_space_and_on_rubber() {
     for body in ["--height inf --contact frictionless", "--height 0.3 --poisson 0.5", "--dim 2 --contact frictionless"]
     {
         let pressure = |solver: &str| {
-            let flags = format!("punch --n 24 --tol 1e-10 --json {body} --solver {solver}");
+            let flags = format!("punch --n 24 --tolerance 1e-10 --json {body} --solver {solver}");
             number(&json(folder.path(), &words(&flags)), "mean_pressure")
         };
         let expected = pressure("auto");
@@ -111,8 +111,8 @@ fn solvers_agree_on_a_half_space_and_on_rubber() {
 #[test]
 fn refinement_extrapolates_to_the_closed_form() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = "punch --dim 2 --height inf --contact frictionless --nodes inclusive --length 1 --young 1 --poisson 0 \
-                 --n 64 --refine 4 --tol 1e-11 --json";
+    let flags = "punch --dim 2 --height inf --contact frictionless --nodes inclusive --size 1 --young 1 --poisson 0 \
+                 --n 64 --refine 4 --tolerance 1e-11 --json";
     let report = json(folder.path(), &words(flags));
     let refinement = &report["refinement"];
     assert_eq!(refinement["n"], serde_json::json!([64, 128, 256, 512]));
@@ -140,8 +140,8 @@ fn punches_of_any_shape_with_shift_and_traction_are_those_of_dense_solutions() {
         };
         let how = if case["sticking"] == true { "--shift 0.004,-0.007" } else { "--contact frictionless" };
         let flags = format!(
-            "punch --length 1 {body} --depth 0.01 --mask mask.npy --traction given.npy {how} --tol 1e-12 --out m.h5 \
-             --json"
+            "punch --size 1 {body} --depth 0.01 --mask mask.npy --traction given.npy {how} --tolerance 1e-12 --out \
+             m.h5 --json"
         );
         let report = json(folder.path(), &words(&flags));
         assert_eq!(
@@ -175,7 +175,7 @@ fn a_strip_that_is_shifted_on_rubber_bears_the_shear_that_is_its_pressure_when_p
     // G_xx = G_zz and G_xz = 0 on an incompressible half-space in plane strain, so that each load is the other one
     // turned.
     let folder = tempfile::tempdir().unwrap();
-    let strip = "punch --dim 2 --height inf --poisson 0.5 --n 64 --tol 1e-11 --json --depth 0.003";
+    let strip = "punch --dim 2 --height inf --poisson 0.5 --n 64 --tolerance 1e-11 --json --depth 0.003";
     let pressed = json(folder.path(), &words(strip));
     let shifted = json(folder.path(), &words(&format!("{strip} --shift 0.006")));
     assert_relative_eq!(number(&shifted, "mean_pressure"), number(&pressed, "mean_pressure"), max_relative = 1e-9);
@@ -191,7 +191,7 @@ fn a_strip_that_is_shifted_on_rubber_bears_the_shear_that_is_its_pressure_when_p
 #[test]
 fn all_dampings_find_the_state_and_the_history_has_every_step() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |flags: &str| json(folder.path(), &words(&format!("punch --n 24 --tol 1e-9 --json {flags}")));
+    let run = |flags: &str| json(folder.path(), &words(&format!("punch --n 24 --tolerance 1e-9 --json {flags}")));
     let expected = number(&run(""), "mean_pressure");
     let of_source = run("--solver verlet-critical");
     for flags in [
@@ -285,7 +285,7 @@ fn a_deep_punch_is_pressed_with_a_warning() {
 fn not_converged_is_an_error_that_keeps_what_was_reached() {
     let folder = tempfile::tempdir().unwrap();
     for solver in ["cg", "verlet"] {
-        let flags = format!("punch --n 32 --solver {solver} --max-iter 2 --json --out p.h5");
+        let flags = format!("punch --n 32 --solver {solver} --max-iterations 2 --json --out p.h5");
         let output = gfmd(folder.path(), &words(&flags));
         assert_eq!(output.status.code(), Some(1));
         let text = String::from_utf8_lossy(&output.stderr);

@@ -39,8 +39,8 @@ fn the_program_has_the_values_of_dense_solutions() {
         let word = |key: &str| problem[key].as_str().unwrap();
         let height = problem["height"].as_f64().map_or("inf".to_owned(), |height| height.to_string());
         let flags = format!(
-            "path --surface heights.npy --length {sides} --young {} --poisson {} --height {height} --prony {} \
-             --moduli {} --relaxes {} --{} {} --time {} --steps {} --tol 1e-11 --json",
+            "path --surface heights.npy --size {sides} --young {} --poisson {} --height {height} --prony {} \
+             --moduli {} --relaxes {} --{} {} --time {} --steps {} --tolerance 1e-11 --json",
             problem["young"],
             problem["poisson"],
             branches.join(","),
@@ -59,7 +59,7 @@ fn the_program_has_the_values_of_dense_solutions() {
             let keys = [
                 ("time", 1e-3),
                 ("mean_pressure", 1e-3),
-                ("displacement", 1e-3),
+                ("approach", 1e-3),
                 ("area_fraction", 1e-3),
                 ("max_pressure", 1e-3),
                 ("elastic_energy", largest),
@@ -229,7 +229,7 @@ fn loss_of_legs(file: &Reader, report: &Value, first: usize, energy: &dyn Fn(f64
     let last = steps.len() - 1;
     let [mut work, mut spread] = [0.0; 2];
     for k in first..last {
-        let moved = number(k + 1, "displacement") - number(k, "displacement");
+        let moved = number(k + 1, "approach") - number(k, "approach");
         work += 0.5 * (number(k + 1, "mean_pressure") + number(k, "mean_pressure")) * moved;
         spread += 0.5 * ((number(k + 1, "mean_pressure") - number(k, "mean_pressure")) * moved).abs();
     }
@@ -275,7 +275,7 @@ fn a_leg_of_no_time_loses_the_energy_that_the_balance_of_work_and_energy_misses(
                 let places = (1..=legs).map(|k| start + (end - start) * f64::from(k) / f64::from(legs));
                 let places: Vec<String> = [start, start].into_iter().chain(places).map(|d| d.to_string()).collect();
                 let times: Vec<&str> = (0..places.len()).map(|k| if k == 1 && relaxed { "3" } else { "0" }).collect();
-                format!("--displacement={} --time {}", places.join(","), times.join(","))
+                format!("--approach={} --time {}", places.join(","), times.join(","))
             };
             let many = json(folder.path(), &words(&format!("{common} {} --out many.h5", way(150))));
             let file = Reader::open(folder.path().join("many.h5")).unwrap();

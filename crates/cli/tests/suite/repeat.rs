@@ -68,14 +68,14 @@ fn the_line_of_every_page_makes_the_result_again() {
     std::fs::write(folder.join("green.txt"), "1 2.0\n10 0.2\n100 0.02\n1000 0.002\n").unwrap();
     std::fs::write(folder.join("law.txt"), "gap traction\n0 0.01\n1e-3 0.005\n2e-3 0.001\n3e-3 0\n").unwrap();
     std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
-    let scan = "--surface scan.txt --unit m --length 1um";
+    let scan = "--surface scan.txt --unit m --size 1um";
     let young = "--young 10MPa --poisson 0.4";
     let mut wrong = Vec::new();
     for (name, words) in [
         ("contact", "contact --n 16 --eps-f-inv 4 --p-star 0.05,0.1 --statistics --flow"),
         ("height", "contact --n 16 --eps-f-inv 4 --rms-height 0.01 --p-star 0.05"),
         ("cells", "contact --eps-c-inv 4 --eps-f-inv 4 --p-star 0.05"),
-        ("oblong", "contact --n 16,32 --length 1,2 --eps-f-inv 4 --displacement 0.001:0.01:3 --e-star 2"),
+        ("oblong", "contact --n 16,32 --size 1,2 --eps-f-inv 4 --approach 0.001:0.01:3 --e-star 2"),
         ("off", "contact --n 16 --eps-t-inv 4 --eps-f-inv 2 --roll-off 0.2 --roll-off-shape smooth --p-star 0.05"),
         ("subdivided", "contact --n 17 --method rmd --p-star 0.05"),
         ("strip", "contact --n 64 --dim 2 --eps-f-inv 4 --p-star 0.05 --components all"),
@@ -107,10 +107,7 @@ fn the_line_of_every_page_makes_the_result_again() {
             "prony-2",
             "path --n 16 --eps-f-inv 4 --prony 0.1:0.3 --moduli instantaneous --p-star 0.01 --time 1 --steps 2",
         ),
-        (
-            "loop",
-            "path --n 16 --eps-f-inv 4 --law morse --param gamma=1e-4,range=1e-2 --displacement=-0.01,0.01 --steps 3",
-        ),
+        ("loop", "path --n 16 --eps-f-inv 4 --law morse --param gamma=1e-4,range=1e-2 --approach=-0.01,0.01 --steps 3"),
         ("slide", "slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --p-star 0.05 --velocity 1,10 --direction 30"),
         ("warm", "slide --n 16 --eps-f-inv 4 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 0.1,1"),
         ("rubber", &format!("slide {scan} {young} --prony 1ms:0.5 --pressure 10kPa --velocity 1mm/s")),
@@ -134,7 +131,7 @@ fn the_line_of_every_page_makes_the_result_again() {
     // A name that a shell would split.
     let output = gfmd(
         folder,
-        &["contact", "--surface", "a scan's.txt", "--p-star", "0.05", "--length", "1e-6", "--out", "quoted.h5", "-q"],
+        &["contact", "--surface", "a scan's.txt", "--p-star", "0.05", "--size", "1e-6", "--out", "quoted.h5", "-q"],
     );
     assert!(output.status.success());
     wrong.extend(paste(folder, "quoted"));

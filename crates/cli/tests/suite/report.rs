@@ -179,7 +179,7 @@ fn a_load_of_zero_has_its_map() {
 #[test]
 fn a_search_that_failed_is_said_first() {
     let folder = tempfile::tempdir().unwrap();
-    let words = "contact --n 32 --eps-f-inv 8 --p-star 0.05 --max-iter 2 --out c.h5 -q";
+    let words = "contact --n 32 --eps-f-inv 8 --p-star 0.05 --max-iterations 2 --out c.h5 -q";
     assert_eq!(make(folder.path(), words), Some(1));
     assert_eq!(make(folder.path(), "report c.h5 -q"), Some(0));
     let made = page(folder.path(), "c.html");
@@ -265,7 +265,7 @@ fn surfaces_have_pages_and_functions() {
         json(folder, &words.iter().map(String::as_str).collect::<Vec<_>>())
     };
     let made =
-        run("surface --n 48,32 --length 3,2 --eps-f-inv 4 --statistics --out h.h5 --report h.html --plots h --json -q");
+        run("surface --n 48,32 --size 3,2 --eps-f-inv 4 --statistics --out h.h5 --report h.html --plots h --json -q");
     assert_eq!(made["boundary"], "periodic");
     // Map, profile, spectrum, autocorrelation and its map, three distributions, slopes, curvatures, bearing curve.
     let text = page(folder, "h.html");
@@ -346,7 +346,7 @@ fn numbers_have_the_digits_of_their_tables_and_units() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write_scan(&folder.join("scan.txt"));
-    let scan = "--surface scan.txt --unit m --length 1um --young 10MPa --poisson 0.4";
+    let scan = "--surface scan.txt --unit m --size 1um --young 10MPa --poisson 0.4";
     let waves = "--n 16 --eps-f-inv 4";
     for (name, words, facts) in [
         ("c", format!("contact {scan} --pressure 10kPa,20kPa --hardness 2GPa"), &["E = 10 MPa, ν = 0.4", "2 GPa"][..]),
@@ -361,7 +361,7 @@ fn numbers_have_the_digits_of_their_tables_and_units() {
         ),
         (
             "p",
-            format!("path {scan} --law morse --param gamma=1mJ/m^2,range=1nm --displacement=-10nm,20nm --steps 3"),
+            format!("path {scan} --law morse --param gamma=1mJ/m^2,range=1nm --approach=-10nm,20nm --steps 3"),
             &["−10, 20 nm"],
         ),
         (

@@ -121,8 +121,8 @@ fn units_and_sizes_that_are_unknown_are_said_to_be() {
         found.contains("the file has no size; the cell is taken to be 1 long")
             && found.contains("the file has no unit")
     );
-    let found = notes("--surface int16.x3p --fill nearest --length 2");
-    assert!(found.contains("--length replaces the size in the file"), "{found}");
+    let found = notes("--surface int16.x3p --fill nearest --size 2");
+    assert!(found.contains("--size replaces the size in the file"), "{found}");
 }
 
 #[test]

@@ -131,9 +131,9 @@ fn the_error_of_the_grid_of_a_flow_contains_the_flow_on_a_grid_eight_times_finer
 #[test]
 fn a_path_with_a_hardness_goes_beyond_the_mean_clearance_as_a_contact_does() {
     let folder = tempfile::tempdir().unwrap();
-    let surface = "--n 32 --rms-height 0.02 --json --displacement";
-    let words = |command: &'static str, displacement: &'static str, more: &'static str| {
-        let words = [command].into_iter().chain(surface.split(' ')).chain([displacement]);
+    let surface = "--n 32 --rms-height 0.02 --json --approach";
+    let words = |command: &'static str, approach: &'static str, more: &'static str| {
+        let words = [command].into_iter().chain(surface.split(' ')).chain([approach]);
         words.chain(more.split_whitespace()).collect::<Vec<_>>()
     };
     // Without a hardness it is beyond full contact.
@@ -155,7 +155,7 @@ fn a_path_with_a_hardness_goes_beyond_the_mean_clearance_as_a_contact_does() {
     let steps = path["steps"].as_array().unwrap();
     for (step, approach) in [(&steps[1], 0.05), (&steps[2], 0.02)] {
         assert!(step["converged"] == true && number(step, "mean_pressure") == 0.0, "{step}");
-        assert_eq!((number(step, "displacement"), number(step, "dissipated")), (approach, 0.0));
+        assert_eq!((number(step, "approach"), number(step, "dissipated")), (approach, 0.0));
     }
     // Apart, the surface is not displaced: the gap opens by the reduction of the approach.
     let opened = number(&steps[2], "mean_gap") - number(&steps[1], "mean_gap");

@@ -92,7 +92,7 @@ fn surfaces_that_do_not_repeat_keep_the_part_in_common() {
     let run = "contact --surface a.npy --second-surface b.npy --shift 0.25,-0.125 --boundary free --p-star 0.05 \
                --out c.h5 --json";
     let report = json(folder.path(), &words(run));
-    assert_eq!((&report["n"], &report["length"]), (&serde_json::json!([24, 28]), &serde_json::json!([0.75, 0.875])));
+    assert_eq!((&report["n"], &report["size"]), (&serde_json::json!([24, 28]), &serde_json::json!([0.75, 0.875])));
     let (part, _) = composite_inside(&a, &b, &grid, [0.25, -0.125]).unwrap();
     let file = Reader::open(folder.path().join("c.h5")).unwrap();
     assert_eq!(file.values::<f64>("/surface/height").unwrap(), part.iter().copied().collect::<Vec<_>>());

@@ -30,8 +30,8 @@ fn the_program_has_the_values_of_dense_solutions() {
         let height = problem["height"].as_f64().map_or("inf".to_owned(), |height| height.to_string());
         let word = |key: &str| problem[key].as_str().unwrap();
         let flags = format!(
-            "slide --surface heights.npy --length {} --young {} --poisson {} --height {height} --prony {} --relaxes {} \
-             --{} {} --velocity {} --direction {} --tol 1e-11 --json",
+            "slide --surface heights.npy --size {} --young {} --poisson {} --height {height} --prony {} --relaxes {} \
+             --{} {} --velocity {} --direction {} --tolerance 1e-11 --json",
             list(&problem["length"]),
             problem["young"],
             problem["poisson"],
@@ -46,7 +46,7 @@ fn the_program_has_the_values_of_dense_solutions() {
         let states = report["states"].as_array().unwrap();
         assert_eq!(states.len(), results.len());
         for (state, result) in states.iter().zip(results) {
-            let keys = ["mean_pressure", "displacement", "area_fraction", "max_pressure", "friction", "friction_slope"];
+            let keys = ["mean_pressure", "approach", "area_fraction", "max_pressure", "friction", "friction_slope"];
             for key in keys {
                 let [found, known] = [state, result].map(|state| state[key].as_f64().unwrap());
                 assert!((found - known).abs() <= 1e-8 * known.abs().max(1e-3), "{key}: {found:e}, {known:e}");
@@ -105,8 +105,8 @@ fn flash_temperatures_have_the_values_of_dense_solutions() {
         let speeds: Vec<String> = results.iter().map(|state| state["velocity"].to_string()).collect();
         let length = if shape.1 == 1 { problem["length"][0].to_string() } else { list(&problem["length"]) };
         let flags = format!(
-            "slide --surface heights.npy --length {length} --young {} --poisson {} --height {} --pressure {} \
-             --friction {} --heat {} --velocity {} --direction {} --tol 1e-11 --json",
+            "slide --surface heights.npy --size {length} --young {} --poisson {} --height {} --pressure {} \
+             --friction {} --heat {} --velocity {} --direction {} --tolerance 1e-11 --json",
             problem["young"],
             problem["poisson"],
             problem["height"].as_f64().map_or("inf".to_owned(), |height| height.to_string()),
@@ -123,7 +123,7 @@ fn flash_temperatures_have_the_values_of_dense_solutions() {
             let heat = &state["heat"];
             for (found, key) in [
                 (&state["mean_pressure"], "mean_pressure"),
-                (&state["displacement"], "displacement"),
+                (&state["approach"], "approach"),
                 (&heat["mean_flux"], "mean_flux"),
                 (&heat["fraction"], "fraction"),
                 (&heat["max_rise"], "max_rise"),
@@ -164,7 +164,7 @@ fn temperatures_are_written_checked_and_drawn() {
 fn units_of_heat_lead_to_kelvin() {
     let folder = tempfile::tempdir().unwrap();
     // One problem as numbers in µm, Pa and s, and with units.
-    let problem = "slide --n 24 --eps-f-inv 6 --length 50 --unit um --p-star 0.02 --friction 0.5 --json";
+    let problem = "slide --n 24 --eps-f-inv 6 --size 50 --unit um --p-star 0.02 --friction 0.5 --json";
     let of = |flags: &str| json(folder.path(), &words(&format!("{problem} {flags}")));
     let plain = of("--young 1e7 --heat 2e11,1e5,1e12,1e6 --velocity 1e6");
     // A space within a number would end a word here.

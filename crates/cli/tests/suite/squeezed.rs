@@ -29,9 +29,7 @@ fn both_faces_are_recorded_recomputed_and_drawn() {
         let number = |value: &Value| value.as_f64().unwrap();
         let lower = &load["lower"];
         assert!((number(&lower["mean_pressure"]) / number(&load["mean_pressure"]) - 1.0).abs() < 1e-12);
-        assert!(
-            number(&lower["area_fraction"]) > 0.01 && number(&lower["displacement"]) < number(&load["displacement"])
-        );
+        assert!(number(&lower["area_fraction"]) > 0.01 && number(&lower["approach"]) < number(&load["approach"]));
         for key in ["complementarity", "penetration", "negative_pressure", "load"] {
             let (larger, own) = (number(&load["residual"][key]), number(&lower["residual"][key]));
             assert!(own <= larger && larger <= 1e-8, "{key}");
@@ -73,12 +71,12 @@ fn a_surface_from_a_file_is_that_surface() {
         assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
         format!("{name}:/surface/height")
     });
-    let generated = run(folder, &format!("{SLAB} --lower-seed 2 --displacement 0.02 --json"));
+    let generated = run(folder, &format!("{SLAB} --lower-seed 2 --approach 0.02 --json"));
     for flags in [
         format!("{SLAB} --lower-surface {second}"),
-        format!("contact --height 0.1 --poisson 0.3 --length 1 --surface {first} --lower-surface {second}"),
+        format!("contact --height 0.1 --poisson 0.3 --size 1 --surface {first} --lower-surface {second}"),
     ] {
-        let read = run(folder, &format!("{flags} --displacement 0.02 --out f.h5 --json"));
+        let read = run(folder, &format!("{flags} --approach 0.02 --out f.h5 --json"));
         for (key, face) in [("mean_pressure", ""), ("area_fraction", "lower")] {
             let of = |report: &Value| {
                 let load = &report["loads"][0];

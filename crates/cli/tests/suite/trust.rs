@@ -84,7 +84,7 @@ fn forge(path: &Path, change: impl FnOnce(&File)) {
     };
     let change = std::cell::RefCell::new(Some(change));
     edit(&|file| change.take().expect("it is called once")(file));
-    if let Ok(sum) = Reader::open(path).unwrap().content_sha256() {
+    if let Ok(sum) = Reader::open(path).and_then(|reader| reader.content_sha256()) {
         edit(&|file| set_text(file, "content_sha256", &sum));
     }
 }
@@ -171,10 +171,10 @@ fn a_configuration_of_a_stranger_writes_nothing_and_opens_nothing() {
         ("young", "{ plots = \"victim\" }", &[2]),
         ("young", "true", &[2]),
         ("young", "nan", &[2]),
-        ("length", "[[1.0]]", &[2]),
+        ("size", "[[1.0]]", &[2]),
         ("solver", "\"auto --plots=victim\"", &[2]),
         ("solver", "\"\\u001b[2J\"", &[2]),
-        ("tol", "\"--out=victim.h5\"", &[2]),
+        ("tolerance", "\"--out=victim.h5\"", &[2]),
         ("surface", "\"../../etc/passwd\"", &[0, 1, 2]),
         ("surface", "\"/dev/zero\"", &[0, 1, 2]),
         ("surface", "\"fifo\"", &[0, 1, 2]),
@@ -283,7 +283,7 @@ const FORGED: [(&str, Kind, &str); 14] = [
         "contact --n 24 --eps-f-inv 6 --p-star 0.02,0.1 --height 0.4 --poisson 0.3 --statistics --flow",
     ),
     ("one.h5", Kind::Contact, "contact --n 16 --eps-f-inv 4 --p-star 0.05 --history"),
-    ("scan.h5", Kind::Contact, "contact --surface h.npy --length 2 --p-star 0.05 --detrend plane --boundary free"),
+    ("scan.h5", Kind::Contact, "contact --surface h.npy --size 2 --p-star 0.05 --detrend plane --boundary free"),
     (
         "squeezed.h5",
         Kind::Contact,
@@ -297,7 +297,7 @@ const FORGED: [(&str, Kind, &str); 14] = [
     (
         "loop.h5",
         Kind::Path,
-        "path --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=6e-3 --displacement=0.004,0.001 \
+        "path --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=6e-3 --approach=0.004,0.001 \
          --steps 3",
     ),
     ("slip.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
@@ -462,7 +462,19 @@ fn a_file_of_another_layout_is_not_taken_for_a_result() {
         );
         std::fs::write(&path, &honest).unwrap();
     };
-    differ("@schema_version", &|file| file.attr("schema_version").unwrap().write_scalar(&99_i64).unwrap());
+    // A result of another version is refused in one sentence, before its parts are looked at.
+    forge(&path, |file| {
+        file.attr("schema_version").unwrap().write_scalar(&1_i64).unwrap();
+        set_text(file, "config", "tol = 1e-8");
+        file.unlink("loads/approach").unwrap();
+    });
+    for words in [&["check", "c.h5"][..], &["report", "c.h5"], &["body", "--surface", "c.h5", "--depths", "0.1"]] {
+        let ended = run(folder, words);
+        let sentence = "c.h5 has the schema_version 1; this program reads 2";
+        assert!(ended.status == Some(2) && ended.stderr.trim_end().ends_with(sentence), "{words:?} {}", ended.stderr);
+    }
+    std::fs::write(&path, &honest).unwrap();
+    differ("@schema_version", &|file| file.delete_attr("schema_version").unwrap());
     differ("/evil", &|file| file.new_dataset::<f64>().shape(3).create("evil").map(drop).unwrap());
     differ("/loads/evil", &|file| file.new_dataset::<f64>().shape(1).create("loads/evil").map(drop).unwrap());
     differ("@evil", &|file| set_text(file, "evil", "x"));
@@ -502,10 +514,10 @@ fn the_surface_of_an_array_is_that_of_the_file_in_a_second_run() {
     let folder = folder.path();
     let heights = Array2::from_shape_fn((24, 20), |(i, j)| 0.01 * (0.9 * i as f64).sin() * (0.7 * j as f64).cos());
     ndarray_npy::write_npy(folder.join("h.npy"), &heights).unwrap();
-    let path = make(folder, "c.h5", "contact --surface h.npy --length 1.2,1 --p-star 0.05 --height 0.5 --poisson 0.3");
+    let path = make(folder, "c.h5", "contact --surface h.npy --size 1.2,1 --p-star 0.05 --height 0.5 --poisson 0.3");
     // Configuration written by gfmd.Contact.save for heights in memory.
     configure(&path, |table| {
-        let kept = ["length", "poisson", "young", "height", "p_star", "boundary", "solver", "tol", "law"];
+        let kept = ["size", "poisson", "young", "height", "p_star", "boundary", "solver", "tolerance", "law"];
         table.retain(|key, _| kept.contains(&key));
     });
     for arguments in [&["check", "c.h5", "--json"][..], &["check", "c.h5", "--rerun", "--json"]] {

@@ -44,7 +44,7 @@ fn same(folder: &Path, bare: &str, with_units: &str) -> [Value; 2] {
 #[test]
 fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
     let folder = folder();
-    let surface = "contact --surface h.npy --length 10 --unit um --poisson 0.33";
+    let surface = "contact --surface h.npy --size 10 --unit um --poisson 0.33";
     same(
         folder.path(),
         &format!("{surface} --young 70e9 --pressure 1e6:1e9:3"),
@@ -54,11 +54,11 @@ fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
         folder.path(),
         &format!(
             "{surface} --young 3e9 --height 2 --layer 1e9,0.3,5 --base half-space --base-young 2e8 --base-poisson 0.4 \
-             --displacement 0.003"
+             --approach 0.003"
         ),
         &format!(
             "{surface} --young 3GPa --height 2um --layer 1GPa,0.3,5e3nm --base half-space --base-young 0.2GPa \
-             --base-poisson 0.4 --displacement 3nm"
+             --base-poisson 0.4 --approach 3nm"
         ),
     );
     same(
@@ -70,21 +70,21 @@ fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
     let law = |law: &str| format!("{surface} --e-star 1e8 --law exponential --param {law} --coarse");
     same(
         folder.path(),
-        &format!("{} --displacement 0.001", law("gamma=5e4,range=0.5")),
-        &format!("{} --displacement 1nm", law("gamma=50mJ/m^2,range=500nm")),
+        &format!("{} --approach 0.001", law("gamma=5e4,range=0.5")),
+        &format!("{} --approach 1nm", law("gamma=50mJ/m^2,range=500nm")),
     );
     // Lengths in another unit than the file, and stresses in another unit than Pa.
     same(
         folder.path(),
-        "contact --surface h.npy --length 10 --unit um --young 70 --stress-unit GPa --pressure 0.01",
-        "contact --surface h.npy --length 1e4nm --unit um --young 70GPa --stress-unit GPa --pressure 10MPa",
+        "contact --surface h.npy --size 10 --unit um --young 70 --stress-unit GPa --pressure 0.01",
+        "contact --surface h.npy --size 1e4nm --unit um --young 70GPa --stress-unit GPa --pressure 10MPa",
     );
 }
 
 #[test]
 fn waypoints_of_a_path_have_units_and_its_file_is_checked_and_continued() {
     let folder = folder();
-    let surface = "path --surface h.npy --length 10 --unit um --steps 3";
+    let surface = "path --surface h.npy --size 10 --unit um --steps 3";
     same(
         folder.path(),
         &format!("{surface} --young 1e9 --friction 0.3 --pressure 1e7 --lateral 0,0.002"),
@@ -97,14 +97,13 @@ fn waypoints_of_a_path_have_units_and_its_file_is_checked_and_continued() {
     );
     let run = format!(
         "{surface} --young 1GPa --law morse --param gamma=0.05J/m^2 --param range=0.4um \
-         --displacement=-100nm,20nm,-50nm"
+         --approach=-100nm,20nm,-50nm"
     );
     let whole = json(folder.path(), &words(&format!("{run} --json -q --out loop.h5")));
     assert_eq!((&whole["unit"], &whole["stress_unit"]), (&"µm".into(), &"Pa".into()));
     let file = Reader::open(folder.path().join("loop.h5")).unwrap();
     let config = file.text("/", "config").unwrap();
-    for line in ["young = 1000000000.0", "stress_unit = \"Pa\"", "unit = \"µm\"", "displacement = [-0.1, 0.02, -0.05]"]
-    {
+    for line in ["young = 1000000000.0", "stress_unit = \"Pa\"", "unit = \"µm\"", "approach = [-0.1, 0.02, -0.05]"] {
         assert!(config.contains(line), "{line}: {config}");
     }
     for (variable, unit) in [
@@ -128,7 +127,7 @@ fn waypoints_of_a_path_have_units_and_its_file_is_checked_and_continued() {
 #[test]
 fn a_contact_with_units_is_checked_and_its_body_read() {
     let folder = folder();
-    let run = "contact --surface h.npy --length 10um --unit um --young 2GPa --poisson 0.4 --height 30um \
+    let run = "contact --surface h.npy --size 10um --unit um --young 2GPa --poisson 0.4 --height 30um \
                --pressure 5MPa,20MPa --statistics --flow --conductor-height 1mm --hardness hard.npy --grid-error none \
                --out c.h5 --json";
     json(folder.path(), &words(run));
@@ -147,21 +146,21 @@ fn a_contact_with_units_is_checked_and_its_body_read() {
 #[test]
 fn a_file_of_another_unit_is_converted_and_one_without_gets_its_unit() {
     let folder = folder();
-    json(folder.path(), &words("surface --surface h.npy --length 10 --unit um --out h.x3p --json"));
+    json(folder.path(), &words("surface --surface h.npy --size 10 --unit um --out h.x3p --json"));
     let run = |flags: &str| json(folder.path(), &words(&format!("contact {flags} --young 70GPa --p-star 0.05 --json")));
     let [metres, nanometres] = ["--surface h.x3p", "--surface h.x3p --unit nm"].map(run);
     assert_eq!((&metres["unit"], &nanometres["unit"]), (&"m".into(), &"nm".into()));
     let number = |report: &Value, key: &str| report[key].as_f64().unwrap();
     let ratio = number(&nanometres, "rms_height") / number(&metres, "rms_height");
     assert!((ratio / 1e9 - 1.0).abs() < 1e-12, "{ratio}");
-    assert_eq!(nanometres["length"][0], 1e4);
+    assert_eq!(nanometres["size"][0], 1e4);
     let notes = nanometres["scan"]["notes"].to_string();
     assert!(notes.contains("converted from m to nm, 1 m = 1000000000 nm"), "{notes}");
     // Two files with different units use the requested unit.
-    let pair = "--surface h.x3p --second-surface h.npy --unit um --length 10";
+    let pair = "--surface h.x3p --second-surface h.npy --unit um --size 10";
     assert_eq!(run(pair)["unit"], "µm");
-    let generated = run("--n 32 --unit mm --length 2cm");
-    assert_eq!((&generated["unit"], &generated["length"][0]), (&"mm".into(), &20.0.into()));
+    let generated = run("--n 32 --unit mm --size 2cm");
+    assert_eq!((&generated["unit"], &generated["size"][0]), (&"mm".into(), &20.0.into()));
 }
 
 #[test]
@@ -192,7 +191,7 @@ fn refusals_name_the_flag_and_what_to_do() {
 fn units_that_are_mixed_up_are_told() {
     let folder = folder();
     let run =
-        |flags: &str| json(folder.path(), &words(&format!("contact --surface h.npy --length 10 {flags} --json -q")));
+        |flags: &str| json(folder.path(), &words(&format!("contact --surface h.npy --size 10 {flags} --json -q")));
     let says = |flags: &str, expected: &[&str]| {
         let report = run(flags);
         let found = warned(&report);
@@ -220,7 +219,7 @@ fn units_that_are_mixed_up_are_told() {
 #[test]
 fn people_read_prefixes_and_programs_consistent_units() {
     let folder = folder();
-    let flags = "contact --surface h.npy --length 10 --unit um --young 70GPa --pressure 5MPa,200MPa";
+    let flags = "contact --surface h.npy --size 10 --unit um --young 70GPa --pressure 5MPa,200MPa";
     let output = gfmd(folder.path(), &words(flags));
     let text = String::from_utf8(output.stdout).unwrap();
     for part in ["cell 10 µm x 10 µm", "E* = 70 GPa", "pressure / MPa", "mean gap / nm", "stiffness / (GPa/µm)"] {
@@ -229,6 +228,6 @@ fn people_read_prefixes_and_programs_consistent_units() {
     let report = json(folder.path(), &words(&format!("{flags} --json")));
     assert_eq!((&report["e_star"], &report["loads"][0]["mean_pressure"]), (&70e9.into(), &5e6.into()));
     // Without a unit nothing is scaled.
-    let output = gfmd(folder.path(), &words("contact --surface h.npy --length 10 --young 70e9 --pressure 5e6"));
+    let output = gfmd(folder.path(), &words("contact --surface h.npy --size 10 --young 70e9 --pressure 5e6"));
     assert!(String::from_utf8(output.stdout).unwrap().contains("  5.0000e6"));
 }

@@ -35,8 +35,8 @@ fn the_program_has_the_values_of_dense_solutions() {
         let sides = if ny == 1 { problem["length"][0].to_string() } else { list(&problem["length"]) };
         let height = problem["height"].as_f64().map_or("inf".to_owned(), |height| height.to_string());
         let flags = format!(
-            "wear --surface heights.npy --length {sides} --young {} --poisson {} --height {height} --coefficient {} \
-             --{} {} --distance {} --steps {} --tol 1e-11 --json",
+            "wear --surface heights.npy --size {sides} --young {} --poisson {} --height {height} --coefficient {} \
+             --{} {} --distance {} --steps {} --tolerance 1e-11 --json",
             problem["young"],
             problem["poisson"],
             problem["coefficient"],
@@ -53,7 +53,7 @@ fn the_program_has_the_values_of_dense_solutions() {
             let keys = [
                 ("distance", 1e-3),
                 ("mean_pressure", 1e-3),
-                ("displacement", 1e-3),
+                ("approach", 1e-3),
                 ("area_fraction", 1e-3),
                 ("mean_gap", 1e-2),
                 ("max_pressure", 1e-3),
@@ -77,7 +77,7 @@ fn wear_is_written_checked_drawn_and_told() {
     let folder = tempfile::tempdir().unwrap();
     for (name, flags, points) in [
         ("free", "--boundary free --pressure 0.02,0.005,0.005", 24),
-        ("slab", "--height 0.3 --poisson 0.3 --displacement 0.02,0.004,0.02", 24),
+        ("slab", "--height 0.3 --poisson 0.3 --approach 0.02,0.004,0.02", 24),
         ("layers", "--height 0.1 --layer 0.5,0.3,0.2 --p-star 0.1", 24),
         ("two", "--second-body 2,0.3 --pressure 0.02", 24),
         ("line", "--dim 2 --pressure 0.02,0.005,0.01", 1),
@@ -149,7 +149,7 @@ fn random_combinations_keep_volume_and_energy_and_are_what_their_files_say() {
         let loads = match dice.of(&["p", "p", "q", "d"]) {
             "p" => format!("--pressure {},{}", 0.02 * dice.wide(1.0), 0.02 * dice.wide(2.0)),
             "q" => format!("--p-star {}", 0.1 * dice.wide(2.0)),
-            _ => format!("--displacement {},{}", 2e-3 * dice.wide(1.0), 4e-3 * dice.wide(1.0)),
+            _ => format!("--approach {},{}", 2e-3 * dice.wide(1.0), 4e-3 * dice.wide(1.0)),
         };
         let distances = format!("{},{}", dice.of(&["0", "1e-3", "0.1"]), dice.wide(4.0));
         let run = format!(
@@ -201,7 +201,7 @@ fn rounding_of_full_contact_is_neither_a_gap_nor_a_figure() {
     let folder = tempfile::tempdir().unwrap();
     // All roughness is worn off: a uniform pressure, a flat body, no gap.
     let run = "wear --n 32 --eps-f-inv 4 --p-star 0.5 --coefficient 1e-15/Pa --distance 0,1 --steps 12 --unit m \
-               --length 1um --young 70GPa --plots w --out w.h5 --json";
+               --size 1um --young 70GPa --plots w --out w.h5 --json";
     let report = json(folder.path(), &words(run));
     let steps = report["steps"].as_array().unwrap();
     let closed: Vec<&Value> = steps.iter().filter(|step| step["area_fraction"] == 1.0).collect();
@@ -214,7 +214,7 @@ fn rounding_of_full_contact_is_neither_a_gap_nor_a_figure() {
     assert_eq!(json(folder.path(), &words("check w.h5 --json"))["differing"], 0);
     // An open gap keeps its map and its size.
     let run = "wear --n 32 --eps-f-inv 4 --p-star 0.2 --coefficient 1e-15/Pa --distance 0,1e-4 --steps 1 --unit m \
-               --length 1um --young 70GPa --plots v --json";
+               --size 1um --young 70GPa --plots v --json";
     let open = json(folder.path(), &words(run));
     assert!(open["steps"][1]["mean_gap"].as_f64().unwrap() > 1e-10 && read("v-gap.svg").contains("nm"));
 }
@@ -226,7 +226,7 @@ fn the_finer_grid_is_followed_too() {
         "wear --n 32 --eps-f-inv 4 --p-star 0.1 --coefficient 1 --distance 0,0.1 --steps 2 --grid-error refine --json";
     let report = json(folder.path(), &words(run));
     for step in report["steps"].as_array().unwrap() {
-        let [found, limit] = ["displacement", "displacement_limit"].map(|key| step[key].as_f64().unwrap());
+        let [found, limit] = ["approach", "approach_limit"].map(|key| step[key].as_f64().unwrap());
         assert!(limit > 0.0 && (found / limit - 1.0).abs() < 0.05, "{found} {limit}");
     }
 }
@@ -237,7 +237,7 @@ fn quantities_have_units() {
     let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 24.0).cos();
     let heights = Array2::from_shape_fn((24, 24), |(i, j)| 0.01 * (wave(i) * wave(j) + 0.3 * wave(3 * i + j)));
     ndarray_npy::write_npy(folder.path().join("h.npy"), &heights).unwrap();
-    let problem = "wear --surface h.npy --length 10 --unit um --steps 2 --json -q";
+    let problem = "wear --surface h.npy --size 10 --unit um --steps 2 --json -q";
     let bare = format!("{problem} --young 70e9 --pressure 1e7 --coefficient 2e-15 --distance 0,1e6 --out bare.h5");
     json(folder.path(), &words(&bare));
     for (name, coefficient) in [("a", "2e-15 1/Pa"), ("b", "2e-6/GPa"), ("c", "2e-6 mm^3/N/m")] {
@@ -267,17 +267,17 @@ fn unusable_input_is_refused_in_one_line() {
         ("--pressure 0.01 --coefficient 1", "--distance"),
         ("--pressure 0.01 --coefficient 1 --distance -1", "--distance is -1; it must be finite and not negative"),
         ("--pressure 0.01 --coefficient 1 --distance 1,nan", "--distance is NaN; it must be finite and not negative"),
-        ("--coefficient 1 --distance 1", "--displacement"),
+        ("--coefficient 1 --distance 1", "--approach"),
         ("--pressure=-0.01 --coefficient 1 --distance 1", "--pressure is -0.01; it must be positive and finite"),
-        ("--displacement 0 --coefficient 1 --distance 1", "--displacement is 0; it must be positive and finite"),
+        ("--approach 0 --coefficient 1 --distance 1", "--approach is 0; it must be positive and finite"),
         ("--pressure 0.01,0.02,0.03 --coefficient 1 --distance 1,2", "--distance has 2 waypoints; it must have 1 or 3"),
-        ("--displacement 1 --coefficient 1 --distance 0", "less than the mean clearance"),
+        ("--approach 1 --coefficient 1 --distance 0", "less than the mean clearance"),
         (
             &format!("{whole} --dim 2 --boundary free"),
             "--coefficient is given; it must be left out with a profile on a half-space",
         ),
         (&format!("{whole} --steps 0"), "--steps"),
-        (&format!("{whole} --tol 0"), "--tol"),
+        (&format!("{whole} --tolerance 0"), "--tolerance"),
         (&format!("{whole} --prony 1:0.5"), "--prony"),
         (&format!("{whole} --law exponential"), "--law"),
         (&format!("{whole} --hardness 1"), "--hardness"),

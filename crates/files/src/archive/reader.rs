@@ -8,9 +8,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use gfmd_topography::stored::{Decode, Hdf5, Number, text};
 use hdf5_reader::{Datatype, StringSize};
 
-use super::{FileError, content};
+use super::{FileError, SCHEMA_VERSION, content};
 use crate::Input;
 use crate::attribute::Attribute;
+
+/// Name of this program in its results.
+const PROGRAM: &str = "gfmd";
 
 /// HDF5 file of any program, opened for reading. It is decoded in Rust: a damaged file gives an error.
 pub struct Reader {
@@ -33,16 +36,22 @@ impl Reader {
     /// Opens a regular file.
     ///
     /// # Errors
-    /// A file that cannot be opened, is not a regular file, or is not HDF5.
+    /// A file that cannot be opened, is not a regular file, is not HDF5, or is a result of this program with another
+    /// layout.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref().to_path_buf();
         let input = match Input::settled(&path) {
             Ok(input) => input,
             Err(source) => return Err(FileError::Io { action: "open", path, source }),
         };
-        match Hdf5::open(&input) {
-            Ok(file) => Ok(Self { path, input, file, memory: Mutex::default() }),
-            Err(reason) => Err(FileError::Open { reason, path }),
+        let file = match Hdf5::open(&input) {
+            Ok(file) => file,
+            Err(reason) => return Err(FileError::Open { reason, path }),
+        };
+        let is_ours = file.text("/", "program").is_ok_and(|program| program == PROGRAM);
+        match file.number("/", "schema_version") {
+            Ok(found) if is_ours && found != f64::from(SCHEMA_VERSION) => Err(FileError::Layout { path, found }),
+            _ => Ok(Self { path, input, file, memory: Mutex::default() }),
         }
     }
 

@@ -130,12 +130,12 @@ impl GeneratorArgs {
         let along_x = length.first().copied().unwrap_or(1.0);
         let grid = match (self.dim, length) {
             (2, [] | [_]) => Grid::line(nx, along_x),
-            (2, _) => return Err(Unusable::value(key("length"), format!("{length:?}"), "one length for a profile")),
+            (2, _) => return Err(Unusable::value(key("size"), format!("{length:?}"), "one length for a profile")),
             (_, [lx, ly]) => Grid::new([nx, ny], [*lx, *ly]),
             (_, [] | [_]) => Grid::new([nx, ny], [along_x, along_x * ny as f64 / nx as f64]),
-            _ => return Err(Unusable::value(key("length"), format!("{length:?}"), "L or LX,LY")),
+            _ => return Err(Unusable::value(key("size"), format!("{length:?}"), "L or LX,LY")),
         };
-        grid.map_err(|error| Unusable::input(key("length"), error))
+        grid.map_err(|error| Unusable::input(key("size"), error))
     }
 
     /// Generates the heights on a grid from [`GeneratorArgs::grid`]: `[x, y]`, length, mean zero.
@@ -427,7 +427,7 @@ mod tests {
         says("--n 64,64 --dim 2", "--n is [64, 64]; it must be N, or NX,NY for a surface");
         says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: the wavelengths are limited to");
         let length = |length: &[f64]| flags("").grid(length).unwrap_err().to_string();
-        assert!(length(&[-1.0]).starts_with("--length: the cell lengths are [-1.0, -1.0]; they must be positive"));
-        assert!(length(&[1.0, 2.0, 3.0]).starts_with("--length is [1.0, 2.0, 3.0]; it must be L or LX,LY"));
+        assert!(length(&[-1.0]).starts_with("--size: the cell lengths are [-1.0, -1.0]; they must be positive"));
+        assert!(length(&[1.0, 2.0, 3.0]).starts_with("--size is [1.0, 2.0, 3.0]; it must be L or LX,LY"));
     }
 }

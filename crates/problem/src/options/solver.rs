@@ -16,11 +16,11 @@ pub struct SolverArgs {
     #[serde(with = "named")]
     pub solver: Solver,
     /// Largest residual of a converged state
-    #[arg(long, default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
-    pub tol: f64,
+    #[arg(long, alias = "tol", default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    pub tolerance: f64,
     /// Largest number of iterations, or time steps, for one load
-    #[arg(long, default_value_t = 100_000, value_name = "N")]
-    pub max_iter: u64,
+    #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N")]
+    pub max_iterations: u64,
 }
 
 crate::defaults_of_flags!(SolverArgs);
@@ -28,6 +28,6 @@ crate::defaults_of_flags!(SolverArgs);
 impl SolverArgs {
     /// Returns the tolerance and the iteration limit.
     pub fn budget(&self) -> Budget {
-        Budget { tolerance: self.tol, max_iterations: self.max_iter }
+        Budget { tolerance: self.tolerance, max_iterations: self.max_iterations }
     }
 }

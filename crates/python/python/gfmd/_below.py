@@ -33,7 +33,7 @@ class Punch(Computed, PunchNumbers):
             for a strip.
         under_punch: 1 under the punch, else 0 [x, y].
         height: height of the body, length; infinite for a half-space.
-        n, length, young, poisson, contact, nodes, dim, components: parameters of the problem.
+        n, size, young, poisson, contact, nodes, dim, components: parameters of the problem.
         warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
         history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and, if requested, lists
@@ -50,7 +50,7 @@ class Punch(Computed, PunchNumbers):
     under_punch: Array
     height: float
     n: list[int]
-    length: list[float]
+    size: list[float]
     young: float
     poisson: float
     contact: str
@@ -88,7 +88,7 @@ class FieldsBelow(Computed):
         levels: a Record for each depth: `depth`, `max_displacement`, `max_von_mises`, `mean_energy_density`.
         mean_traction: stress by component: the mean of xz, yz, zz (xz, zz below a line) on the surface and at every
             depth.
-        n, length: points and lengths along x and y.
+        n, size: points and lengths along x and y.
         warnings: a Record for each warning of the computation: `code`, `text`.
 
     If the surface of the contact has units, `unit` and `stress_unit` are their names. A slice (along=) has no axis
@@ -107,7 +107,7 @@ class FieldsBelow(Computed):
     levels: list[Record]
     mean_traction: list[float]
     n: list[int]
-    length: list[float]
+    size: list[float]
     warnings: list[Record]
 
 
@@ -143,7 +143,7 @@ class Green(Record):
 def punch(
     body: Optional[Body] = None,
     *,
-    length: float = 1.27,
+    size: float = 1.27,
     n: Optional[int] = None,
     dim: int = 3,
     punch_fraction: Optional[float] = None,
@@ -168,8 +168,8 @@ def punch(
     """Presses a flat rigid punch on a body and solves for all components of displacement and traction.
 
     Args:
-        body: the body; by default the one in `gfmd punch` (E = 70, Poisson's ratio 0.33, height = length).
-        length: side of the cell, length.
+        body: the body; by default the one in `gfmd punch` (E = 70, Poisson's ratio 0.33, height = size).
+        size: side of the cell, length.
         n: number of points along a side; by default 128, or the size of the mask.
         dim: 3 for a square punch, 2 for a strip.
         punch_fraction: punch width divided by cell width, 0.25 by default; or
@@ -208,7 +208,7 @@ def punch(
     given = None if body is None else as_body(body, of_moduli=True)
     problem: dict[str, Any] = {} if given is None else _elastic(given, given.layers)
     problem.update(
-        length=number("length", length),
+        size=number("size", size),
         n=None if n is None else integer("n", n),
         dim=integer("dim", dim, 2, 3),
         punch_fraction=None if punch_fraction is None else number("punch_fraction", punch_fraction),
@@ -219,8 +219,8 @@ def punch(
         solver=word("solver", solver),
         dt=None if dt is None else number("dt", dt),
         damping=None if damping is None else numbers("damping", damping),
-        tol=number("tolerance", tolerance),
-        max_iter=integer("max_iterations", max_iterations),
+        tolerance=number("tolerance", tolerance),
+        max_iterations=integer("max_iterations", max_iterations),
         refine=integer("refine", refine, 1, 8),
         history=flag("history", history),
         history_mode=[],
@@ -332,12 +332,12 @@ def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
     if isinstance(source, Contact):
         shear = {f"mean_shear_{axis}": np.array(value) for axis, value in zip("xy", source.get("mean_shear", ()))}
         units = {"unit": source.surface.unit} if source.surface.unit else {}
-        return {"length": list(source.surface.size)}, ({**config([source]), **units}, {**source._fields, **shear})
+        return {"size": list(source.surface.size)}, ({**config([source]), **units}, {**source._fields, **shear})
     if isinstance(source, Punch):
         # Summed in the same order as in the program.
         columns = source.traction.reshape(-1, source.traction.shape[-1]).T
         mean_traction = [float(np.cumsum(column)[-1] / column.size) for column in columns]
-        keys = {"length": [source.length[0]], "mean_traction": mean_traction}
+        keys = {"size": [source.size[0]], "mean_traction": mean_traction}
         return {**keys, **_elastic(source, source.get("layer", ()))}, source.displacement
     raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 

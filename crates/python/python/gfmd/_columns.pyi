@@ -67,7 +67,7 @@ class LowerFace(Record):
         """Stress: mean pressure over the whole lower surface."""
 
     @property
-    def displacement(self) -> float:
+    def approach(self) -> float:
         """Length: part of the approach at the lower face."""
 
     @property
@@ -114,7 +114,7 @@ class Numbers(Record):
         """Without unit: reduced pressure p/(E* g)."""
 
     @property
-    def displacement(self) -> float:
+    def approach(self) -> float:
         """Length: rigid approach beyond first touch. With `lower_surface`: approach of the two rigid surfaces beyond
         the distance at which both touch the undeformed slab.
         """
@@ -205,8 +205,8 @@ class Numbers(Record):
 
     @property
     def stiffness(self) -> float:
-        """Stress/length: d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness
-        with their pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the
+        """Stress/length: d(mean pressure)/d(approach) with the points in contact kept, those at the hardness with
+        their pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the
         attribute undefined says why.
         """
 
@@ -281,20 +281,18 @@ class Numbers(Record):
         """
 
     @property
-    def displacement_limit(self) -> float:
-        """Length: estimate of displacement on an infinitely fine grid under the same mean pressure. In some problems
+    def approach_limit(self) -> float:
+        """Length: estimate of approach on an infinitely fine grid under the same mean pressure. In some problems
         only.
         """
 
     @property
-    def displacement_limit_error(self) -> float:
-        """Length: 95 % of the errors of displacement_limit are smaller. In some problems only."""
+    def approach_limit_error(self) -> float:
+        """Length: 95 % of the errors of approach_limit are smaller. In some problems only."""
 
     @property
-    def displacement_grid_error(self) -> float:
-        """Length: error of displacement by the finite grid: |displacement - limit| + limit_error. In some problems
-        only.
-        """
+    def approach_grid_error(self) -> float:
+        """Length: error of approach by the finite grid: |approach - limit| + limit_error. In some problems only."""
 
     @property
     def area_fraction_limit(self) -> float:
@@ -507,7 +505,7 @@ class Steps(Record):
         """Without unit [step]: reduced pressure p/(E* g)."""
 
     @property
-    def displacement(self) -> Array:
+    def approach(self) -> Array:
         """Length [step]: rigid approach beyond first touch."""
 
     @property
@@ -748,16 +746,16 @@ class Steps(Record):
         """
 
     @property
-    def displacement_limit(self) -> Array:
-        """Length [step]: estimate of displacement on an infinitely fine grid under the same mean pressure."""
+    def approach_limit(self) -> Array:
+        """Length [step]: estimate of approach on an infinitely fine grid under the same mean pressure."""
 
     @property
-    def displacement_limit_error(self) -> Array:
-        """Length [step]: 95 % of the errors of displacement_limit are smaller."""
+    def approach_limit_error(self) -> Array:
+        """Length [step]: 95 % of the errors of approach_limit are smaller."""
 
     @property
-    def displacement_grid_error(self) -> Array:
-        """Length [step]: error of displacement by the finite grid: |displacement - limit| + limit_error."""
+    def approach_grid_error(self) -> Array:
+        """Length [step]: error of approach by the finite grid: |approach - limit| + limit_error."""
 
     @property
     def area_fraction_limit(self) -> Array:
@@ -954,7 +952,7 @@ class States(Record):
         """Without unit [state]: reduced pressure p/(E* g)."""
 
     @property
-    def displacement(self) -> Array:
+    def approach(self) -> Array:
         """Length [state]: rigid approach beyond first touch."""
 
     @property

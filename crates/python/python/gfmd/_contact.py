@@ -31,7 +31,7 @@ _HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
 _SHOWN = [
     "mean_pressure",
     "p_star",
-    "displacement",
+    "approach",
     "area_fraction",
     "kappa",
     "mean_gap",
@@ -71,7 +71,7 @@ class Gradient(Record):
         heights: derivative by the height of each point [x, y], 1 / length times the unit of L; read-only.
         load: derivative by the mean pressure, or by the approach if that is `fixed`.
         modulus: derivative by E* (stress), with all moduli of the body in proportion.
-        fixed: the prescribed quantity, "mean_pressure" or "approach".
+        fixed: the prescribed load, "pressure" or "approach".
         error: relative error of the linear problem, at most 1e-8.
 
     Example:
@@ -180,11 +180,6 @@ class Contact(Result, Numbers, Fields):
         return found
 
     @property
-    def approach(self) -> float:
-        """Rigid approach beyond first touch (length); its key is `displacement`."""
-        return self.displacement
-
-    @property
     def touching(self) -> npt.NDArray[np.bool_]:
         """True at the points in contact [x, y], where the surfaces repel; `area_fraction` counts them."""
         found: npt.NDArray[np.bool_] = np.asarray(self.repulsion > 0.0)
@@ -228,9 +223,9 @@ class Contact(Result, Numbers, Fields):
             >>> gfmd.contact(s, gfmd.Body(), p_star=10.0).reason("stiffness")[:8]
             'infinite'
         """
-        if name != "approach" and name not in self:
+        if name not in self:
             raise InputError(f"name is {shown(name)}; it must be one of {', '.join(self)}")
-        found: Optional[str] = self.get("undefined", {}).get("displacement" if name == "approach" else name)
+        found: Optional[str] = self.get("undefined", {}).get(name)
         return found
 
     def __repr__(self) -> str:
@@ -413,7 +408,7 @@ class Contact(Result, Numbers, Fields):
         mean_pressure: float = 0.0,
         mean_gap: float = 0.0,
         elastic_energy: float = 0.0,
-        fixed: Optional[Literal["mean_pressure", "approach"] | str] = None,
+        fixed: Optional[Literal["pressure", "approach"] | str] = None,
     ) -> Gradient:
         """Returns the derivatives of a number L of this contact with respect to the heights, the load and the modulus.
 
@@ -431,8 +426,8 @@ class Contact(Result, Numbers, Fields):
             mean_pressure: derivative of L by the mean pressure.
             mean_gap: derivative of L by the mean gap.
             elastic_energy: derivative of L by the elastic energy per area.
-            fixed: the prescribed quantity while heights and modulus change, "mean_pressure" or "approach"; by default
-                as in the contact ("mean_pressure" for `p_star`).
+            fixed: the load that is prescribed while heights and modulus change, "pressure" or "approach"; by default
+                as in the contact ("pressure" for `p_star`).
 
         Raises:
             InputError: arrays of the wrong shape; a contact with a hardness, finite slopes, all components, a lower
@@ -445,10 +440,10 @@ class Contact(Result, Numbers, Fields):
             >>> c.vjp(mean_gap=1.0).heights.shape
             (64, 64)
         """
-        driven = self._settings.load is not None and self._settings.load[0] == "displacement"
-        how = ("approach" if driven else "mean_pressure") if fixed is None else word("fixed", fixed)
-        if how not in ("mean_pressure", "approach"):
-            raise InputError(f"fixed is {how!r}; it must be 'mean_pressure' or 'approach'")
+        driven = self._settings.load is not None and self._settings.load[0] == "approach"
+        how = ("approach" if driven else "pressure") if fixed is None else word("fixed", fixed)
+        if how not in ("pressure", "approach"):
+            raise InputError(f"fixed is {how!r}; it must be 'pressure' or 'approach'")
         numbers = {
             "approach": approach,
             "mean_pressure": mean_pressure,
@@ -691,9 +686,7 @@ class Contacts(Result, Sequence[Contact]):
     def _rows(self) -> list[list[str]]:
         """Returns the rows of the table, headings first."""
         head, digits = list(_HEAD), ".4e"
-        approach, gap = (
-            np.array([contact[name] for contact in self._contacts]) for name in ("displacement", "mean_gap")
-        )
+        approach, gap = (np.array([contact[name] for contact in self._contacts]) for name in ("approach", "mean_gap"))
         if self._contacts and self._contacts[0].units[0] is not None:
             from . import _show
 

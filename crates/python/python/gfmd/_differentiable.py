@@ -16,7 +16,6 @@ from ._surface import Surface
 # Differentiable fields and numbers, in the order of the outputs.
 FIELDS = ("pressure", "gap")
 NUMBERS = ("mean_pressure", "approach", "mean_gap", "elastic_energy")
-_KEYS = {"approach": "displacement"}
 
 
 class Outputs(NamedTuple):
@@ -44,7 +43,7 @@ class Solver:
 
     def outputs(self, found: Contact) -> list[Array]:
         """Returns the fields and numbers as arrays, in the order of `Outputs`."""
-        numbers = [np.asarray(found[_KEYS.get(name, name)], dtype=np.float64) for name in NUMBERS]
+        numbers = [np.asarray(found[name], dtype=np.float64) for name in NUMBERS]
         return [found.pressure, np.where(found.pressure > 0.0, 0.0, found.gap), *numbers]
 
     def pull(self, found: Contact, given: list[Any]) -> Gradient:
@@ -54,11 +53,9 @@ class Solver:
         return found.vjp(**fields, **numbers, fixed=self.control)  # type: ignore[arg-type]
 
 
-def controlled(mean_pressure: Any, approach: Any) -> tuple[str, Any]:
+def controlled(pressure: Any, approach: Any) -> tuple[str, Any]:
     """Returns the kind of the load and its value."""
-    given = [
-        (name, value) for name, value in (("mean_pressure", mean_pressure), ("approach", approach)) if value is not None
-    ]
+    given = [(name, value) for name, value in (("pressure", pressure), ("approach", approach)) if value is not None]
     if len(given) != 1:
-        raise InputError("the load must be given by one of mean_pressure, approach")
+        raise InputError("the load must be given by one of pressure, approach")
     return given[0]

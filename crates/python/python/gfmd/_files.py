@@ -19,7 +19,7 @@ from ._load import of_load
 from ._record import json_of
 from ._surface import Surface, _surface
 
-_CONTROLS = ("pressure", "p_star", "displacement")
+_CONTROLS = ("pressure", "p_star", "approach")
 
 # Datasets of a problem in a file, by the keys of their options.
 _ARRAYS = {
@@ -52,13 +52,13 @@ def save(path: str, contacts: Sequence[Contact]) -> None:
     _gfmd.save(path, problem, {**arrays, "surface": first.surface.heights}, words, loads, config(contacts))
 
 
-def _stored(name: str, group: str, length: Sequence[float]) -> Surface:
-    """Reads a surface from a file; `length` comes from the configuration."""
+def _stored(name: str, group: str, given: Sequence[float]) -> Surface:
+    """Reads a surface from a file; the size `given` comes from the configuration."""
     heights, size, unit, *_ = _gfmd.read(f"{name}:{group}/height")
-    if len(length) == 2:
-        size = (length[0], length[1])
-    elif size is not None and len(length) == 1:
-        size = (length[0], size[1])
+    if len(given) == 2:
+        size = (given[0], given[1])
+    elif size is not None and len(given) == 1:
+        size = (given[0], size[1])
     return _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, group, "description"))
 
 
@@ -87,10 +87,10 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     name = _check.path("path", path)
     # Checked for keys and types, as a file may come from anyone.
     config = json.loads(_gfmd.read_config(name))
-    length = [] if "second_surface" in config else config.get("length", [])
-    surface = _stored(name, "/surface", length)
+    size = [] if "second_surface" in config else config.get("size", [])
+    surface = _stored(name, "/surface", size)
     between = "lower_surface" in config or "lower_seed" in config
-    lower = _stored(name, "/lower", length) if between else None
+    lower = _stored(name, "/lower", size) if between else None
     body, law = body_of(config), law_of(config)
     options = {
         key: value
@@ -104,7 +104,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     }
     if lower is not None:
         options["lower_surface"], arrays["lower_surface"] = "array", lower.heights
-    settings = Settings({"length": list(surface.size), **body_keys(body), **options}, arrays, lower)
+    settings = Settings({"size": list(surface.size), **body_keys(body), **options}, arrays, lower)
     reported, names = _gfmd.read_records(name)
     records = [of_load(record) for record in reported]
     fields = {field: _array(name, f"/fields/{field}", (len(records), *surface.heights.shape)) for field in names}

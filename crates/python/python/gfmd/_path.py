@@ -77,7 +77,7 @@ class Path(Leaks, Computed, StepFields):
     warnings: list[Record]
 
     def __repr__(self) -> str:
-        names = ("mean_pressure", "p_star", "displacement", "lateral", "time", "area_fraction", "mean_gap")
+        names = ("mean_pressure", "p_star", "approach", "lateral", "time", "area_fraction", "mean_gap")
         return self._answer("steps", names, ("dissipated", "lowest_mean_pressure", "sliding", "parted_at"))
 
     def to_dataframe(self) -> Any:
@@ -94,7 +94,7 @@ class Path(Leaks, Computed, StepFields):
 
         return _show.steps_frame(self, self.steps)
 
-    def plot(self, x: str = "displacement", y: str = "mean_pressure", ax: Any = None) -> Any:
+    def plot(self, x: str = "approach", y: str = "mean_pressure", ax: Any = None) -> Any:
         """Draws one scalar of the steps against another with matplotlib: filled where `x` rises, hollow where it falls.
         Returns the axes.
 
@@ -106,7 +106,7 @@ class Path(Leaks, Computed, StepFields):
             InputError: an unknown name. Error: matplotlib is not installed.
 
         Example:
-            >>> ax = loop.plot("displacement", "area_fraction")
+            >>> ax = loop.plot("approach", "area_fraction")
         """
         from . import _show
 
@@ -135,13 +135,12 @@ def _column(values: list[Any]) -> Array:
 
 def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
     """Returns the configuration keys of the load, given in one of three ways; `said` starts the error message."""
-    kinds = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
+    kinds = {"pressure": "stress", "p_star": "1", "approach": "length"}
     found = {name: quantities(name, value, kinds[name]) for name, value in drive.items() if value is not None}
     if len(found) != 1:
         given = ", ".join(found) or "none"
-        raise InputError(f"{said} given by {given}; it must be given by one of mean_pressure, p_star, approach")
-    keys = {"pressure": "mean_pressure", "p_star": "p_star", "displacement": "approach"}
-    return {key: found.get(name) for key, name in keys.items()}
+        raise InputError(f"{said} given by {given}; it must be given by one of pressure, p_star, approach")
+    return found
 
 
 def _flow(found: dict[str, Any]) -> dict[str, Any]:
@@ -172,7 +171,7 @@ def path(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
     *,
-    mean_pressure: Any = None,
+    pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
     lateral: Any = None,
@@ -199,7 +198,7 @@ def path(
 
     Args:
         surface, body: as in `contact`.
-        mean_pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence;
+        pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence;
             negative values pull. Stresses and lengths may be strings with a unit, such as "1MPa", if the surface has
             one.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
@@ -235,12 +234,12 @@ def path(
         >>> loop.lowest_mean_pressure < 0
         True
         >>> rubber = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
-        >>> creep = gfmd.path(rough, rubber, mean_pressure=0.01, time=[0, 1, 100], steps=1)
+        >>> creep = gfmd.path(rough, rubber, pressure=0.01, time=[0, 1, 100], steps=1)
         >>> bool(creep.steps.area_fraction[-1] > creep.steps.area_fraction[0])
         True
     """
     made, elastic, given = as_surface(surface), as_body(body, in_time=True), as_law(law)
-    drive = drive_keys("the path is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach})
+    drive = drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "approach": approach})
     if sum(value is not None for value in (law, friction, shear_strength)) > 1:
         raise InputError("law, friction and shear_strength are given together; give one of the three")
     problem: dict[str, Any] = dict(
@@ -251,9 +250,9 @@ def path(
         time=None if time is None else quantities("time", time, "time"),
         direction=number("direction", direction),
         steps=integer("steps", steps, 1, 2**32 - 1),
-        tol=number("tolerance", tolerance),
-        max_iter=integer("max_iterations", max_iterations),
-        energy_tol=None if energy_tolerance is None else number("energy_tolerance", energy_tolerance),
+        tolerance=number("tolerance", tolerance),
+        max_iterations=integer("max_iterations", max_iterations),
+        energy_tolerance=None if energy_tolerance is None else number("energy_tolerance", energy_tolerance),
         energy_solves=None if energy_solves is None else integer("energy_solves", energy_solves),
         friction=None if friction is None else number("friction", friction),
         shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength, "stress"),
@@ -267,7 +266,7 @@ def path(
         problem.update(_command.law_keys(given))
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
-    problem.update(length=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
+    problem.update(size=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made)
     reported = gathered(values)
     if isinstance(bound, np.ndarray):
@@ -283,7 +282,7 @@ def friction(
     *,
     coefficient: Optional[float] = None,
     shear_strength: Optional[Quantity] = None,
-    mean_pressure: Any = None,
+    pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
     lateral: Any = (0.0,),
@@ -295,7 +294,7 @@ def friction(
         surface, body: as in `contact`.
         coefficient: Coulomb's coefficient of friction; or
         shear_strength: strength of the interface (Tresca), stress.
-        mean_pressure, p_star, approach: waypoints, as in `path`.
+        pressure, p_star, approach: waypoints, as in `path`.
         lateral: lateral displacements of the rigid surface at the waypoints, length.
         options: further arguments of `path`.
 
@@ -311,5 +310,5 @@ def friction(
     """
     if (coefficient is None) == (shear_strength is None):
         raise InputError("friction must be given by one of coefficient, shear_strength")
-    loads = {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}
+    loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
     return path(surface, body, friction=coefficient, shear_strength=shear_strength, lateral=lateral, **loads, **options)

@@ -90,7 +90,7 @@ def slide(
     body: Body,
     *,
     velocity: Any,
-    mean_pressure: Any = None,
+    pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
     direction: float = 0.0,
@@ -109,7 +109,7 @@ def slide(
         body: a viscoelastic body, `Body(prony=...)`; with `heat` also an elastic body.
         velocity: velocities of the surface relative to the body, a number or a sequence; length divided by the time
             unit of relaxation times and diffusivity.
-        mean_pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses
+        pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses
             and lengths may be strings with a unit, such as "1MPa", if the surface has one.
         direction: direction of the velocity, degrees from x.
         heat: conductivity and diffusivity of the body, then of the surface if it shares the heat: two or four numbers,
@@ -140,14 +140,14 @@ def slide(
     problem: dict[str, Any] = dict(
         unit=made.unit,
         stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
-        **drive_keys("the load is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}),
+        **drive_keys("the load is", {"pressure": pressure, "p_star": p_star, "approach": approach}),
         velocity=quantities("velocity", velocity, "length/time"),
         direction=number("direction", direction),
         heat=None if heat is None else _thermal(heat),
         friction=None if friction is None else number("friction", friction),
-        tol=number("tolerance", tolerance),
-        max_iter=integer("max_iterations", max_iterations),
-        length=list(made.size),
+        tolerance=number("tolerance", tolerance),
+        max_iterations=integer("max_iterations", max_iterations),
+        size=list(made.size),
         **_command.body_keys(elastic),
         **_command.relaxation_keys(elastic),
     )

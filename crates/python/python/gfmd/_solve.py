@@ -25,10 +25,8 @@ from ._surface import Surface, as_hardness, as_lower, as_surface
 # Last problem of each surface in use, with its inputs.
 _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictionary()
 
-# Kinds of the loads; keys of loads and options in a file.
-_LOADS = {"mean_pressure": "stress", "p_star": "1", "approach": "length"}
-_KEYS = {"mean_pressure": "pressure", "p_star": "p_star", "approach": "displacement"}
-_OPTIONS: dict[str, tuple[str, Any]] = {"tolerance": ("tol", number), "max_iterations": ("max_iter", integer)}
+# Kinds of the loads.
+_LOADS = {"pressure": "stress", "p_star": "1", "approach": "length"}
 
 
 class _Setup:
@@ -52,7 +50,7 @@ class _Setup:
         self.threads = 0 if threads is None else integer("threads", threads, 0, 4096)
         problem: dict[str, Any] = {
             "unit": self.surface.unit,
-            "length": list(self.surface.size),
+            "size": list(self.surface.size),
             **body_keys(self.body),
             **law_keys(self.law),
         }
@@ -116,17 +114,17 @@ class _Setup:
     def tell(self, done: list[Contact], control: str, values: list[float]) -> None:
         """Warns about slopes and strains that are not small, and about units that seem mixed up."""
         slopes = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
-        strain = self.problem.strain(max((contact.displacement for contact in done), default=0.0))
-        for doubt in [*self.problem.doubts(_KEYS[control], max(values)), slopes, strain]:
+        strain = self.problem.strain(max((contact.approach for contact in done), default=0.0))
+        for doubt in [*self.problem.doubts(control, max(values)), slopes, strain]:
             if doubt is not None:
                 warned(doubt)
 
     def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
         """Solves the contact under one load, from a state, or from the start set by the options."""
-        key = _KEYS[control]
-        state, record, failure, raised = self.problem.solve(key, value, start, self.threads, progress.tick)
+        state, record, failure, raised = self.problem.solve(control, value, start, self.threads, progress.tick)
         parts = (self.surface, self.body, self.law)
-        contact = Contact(of_load(record), parts, dict(state.fields), self.settings._replace(load=(key, value)), state)
+        settings = self.settings._replace(load=(control, value))
+        contact = Contact(of_load(record), parts, dict(state.fields), settings, state)
         if isinstance(raised, KeyboardInterrupt):
             raise Interrupted(f"interrupted after {contact['iterations']} iterations", contact) from raised
         if raised is not None:
@@ -144,26 +142,17 @@ def texts(value: Any) -> bool:
     return isinstance(value, Iterable) and any(texts(entry) for entry in value)
 
 
-def _name(key: str) -> str:
-    """Returns the name of an option from its key in a file."""
-    return next((name for name, (of, _) in _OPTIONS.items() if of == key), key)
-
-
 def _checked(options: dict[str, Any]) -> dict[str, Any]:
-    """Checks the options and returns them by their keys in a file."""
-    found = {}
-    for name, value in options.items():
-        key, checked = _OPTIONS.get(name, (name, plain))
-        if value is not None:
-            found[key] = checked(name, value)
-    return found
+    """Checks the options and returns those that are given."""
+    checks: dict[str, Any] = {"tolerance": number, "max_iterations": integer}
+    return {name: checks.get(name, plain)(name, value) for name, value in options.items() if value is not None}
 
 
 def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     """Returns the name and value of the load; refuses unknown options and more than one load."""
     allowed = [
         *(
-            _name(key)
+            key
             for key in _gfmd.options()
             if key not in ("law", "param", "law_table", "compliance", "uniform_compliance")
         ),
@@ -176,7 +165,7 @@ def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     found = [(name, value) for name, value in loads.items() if value is not None]
     if len(found) != 1:
         names = ", ".join(name for name, _ in found) or "none"
-        raise InputError(f"the load is given by {names}; it must be given by one of mean_pressure, p_star, approach")
+        raise InputError(f"the load is given by {names}; it must be given by one of pressure, p_star, approach")
     return found[0]
 
 
@@ -185,7 +174,7 @@ def contact(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
     *,
-    mean_pressure: Optional[Quantity] = None,
+    pressure: Optional[Quantity] = None,
     p_star: Optional[float] = None,
     approach: Optional[Quantity] = None,
     **options: Any,
@@ -195,7 +184,7 @@ def contact(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
     *,
-    mean_pressure: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
+    pressure: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
     p_star: Optional[Sequence[float] | npt.NDArray[np.float64]] = None,
     approach: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
     **options: Any,
@@ -204,7 +193,7 @@ def contact(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
     *,
-    mean_pressure: Any = None,
+    pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
     boundary: Optional[Literal["periodic", "free"] | str] = None,
@@ -229,7 +218,7 @@ def contact(
     Args:
         surface: a Surface, an array [nx, ny] or [n] (cell length 1), or a SurfaceTopography object.
         body: the elastic body.
-        mean_pressure: mean pressure over the whole surface, stress (with free boundaries, force divided by area), or a
+        pressure: mean pressure over the whole surface, stress (with free boundaries, force divided by area), or a
             string with a unit, such as "1MPa", if the surface has one; or
         p_star: mean pressure divided by E* and by the rms gradient; or
         approach: rigid approach beyond first touch, length, or a string with a unit. A sequence of loads returns
@@ -273,11 +262,11 @@ def contact(
         >>> round(c.area_fraction, 3), c.pressure.shape
         (0.128, (64, 64))
         >>> scan = gfmd.self_affine(n=64, size="50 um", unit="um")
-        >>> loads = gfmd.contact(scan, gfmd.Body(young="70 GPa"), mean_pressure=["7 MPa", "0.1 GPa"])
+        >>> loads = gfmd.contact(scan, gfmd.Body(young="70 GPa"), pressure=["7 MPa", "0.1 GPa"])
         >>> [round(c.p_star, 4) for c in loads]
         [0.001, 0.0143]
     """
-    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
+    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach}, options)
     loads = quantities(control, given, _LOADS[control])
     several = not isinstance(given, str) and isinstance(given, Iterable) and getattr(given, "shape", None) != ()
     options.update(
@@ -323,7 +312,7 @@ def _accurate(
             "accuracy is given with start or grid_error; the grid of a start, and its error, are what they are"
         )
     asked = accuracy if isinstance(accuracy, str) else repr(number("accuracy", accuracy))
-    _Setup(surface, body, loads=_of_stress(control, values), **options).problem.check_accuracy(asked, _KEYS[control])
+    _Setup(surface, body, loads=_of_stress(control, values), **options).problem.check_accuracy(asked, control)
     done = list(contacts(surface, body, **{control: values}, **options))
     while (times := max(found._state.times(asked) for found in done)) > 1:
         try:
@@ -341,7 +330,7 @@ def contacts(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
     *,
-    mean_pressure: Any = None,
+    pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
     **options: Any,
@@ -350,7 +339,7 @@ def contacts(
 
     Args:
         surface, body: as in `contact`.
-        mean_pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
+        pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
         options: further arguments of `contact`; `start` and `range_continuation` apply to the first load.
 
     Raises:
@@ -362,7 +351,7 @@ def contacts(
         >>> [c.converged for c in cs], cs.kappa.shape
         ([True, True, True], (3,))
     """
-    control, given = _control({"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}, options)
+    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach}, options)
     loads = quantities(control, given, _LOADS[control])
     accuracy = options.pop("accuracy", None)
     if accuracy is not None:

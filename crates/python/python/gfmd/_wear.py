@@ -121,7 +121,7 @@ def wear(
     *,
     coefficient: Quantity,
     distance: Any,
-    mean_pressure: Any = None,
+    pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
     boundary: Literal["periodic", "free"] | str = "periodic",
@@ -143,7 +143,7 @@ def wear(
             the surface has one.
         distance: sliding distances of the legs, length: a number or a sequence. Each leg ends at a waypoint. The first
             leg begins at first touch; a leg of zero distance is one step.
-        mean_pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence,
+        pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence,
             positive; as in `path`.
         boundary: "periodic", or "free" as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
@@ -174,10 +174,10 @@ def wear(
         grid_error=word("grid_error", grid_error),
         flow=flag("flow", flow),
         steps=integer("steps", steps, 1, 2**32 - 1),
-        tol=number("tolerance", tolerance),
-        max_iter=integer("max_iterations", max_iterations),
-        length=list(made.size),
-        **drive_keys("the path is", {"mean_pressure": mean_pressure, "p_star": p_star, "approach": approach}),
+        tolerance=number("tolerance", tolerance),
+        max_iterations=integer("max_iterations", max_iterations),
+        size=list(made.size),
+        **drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "approach": approach}),
         **_command.body_keys(elastic),
     )
     values, failure, fields, file = _command.solve("wear", problem, {"surface": made.heights}, threads, out, made)

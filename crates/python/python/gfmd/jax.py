@@ -19,7 +19,7 @@ def contact(
     heights: Any,
     body: Body,
     *,
-    mean_pressure: Optional[Any] = None,
+    pressure: Optional[Any] = None,
     approach: Optional[Any] = None,
     size: Any = None,
     **options: Any,
@@ -29,14 +29,14 @@ def contact(
     Args:
         heights: heights [x, y] or [x], length, peaks towards the body. They should be float64 (`jax_enable_x64`).
         body: the elastic body.
-        mean_pressure, approach: the load, one of the two, a number or a 0-D array.
+        pressure, approach: the load, one of the two, a number or a 0-D array.
         size: lengths of the cell, as in `gfmd.Surface`.
         options: further arguments of `gfmd.contact`.
 
     Raises:
         InputError: as in `gfmd.contact` and `Contact.vjp`.
     """
-    control, load = controlled(mean_pressure, approach)
+    control, load = controlled(pressure, approach)
     surface = jnp.asarray(heights)
     solver = Solver(body, size, control, options)
     kind, shape = surface.dtype, surface.shape if surface.ndim == 2 else (*surface.shape, 1)

@@ -34,7 +34,7 @@ def contact(
     heights: Any,
     body: Body,
     *,
-    mean_pressure: Optional[Any] = None,
+    pressure: Optional[Any] = None,
     approach: Optional[Any] = None,
     size: Any = None,
     **options: Any,
@@ -44,13 +44,13 @@ def contact(
     Args:
         heights: heights [x, y] or [x], length, peaks towards the body, a tensor. It should be float64.
         body: the elastic body.
-        mean_pressure, approach: the load, one of the two, a number or a 0-D tensor.
+        pressure, approach: the load, one of the two, a number or a 0-D tensor.
         size: lengths of the cell, as in `gfmd.Surface`.
         options: further arguments of `gfmd.contact`.
 
     Raises:
         InputError: as in `gfmd.contact` and `Contact.vjp`.
     """
-    control, load = controlled(mean_pressure, approach)
+    control, load = controlled(pressure, approach)
     given = torch.as_tensor(load, dtype=heights.dtype, device=heights.device)
     return Outputs(*_Contact.apply(heights, given, Solver(body, size, control, options)))

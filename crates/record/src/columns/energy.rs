@@ -119,7 +119,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress/length",
         &[(
             any,
-            "d(mean pressure)/d(displacement) with the points in contact kept, those at the hardness with their \
+            "d(mean pressure)/d(approach) with the points in contact kept, those at the hardness with their \
              pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the attribute \
              undefined says why",
         )],

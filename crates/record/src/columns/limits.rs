@@ -67,7 +67,7 @@ const ROBUST: [&str; 4] = ["mean_gap", "elastic_energy", "stiffness", "conductan
 const AVERAGES: [&str; 3] = ["boundary_links", "flow_xx", "flow_yy"];
 
 /// Columns of a patch that depend on the gap outside the contacts, or on a gradient by differences.
-const LEVELS: [&str; 5] = ["displacement", "mean_gap", "kappa", "flow_xx", "flow_yy"];
+const LEVELS: [&str; 5] = ["approach", "mean_gap", "kappa", "flow_xx", "flow_yy"];
 
 /// Columns of a patch with errors from its compliance between points, which differs from the compliance of waves.
 const COMPLIANT: [&str; 4] = ["max_pressure", "pressure_deviation_in_contact", "pressure_moment_2", "elastic_energy"];
@@ -195,7 +195,7 @@ fn refined(
             return Err(NoLimit::Counted.to_string().into());
         } else if law(at.facts) || BY_DIFFERENCE.contains(&name) {
             // An approach counts from the top of the surface, above the highest points of both grids.
-            let rises = if name == "displacement" { at.rise.zip(finer.rise) } else { None };
+            let rises = if name == "approach" { at.rise.zip(finer.rise) } else { None };
             let [value, fine] = rises.map_or([value, fine], |(rise, other)| [value + rise, fine + other]);
             let found = GridLimit::of_two_grids(value, fine);
             // Two searches agree at best to their tolerance, and two losses to their own errors.
@@ -317,7 +317,7 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
     ),
     limits!("mean_shear_x", ["mean_shear", ".0"], "stress", sheared, None, two_grids),
     limits!("mean_shear_y", ["mean_shear", ".1"], "stress", sheared, None, two_grids),
-    limits!("displacement", ["displacement", ""], "length", load_given, Some(2.7), |limits, at, value| {
+    limits!("approach", ["approach", ""], "length", load_given, Some(2.7), |limits, at, value| {
         at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
     }),
     limits!("area_fraction", "1", Some(1.6), |limits, _, _| Ok(limits.area_fraction())),

@@ -23,7 +23,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| reduced(at, at.summary.p_star))
         .head("p*", Form::Size),
     Column::new(
-        "displacement",
+        "approach",
         "length",
         &[
             (between, "approach of the two rigid surfaces beyond the distance at which both touch the undeformed slab"),

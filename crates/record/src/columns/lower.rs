@@ -39,7 +39,7 @@ pub(super) const COLUMNS: &[Column] =
     &[
         lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary
             .mean_pressure),
-        lower!("displacement", "length", "part of the approach at the lower face", |face, summary| face.approach).on(
+        lower!("approach", "length", "part of the approach at the lower face", |face, summary| face.approach).on(
             Table::LowerFace,
             "approach",
             Form::Size,

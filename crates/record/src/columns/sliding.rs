@@ -146,7 +146,7 @@ const COLUMNS: &[Column] = &[
     .head("pressure", Form::Size),
     Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| at.summary.p_star.into())
         .head("p*", Form::Size),
-    Column::new("displacement", "length", &[(any, "rigid approach beyond first touch")], |at| {
+    Column::new("approach", "length", &[(any, "rigid approach beyond first touch")], |at| {
         at.state.solution.approach.into()
     })
     .head("approach", Form::Size),

@@ -52,7 +52,7 @@ pub(super) fn lost(at: &At, error: bool) -> Cell {
         _ if at.facts.hardness => "a step with a hardness is not halved: double --steps and compare the losses",
         _ => {
             "the step was not halved: limits and directions of the shear change too little in it; a smaller \
-             --energy-tol halves it"
+             --energy-tolerance halves it"
         }
     })
 }

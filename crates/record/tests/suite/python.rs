@@ -65,7 +65,7 @@ fn option(part: Part) -> String {
     let given = part.given().trim_start_matches('-').replace('-', "_");
     match given.split_once(' ') {
         Some((option, value)) => format!("`{option}=\"{value}\"`"),
-        None if given == "displacement" => "`approach`".to_owned(),
+        None if given == "approach" => "`approach`".to_owned(),
         None => format!("`{given}`"),
     }
 }

@@ -86,7 +86,7 @@ fn numbers_are_those_of_the_state() {
     assert_eq!(record.number("max_pressure"), pressure.iter().copied().fold(0.0, f64::max));
     let area = touching as f64 / pressure.len() as f64;
     assert!((record.number("kappa") - area / record.number("p_star")).abs() < 1e-12);
-    assert_eq!(record.number("displacement"), rest.approach());
+    assert_eq!(record.number("approach"), rest.approach());
     assert_eq!(record.worst(), rest.worst());
     assert!(record.number("stiffness") > 0.0);
     assert!(record.number("force").is_nan());

@@ -165,12 +165,12 @@ impl StoredSurface {
         let shape = reader.shape(path).map_err(|error| error.to_string())?;
         let &[nx, ny] = &shape[..] else { return Err(format!("{path} has {} axes; it must have two", shape.len())) };
         let length = |name| reader.number("/surface", name).map_err(|error| error.to_string());
-        let x = length("length_x")?;
-        let grid = if ny == 1 { Grid::line(nx, x) } else { Grid::new([nx, ny], [x, length("length_y")?]) };
+        let x = length("size_x")?;
+        let grid = if ny == 1 { Grid::line(nx, x) } else { Grid::new([nx, ny], [x, length("size_y")?]) };
         Ok(Self {
             grid: grid.map_err(|error| error.to_string())?,
             heights,
-            unit: text(&reader.text(path, "units").unwrap_or_else(|_| "length".into())),
+            unit: text(&reader.text(path, "units").unwrap_or_else(|_| "size".into())),
             units: units_of_result(reader).unwrap_or_default(),
             rms_gradient: reader.number("/surface", "rms_gradient").unwrap_or(f64::NAN),
             description: text(&reader.text("/surface", "description").unwrap_or_default()),

@@ -37,9 +37,9 @@ pub fn compare_heights(reader: &Reader, comparison: &mut Comparison) -> Result<(
 pub fn stored_problem<A: Args + DeserializeOwned>(reader: &Reader, config: &Configuration) -> Result<A, Failure> {
     let mut stored = stored_fields(reader, config)?;
     stored.insert("surface".into(), format!("{}:/surface/height", reader.path().display()).into());
-    if let (Ok(x), Ok(y)) = (reader.number("/surface", "length_x"), reader.number("/surface", "length_y")) {
+    if let (Ok(x), Ok(y)) = (reader.number("/surface", "size_x"), reader.number("/surface", "size_y")) {
         let is_line = reader.shape("/surface/height")?.get(1) == Some(&1);
-        stored.insert("length".into(), if is_line { vec![x] } else { vec![x, y] }.into());
+        stored.insert("size".into(), if is_line { vec![x] } else { vec![x, y] }.into());
     }
     let of_source = keys::<SourceArgs>().into_iter().filter(|key| key != "stress_unit");
     let replaced: Vec<String> = of_source.chain(BESIDE.map(Into::into)).collect();
@@ -118,7 +118,7 @@ fn same(reader: &Reader, group: &str, made: &Surface, comparison: &mut Compariso
     }
     let heights: Vec<f64> = made.heights.iter().copied().collect();
     comparison.values(&path, &reader.values::<f64>(&path)?, &heights, 0.0);
-    let lengths = ["length_x", "length_y"].map(|name| reader.number(group, name).unwrap_or(f64::NAN));
+    let lengths = ["size_x", "size_y"].map(|name| reader.number(group, name).unwrap_or(f64::NAN));
     comparison.values(&format!("{group}@length"), &lengths, &made.grid.lengths(), 0.0);
     for (part, name, made) in [(group, "description", made.description.as_str()), (&path, "units", made.unit())] {
         let stored = reader.text(part, name).unwrap_or_default();

@@ -73,7 +73,7 @@ const ALL: &[Row] = &[
 const SURFACE: &[Row] = &[
     row(&["/surface/height"], Verified, Verified, "height_sha256, the fields, the generator of generated heights"),
     row(
-        &["/surface@rms_gradient", "/surface@boundary", "/surface@height_sha256", "/surface@length_*"],
+        &["/surface@rms_gradient", "/surface@boundary", "/surface@height_sha256", "/surface@size_*"],
         Verified,
         Verified,
         "the heights and the configuration",
@@ -126,7 +126,7 @@ const CONTACT: &[Row] = &[
         Verified,
         "each other, the generator of generated heights",
     ),
-    row(&["/lower@rms_gradient", "/lower@boundary", "/lower@length_*"], Verified, Verified, "the heights"),
+    row(&["/lower@rms_gradient", "/lower@boundary", "/lower@size_*"], Verified, Verified, "the heights"),
     row(&["/lower/*"], Verified, Verified, "the layout that the configuration gives"),
     row(&["/lower@description"], InPart, InPart, "the generator of generated heights"),
     row(&["/lower@*"], Checksum, Checksum, ""),
@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(plain(Kind::Contact, "/flow_threshold/x@units"), Some(Checksum));
         assert_eq!(plain(Kind::Contact, "/lower/height@units"), Some(Verified));
         assert_eq!(plain(Kind::Contact, "@created"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/surface@length_x"), Some(Verified));
+        assert_eq!(plain(Kind::Contact, "/surface@size_x"), Some(Verified));
         assert_eq!(plain(Kind::Contact, "/surface@format"), Some(Checksum));
         assert_eq!(plain(Kind::Contact, "/surface@a/b"), Some(Checksum));
         assert_eq!(plain(Kind::Contact, "/surface/x"), None);

@@ -127,7 +127,7 @@ impl<'a> Stored<'a> {
                 10.0 * self.tolerance,
             ),
             Load::Approach(asked) => {
-                comparison.number(&self.path("displacement"), number("displacement"), asked, 0.0);
+                comparison.number(&self.path("approach"), number("approach"), asked, 0.0);
             }
         }
         true

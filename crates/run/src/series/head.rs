@@ -27,7 +27,7 @@ use gfmd_problem::options::{OtherArgs, Relaxation};
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Head {
     pub n: [usize; 2],
-    pub length: [f64; 2],
+    pub size: [f64; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,7 +126,7 @@ impl Head {
         };
         Self {
             n: grid.points(),
-            length: grid.lengths(),
+            size: grid.lengths(),
             unit: given.unit.clone(),
             stress_unit: given.stress_unit.clone(),
             surface: given.description.clone(),
@@ -179,7 +179,7 @@ impl Head {
 
 impl fmt::Display for Head {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { n: [nx, ny], length: [lx, ly], rms_gradient, rms_height, e_star, .. } = self;
+        let Self { n: [nx, ny], size: [lx, ly], rms_gradient, rms_height, e_star, .. } = self;
         let unit = self.unit.as_deref().unwrap_or("length units");
         let length = |value: f64| self.read(value, "length", &format!(" {unit}"));
         writeln!(f, "{}", self.surface)?;

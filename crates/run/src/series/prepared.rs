@@ -100,7 +100,7 @@ impl Prepared {
     /// Returns an error if parts cannot be combined, cannot be read, or do not fit into memory.
     pub fn new(asked: &Asked, facts: impl Fn(bool) -> Facts, session: &Session) -> Result<Self, Failure> {
         let body = asked.compliance.body(&asked.body)?;
-        asked.budget.check().map_err(|error| Failure::input(key("tol"), error))?;
+        asked.budget.check().map_err(|error| Failure::input(key("tolerance"), error))?;
         let facts = |line: bool| Facts { processes: session.processes().all, ..facts(line) };
         facts(false).check()?;
         let limit = asked.limit.map(|(limit, flag)| limit.check().map_err(|error| Failure::input(key(flag), error)));

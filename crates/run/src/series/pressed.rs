@@ -67,9 +67,15 @@ pub struct ContactArgs {
     #[serde(flatten)]
     pub solver: SolverArgs,
     /// Largest relative error of the stiffness of a hard wall; 1e-9 can be reached
-    #[arg(long, value_name = "TOL", default_value_t = Stiffness::TOLERANCE, help_heading = "Solver")]
+    #[arg(
+        long,
+        alias = "stiffness-tol",
+        value_name = "TOL",
+        default_value_t = Stiffness::TOLERANCE,
+        help_heading = "Solver"
+    )]
     #[serde(skip_serializing_if = "is_usual")]
-    pub stiffness_tol: f64,
+    pub stiffness_tolerance: f64,
     /// Time step and damping.
     #[command(flatten)]
     #[serde(flatten)]
@@ -161,9 +167,9 @@ impl ContactArgs {
             let why = format!("the law {} has no range; it must be one of {with_range}", self.law.law.name());
             return Err(Failure::input(key("range_continuation"), why));
         }
-        if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tol) {
+        if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tolerance) {
             let allowed = format!("{SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}");
-            return Err(Failure::value(key("stiffness_tol"), self.stiffness_tol, allowed));
+            return Err(Failure::value(key("stiffness_tolerance"), self.stiffness_tolerance, allowed));
         }
         self.dynamics.check(match self.solver.solver {
             Solver::VerletCritical => DampedBy::Numbers,

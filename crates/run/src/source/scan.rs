@@ -29,7 +29,7 @@ pub struct Scan {
     pub channel: Option<String>,
     /// Points and size of the scan itself, before it is made periodic.
     pub n: [usize; 2],
-    pub length: [f64; 2],
+    pub size: [f64; 2],
     pub unit: Option<String>,
     /// Longest and shortest wavelengths that the scan resolves: its (shorter) side and two (larger) spacings.
     pub resolves: [f64; 2],
@@ -130,7 +130,7 @@ impl SourceArgs {
             notes.push(format!("heights and size converted {conversion}"));
         }
         let unit = self.unit.clone().or(topography.unit);
-        let lengths = match (&self.length[..], size.or(cell)) {
+        let lengths = match (&self.size[..], size.or(cell)) {
             ([], Some(lengths)) => lengths,
             ([], None) => {
                 notes.push("the file has no size; the cell is taken to be 1 long (it may be given)".into());
@@ -140,13 +140,13 @@ impl SourceArgs {
             ([x], _) => [*x, if ny == 1 { 1.0 } else { x * ny as f64 / nx as f64 }],
             ([x, y, ..], _) => [*x, *y],
         };
-        if let (false, Some([x, y])) = (self.length.is_empty(), size) {
+        if let (false, Some([x, y])) = (self.size.is_empty(), size) {
             notes.push(format!("the given size replaces the one in the file, {x:?} by {y:?}"));
         }
         if unit.is_none() {
             notes.push("the file has no unit".into());
         }
-        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input(key("length"), error))?;
+        let grid = Grid::new([nx, ny], lengths).map_err(|error| Failure::input(key("size"), error))?;
         let mut description = topography.source;
         if self.flip {
             heights.mapv_inplace(|h| -h);
@@ -182,7 +182,7 @@ impl SourceArgs {
             format: topography.format,
             channel: topography.channel,
             n: [nx, ny],
-            length: grid.lengths(),
+            size: grid.lengths(),
             unit,
             resolves: resolved(&grid),
             undefined,

@@ -54,11 +54,11 @@ impl Config {
         )?;
         let tolerances = Budget::TOLERANCES;
         let allowed = format!("between {:e} and {}", tolerances.start(), tolerances.end());
-        check(tolerances.contains(&solver.tol), "solver.tol", &solver.tol, &allowed)?;
+        check(tolerances.contains(&solver.tolerance), "solver.tolerance", &solver.tolerance, &allowed)?;
         let names = Contact::SOLVERS.map(Solver::name).join(", ");
         let method = solver.method;
         check(Contact::SOLVERS.contains(&method), "solver.method", &method.name(), &format!("one of {names}"))?;
-        check(solver.max_iter > 0, "solver.max_iter", &solver.max_iter, "1 or more")?;
+        check(solver.max_iterations > 0, "solver.max_iterations", &solver.max_iterations, "1 or more")?;
         check(p_star.contains(&fit.p_star), "fit.p_star", &fit.p_star, &format!("one of loads.p_star, {p_star:?}"))?;
         for (field, alpha, word) in [
             ("fit.alpha_t", fit.alpha_t, None),

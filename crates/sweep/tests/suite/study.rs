@@ -114,7 +114,7 @@ fn unusable_fields_are_named_with_what_was_found_and_what_is_allowed() {
     refused("surface.hurst = [0.5, 1.0]", &["fit.alpha_f is \"self-affine\"", "1 - H"]);
     refused("surface.dim = 2", &["fit.alpha_c is \"edge\"", "no perimeter"]);
     refused("fit.p_star = 0.3", &["fit.p_star is 0.3", "loads.p_star"]);
-    refused("solver.tol = 1e-20", &["solver.tol is 1e-20", "between 1e-15 and 0.1"]);
+    refused("solver.tolerance = 1e-20", &["solver.tolerance is 1e-20", "between 1e-15 and 0.1"]);
     refused("solver.method = \"newton\"", &["solver.method is \"newton\"", "auto, cg"]);
     refused("solver.method = \"magic\"", &["magic", "auto, cg"]);
     // Smaller cells have more realisations; here their seeds would overlap with the seeds of the next group.

@@ -55,7 +55,7 @@ fn every_state_has_the_values_of_dense_solutions() {
             let summary = state.summary();
             for (key, found) in [
                 ("mean_pressure", state.solution.mean_pressure),
-                ("displacement", state.solution.approach),
+                ("approach", state.solution.approach),
                 ("area_fraction", summary.area_fraction),
                 ("mean_gap", summary.mean_gap),
                 ("max_pressure", summary.max_pressure),

@@ -59,7 +59,7 @@ fn every_path_has_the_values_of_dense_solutions() {
             let found = [
                 ("distance", state.distance, 1.0),
                 ("mean_pressure", state.solution.mean_pressure, 1e-3),
-                ("displacement", state.solution.approach, 1e-2),
+                ("approach", state.solution.approach, 1e-2),
                 ("area_fraction", summary.area_fraction, 1.0),
                 ("contact_nodes", summary.contact_nodes as f64, 1.0),
                 ("mean_gap", summary.mean_gap, 1e-2),

@@ -320,7 +320,7 @@ fn one(
             let asked = asked * modulus * gradient;
             found.near("load", mean_pressure, asked, allowed(asked));
         }
-        Control::Displacement => found.near("approach", number(load, "displacement"), asked, 1e-9 * asked),
+        Control::Approach => found.near("approach", number(load, "approach"), asked, 1e-9 * asked),
     }
     found.is(load, "p_star", number(load, "mean_pressure") / (modulus * gradient), 1e-9);
     if !number(load, "kappa").is_nan() {
@@ -337,7 +337,7 @@ fn one(
     counted(found, case, load, (&surely, &possibly, &repulsion), &gap);
     // Displacement by dense sums.
     let loaded: Vec<f64> = displacement.iter().zip(&rough.lift).map(|(u, w)| u - w).collect();
-    let approach = number(load, "displacement");
+    let approach = number(load, "approach");
     let mut energy = None;
     let scale = rough.deviation;
     if case.has_lower {
@@ -375,7 +375,7 @@ fn one(
             1e-8 * (largest(&rough.clearance) + known.abs() + largest(&loaded)),
         );
         if approach.is_nan() {
-            found.null(load, "displacement");
+            found.null(load, "approach");
         }
         if let Some(hardness) = &case.hardness {
             plastic(found, load, [&pressure, &gap, &depth], hardness, (case.tolerance, scale));
@@ -480,14 +480,14 @@ fn squeezed(found: &mut Found, case: &Case, load: &Value, k: usize, file: &Reade
     let most = largest(&above).max(largest(&below));
     let lower = &load["lower"];
     let parts = [
-        ("upper", upper, above, 1.0, &rough.clearance, number(load, "displacement") - number(lower, "displacement")),
+        ("upper", upper, above, 1.0, &rough.clearance, number(load, "approach") - number(lower, "approach")),
         (
             "lower",
             [&pressure[..], &displacement, &gap],
             below,
             -1.0,
             &heights.iter().map(|h| top - h).collect::<Vec<f64>>(),
-            number(lower, "displacement"),
+            number(lower, "approach"),
         ),
     ];
     let scale = rough.deviation.hypot(deviation(&heights));
@@ -620,10 +620,10 @@ fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possi
 
 /// Checks the loads at which the gap closes: a thousandth apart, between the lowest and the highest load, in order.
 pub(crate) fn threshold(found: &mut Found, case: &Case, report: &Value, file: &Reader) {
-    let keys = ["mean_pressure", "p_star", "displacement", "area_fraction", "area_fraction_corrected", "mean_gap"];
+    let keys = ["mean_pressure", "p_star", "approach", "area_fraction", "area_fraction_corrected", "mean_gap"];
     let loads = report["loads"].as_array().unwrap();
     let asked = match case.control {
-        Control::Displacement => "displacement",
+        Control::Approach => "approach",
         _ => "mean_pressure",
     };
     let all: Vec<f64> = loads.iter().map(|load| number(load, asked)).collect();

@@ -264,7 +264,7 @@ pub(crate) enum Components {
 pub(crate) enum Control {
     Pressure,
     PStar,
-    Displacement,
+    Approach,
 }
 
 /// Random problem.
@@ -430,9 +430,9 @@ impl Case {
             );
             // With a single length the spacings are equal.
             if !is_line && (length[1] - length_x * n[1] as f64 / n[0] as f64).abs() > 1e-9 {
-                let _ = write!(text, " --length {},{}", length[0], length[1]);
+                let _ = write!(text, " --size {},{}", length[0], length[1]);
             } else {
-                let _ = write!(text, " --length {length_x}");
+                let _ = write!(text, " --size {length_x}");
             }
             asked_gradient = Some(gradient);
         } else {
@@ -440,9 +440,9 @@ impl Case {
             write(folder, &format!("h{index}.npy"), plane, is_line, &heights);
             let _ = write!(text, " --surface h{index}.npy");
             if is_line {
-                let _ = write!(text, " --length {length_x}");
+                let _ = write!(text, " --size {length_x}");
             } else {
-                let _ = write!(text, " --length {},{}", length[0], length[1]);
+                let _ = write!(text, " --size {},{}", length[0], length[1]);
             }
             given = Some(heights);
         }
@@ -587,7 +587,7 @@ impl Case {
             3..=5 => Control::PStar,
             _ if components == Components::All && !is_wild => Control::PStar,
             _ if is_line && is_free && body.lowest() > 0.0 && !is_wild => Control::Pressure,
-            _ => Control::Displacement,
+            _ => Control::Approach,
         };
         let count = if is_path { dice.count(2, 3) } else { dice.of(&[1, 1, 2, 3]) };
         let most = if law.is_some() { 0.5 } else { 1.2 };
@@ -598,7 +598,7 @@ impl Case {
                 match control {
                     Control::Pressure => short(pressure),
                     Control::PStar => short(pressure / (modulus * gradient)),
-                    Control::Displacement => short(size * dice.scale(0.01, 0.25)),
+                    Control::Approach => short(size * dice.scale(0.01, 0.25)),
                 }
             })
             .collect();
@@ -606,7 +606,7 @@ impl Case {
         let flag = match control {
             Control::Pressure => "--pressure",
             Control::PStar => "--p-star",
-            Control::Displacement => "--displacement",
+            Control::Approach => "--approach",
         };
         let _ = write!(text, " {flag} {}", list(&loads));
         let (mut lateral, mut direction) = (Vec::new(), 0.0);
@@ -651,7 +651,7 @@ impl Case {
             tolerance
         };
         if tolerance != 1e-8 {
-            let _ = write!(text, " --tol {tolerance:e}");
+            let _ = write!(text, " --tolerance {tolerance:e}");
         }
         let plain_wall = plain && hard_wall && hardness.is_none() && !is_free && !is_path;
         let solver = if is_path {
@@ -679,7 +679,7 @@ impl Case {
             let _ = write!(text, " --solver {solver}");
         }
         if solver.starts_with("verlet") || solver.starts_with("fire") || components == Components::All {
-            text.push_str(" --max-iter 20000");
+            text.push_str(" --max-iterations 20000");
         }
         let conductor_height = (statistics && dice.chance(0.4)).then(|| dice.of(&[0.2, 0.5, 2.0]));
         if let Some(height) = conductor_height {

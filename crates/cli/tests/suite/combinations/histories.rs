@@ -42,7 +42,7 @@ const SHARED: [&str; 20] = [
     "--hurst",
     "--seed",
     "--rms-gradient",
-    "--length",
+    "--size",
     "--surface",
     "--second-surface",
     "--young",
@@ -54,11 +54,11 @@ const SHARED: [&str; 20] = [
     "--base-poisson",
     "--second-body",
     "--boundary",
-    "--tol",
+    "--tolerance",
 ];
 
 /// Flags of loads and laws.
-const LOADS: [&str; 3] = ["--pressure", "--p-star", "--displacement"];
+const LOADS: [&str; 3] = ["--pressure", "--p-star", "--approach"];
 const LAWS: [&str; 3] = ["--law", "--param", "--law-table"];
 
 impl History {

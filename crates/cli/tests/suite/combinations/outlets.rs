@@ -236,7 +236,7 @@ pub(crate) fn vtk(found: &mut Found, case: &Case, bytes: &[u8], file: &Reader) {
 
 /// Checks that the gap is open at the lower of the two loads of a threshold, and closed at the other.
 pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &Value) {
-    let key = if case.control == Control::Displacement { "displacement" } else { "mean_pressure" };
+    let key = if case.control == Control::Approach { "approach" } else { "mean_pressure" };
     for axis in [0, 1] {
         let reported = &report["flow_threshold"][axis][key];
         if reported.is_null() {
@@ -244,12 +244,12 @@ pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &
         }
         let mut words: Vec<String> =
             case.words.iter().filter(|word| *word != "--flow-threshold" && *word != "--flow").cloned().collect();
-        let flags = ["--pressure", "--p-star", "--displacement"];
+        let flags = ["--pressure", "--p-star", "--approach"];
         let at = words.iter().position(|word| flags.contains(&word.as_str())).unwrap();
         words.splice(
             at..at + 2,
             [
-                if key == "displacement" { "--displacement" } else { "--pressure" }.to_owned(),
+                if key == "approach" { "--approach" } else { "--pressure" }.to_owned(),
                 format!("{},{}", reported[0], reported[1]),
             ],
         );

@@ -52,7 +52,7 @@ pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
 /// changes, the uncertainty if the tractions take any value between both states.
 fn work(last: &Value, step: &Value) -> [f64; 2] {
     let [p, q] = [last, step].map(|step| number(step, "mean_pressure"));
-    let approach = number(step, "displacement") - number(last, "displacement");
+    let approach = number(step, "approach") - number(last, "approach");
     let (mut work, mut open) = (0.5 * (p + q) * approach, 0.5 * ((q - p) * approach).abs());
     for axis in [0, 1] {
         let [s, t] = [last, step].map(|step| step["mean_shear"][axis].as_f64().unwrap_or(0.0));
@@ -153,7 +153,7 @@ fn one(
             let asked = asked * modulus * rough.gradient;
             found.near("load", reported, asked, 1.01 * case.tolerance * asked.max(least));
         }
-        Control::Displacement => found.near("approach", number(step, "displacement"), asked, 1e-9 * asked),
+        Control::Approach => found.near("approach", number(step, "approach"), asked, 1e-9 * asked),
     }
     found.is(step, "p_star", reported / (modulus * rough.gradient), 1e-9);
     let angle = case.direction.to_radians();
@@ -198,7 +198,7 @@ fn one(
         found.near("displacement_z less that of the tractions", apart, 0.0, allowed * scale);
     }
     let stored = depth.clone().unwrap_or_else(|| vec![0.0; plane.len()]);
-    let approach = number(step, "displacement");
+    let approach = number(step, "approach");
     let shift: Vec<f64> =
         (0..plane.len()).map(|at| rough.clearance[at] + stored[at] - displacement[at] - gap[at]).collect();
     let known = if approach.is_nan() { mean(&shift) } else { approach };
@@ -316,7 +316,7 @@ fn energy(
     // With friction the shear may have been anywhere within its limits.
     let [p, q] = [last, step].map(|step| number(step, "mean_pressure"));
     if let Some(strongest) = case.friction.map(|mu| mu * p.max(q)).or(case.shear_strength) {
-        open = 0.5 * ((q - p) * (number(step, "displacement") - number(last, "displacement"))).abs();
+        open = 0.5 * ((q - p) * (number(step, "approach") - number(last, "approach"))).abs();
         for axis in [0, 1] {
             let [s, t] = [last, step].map(|step| step["mean_shear"][axis].as_f64().unwrap_or(0.0));
             open += (strongest + 0.5 * (s + t).abs()) * (state.lateral[axis] - before.lateral[axis]).abs();
