@@ -3,7 +3,7 @@
 use gfmd_contact::{Boundary, Contact, Equilibrium, Fields, Load, Solver};
 use gfmd_green::{BaseKind, Body, Material};
 use gfmd_interface::{FrictionalContact, Interface};
-use gfmd_law::{Kind, Limit};
+use gfmd_law::{LawKind, Limit};
 use serde_json::Value;
 
 use crate::bounded::{compare, numbers, surface};
@@ -64,7 +64,7 @@ fn body(case: &Value) -> Result<Body, ValidationError> {
 fn law(case: &Value) -> Result<Check, ValidationError> {
     let (grid, heights) = surface(case)?;
     let name = case["law"].as_str().unwrap_or_default();
-    let kind: Kind = name.parse().map_err(|_| ValidationError::Reference {
+    let kind: LawKind = name.parse().map_err(|_| ValidationError::Reference {
         file: "free_contacts.json".into(),
         reason: format!("it has a law {name:?}; it must be one of gfmd"),
     })?;

@@ -21,9 +21,9 @@ use gfmd_contact::{Boundary, Drive, Fields as _, Load, Refusal, Stiffness};
 use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
-use gfmd_law::Kind;
-use gfmd_problem::{Facts, NoStiffness, Posed, Rest, Unknown};
-use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, repulsion};
+use gfmd_law::LawKind;
+use gfmd_problem::{AnyState, Facts, NoStiffness, Posed, Unknown};
+use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
 use ndarray::ArrayView2;
@@ -258,7 +258,7 @@ struct Loads {
 impl Loads {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.checkpoint.every()?;
-        let count = args.control.check(args.problem.law.law != Kind::HardWall)?;
+        let count = args.control.check(args.problem.law.law != LawKind::HardWall)?;
         args.problem.check()?;
         args.check_history()?;
         if args.flow_threshold {
@@ -414,7 +414,7 @@ impl Loads {
     fn show(
         &self,
         args: &Args,
-        state: &Rest,
+        state: &AnyState,
         whole: &Whole,
         gathered: &Gathered,
         report: &mut Report,
@@ -472,7 +472,7 @@ impl Outlet for Measuring<'_> {
         } else {
             stiffness(self.contact, state, self.args.problem.stiffness_tol, |text| warn("stiffness", text))
         };
-        let at = At { stiffness: stiffness.map_err(Into::into), ..at };
+        let at = StateContext { stiffness: stiffness.map_err(Into::into), ..at };
         let repulsion = state.repulsion();
         let Loads { prepared, conducting, drives, .. } = self.loads;
         let findings =
@@ -486,7 +486,7 @@ impl Outlet for Measuring<'_> {
         for reason in finer.iter().filter_map(|found| found.as_ref().err()).filter(|_| !is_cut) {
             warn("grid", format!("no limit is known: {reason}"));
         }
-        let record = Record::of(&At { seconds, measured: findings.borrowed(), finer, ..at });
+        let record = Record::of(&StateContext { seconds, measured: findings.borrowed(), finer, ..at });
         if let Some(coarse) = accuracy::too_coarse(&record) {
             self.session.warn("grid", format!("load {index}: {coarse}"));
         }
@@ -518,7 +518,7 @@ impl Measuring<'_> {
             let (state, surface, at) = finer.reach(drive, &mut stop)?;
             let repulsion = state.repulsion();
             let findings = Findings::of(args, (surface, conducting), [repulsion.view(), state.gap()], &at, |_, _| {})?;
-            Ok(OnFinerGrid::of(&At { measured: findings.borrowed(), ..at }))
+            Ok(OnFinerGrid::of(&StateContext { measured: findings.borrowed(), ..at }))
         };
         self.finer.iter_mut().map(|finer| beside(record(finer))).collect()
     }
@@ -531,7 +531,7 @@ impl Measuring<'_> {
 /// Returns the reason why there is no stiffness.
 pub fn stiffness(
     contact: &Posed,
-    state: &Rest,
+    state: &AnyState,
     tolerance: f64,
     warn: impl FnOnce(String),
 ) -> Result<Stiffness, &'static str> {

@@ -7,8 +7,8 @@ use gfmd_contact::{Budget, Drive, Fields as _, Load, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Flow;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
-use gfmd_problem::{Posed, Rest};
-use gfmd_record::{At, Measured, NOT_SOLVED, OnFinerGrid, Record, Table, table_of};
+use gfmd_problem::{AnyState, Posed};
+use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext, Table, table_of};
 use gfmd_unit::Units;
 use std::fmt;
 use std::path::PathBuf;
@@ -175,15 +175,15 @@ impl Beside<'_> {
         let at = resolved(self.prepared, state, tolerance);
         let flow = leak(self.prepared, state, &at, |_| {})?;
         let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
-        Ok(OnFinerGrid::of(&At { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
+        Ok(OnFinerGrid::of(&StateContext { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
     }
 }
 
 /// Computes the flow through the gap of a state, if requested.
 pub(crate) fn leak(
     prepared: &Prepared,
-    state: &Rest,
-    at: &At,
+    state: &AnyState,
+    at: &StateContext,
     warn: impl FnOnce(String),
 ) -> Result<Option<Flow>, Failure> {
     let fields = [state.repulsion(), state.gap().into()];
@@ -256,7 +256,8 @@ impl Outlet for Log<'_> {
             false => beside(finer.record(self.drives[index], self.tolerance, self.session)),
         });
         let finer = finer.collect::<Result<_, Failure>>()?;
-        let at = At { seconds, approach: reading.approach, step: Some((step, reading)), finer, measured, ..at };
+        let at =
+            StateContext { seconds, approach: reading.approach, step: Some((step, reading)), finer, measured, ..at };
         let record = Record::of(&at);
         if step.is_unsettled {
             self.unsettled.push((index, *step));

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_interface::{Path, Refinement, Step};
-use gfmd_law::{Kind, Limit};
-use gfmd_problem::{Facts, Friction, Posed, Rest};
+use gfmd_law::{LawKind, Limit};
+use gfmd_problem::{AnyState, Facts, Friction, Posed};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
@@ -185,7 +185,7 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may lag behind the surface and touch it again.
     let may_part = prepared.prony.is_some() && args.waypoints.flag() == "--displacement";
-    let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
+    let hard = !may_part && (prepared.limit.is_some() || args.law.law == LawKind::HardWall);
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
     let output = session.output(args.steps.out.as_ref())?;
     Ok(Course { prepared, drives, places, output })
@@ -200,7 +200,7 @@ fn ended(
 ) -> Result<Outcome<Report>, Failure> {
     let Followed { contact, path, ended, mut file, widest, unsettled } = followed;
     tell_of_unsettled(&unsettled, &path, args, session);
-    if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(Rest::memory)) {
+    if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(AnyState::memory)) {
         memory::write(file, &prepared.surface, &remembered)?;
     }
     let Ended { records, failure, not_converged, parted_at } = ended;

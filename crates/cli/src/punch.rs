@@ -20,7 +20,7 @@ use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
-use gfmd_record::{PunchAt, PunchFacts, Record};
+use gfmd_record::{PunchContext, PunchFacts, Record};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::failure::{Failure, Outcome};
@@ -415,7 +415,7 @@ impl Prepared {
         seconds: f64,
     ) -> Report {
         let components = Components::of(grid);
-        let at = PunchAt {
+        let at = PunchContext {
             solution,
             components,
             widths: [args.punch_fraction * args.length, self.punch.effective_width(grid)],

@@ -18,7 +18,7 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
 use gfmd_problem::{Facts, GridError};
-use gfmd_record::{Record, Sliding, SlidingAt, SlidingFacts};
+use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
@@ -176,7 +176,7 @@ impl Way {
     ) -> Record<Sliding> {
         let persson = self.sliding.persson(velocity, state.solution.mean_pressure);
         let scales = (&self.prepared.scales(), tolerance);
-        let at = SlidingAt::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds);
+        let at = SlidingContext::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds);
         Record::compute(&self.facts(), &at)
     }
 

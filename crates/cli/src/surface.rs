@@ -13,7 +13,7 @@ use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Output, Provenance};
-use gfmd_record::{Record, SurfaceAt, SurfaceFacts, by_reason};
+use gfmd_record::{Record, SurfaceContext, SurfaceFacts, by_reason};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
 use gfmd_surface::{
     Areal, HurstFit, Normalisation, Periodisation, PowerSpectrum, RadialBin, RollOff, RollOffShape, Statistics,
@@ -375,7 +375,7 @@ impl Report {
     ) -> Self {
         let facts = SurfaceFacts { free: boundary == Boundary::Free };
         let moments = if facts.free { statistics.moments_inside() } else { statistics.moments };
-        let at = SurfaceAt { statistics, moments, areal, fit, fit_range, cut_offs: spectrum.cut_offs() };
+        let at = SurfaceContext { statistics, moments, areal, fit, fit_range, cut_offs: spectrum.cut_offs() };
         let mut report = Self {
             source: String::new(),
             n: grid.points(),

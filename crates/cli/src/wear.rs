@@ -13,7 +13,7 @@ use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs};
-use gfmd_problem::{Facts, Rest};
+use gfmd_problem::{AnyState, Facts};
 use gfmd_report::figures::{Scene, Shown, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::series::{Asked, Ended, Head, Prepared};
@@ -182,7 +182,7 @@ fn ended(
     let head = Head::new(&args.asked(), prepared, contact.surface());
     let report = Report::new(head, args.coefficient()?, records);
     let mut report = Report { not_converged, out, ..report };
-    if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, path.state().and_then(Rest::worn)) {
+    if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, path.state().and_then(AnyState::worn)) {
         let shown = Shown::of(state, None, None);
         let scene = Scene::upper(&prepared.surface, &shown, report.head.e_star, None);
         report.plots = figures::draw(prefix, &report, &scene, (&prepared.surface, &state.depth))?;

@@ -360,8 +360,8 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 self.exchanged += exchanged;
                 self.steps += 1;
                 let reference = exchanged.max(self.exchanged / self.steps as f64);
-                let mut here = Rest { state: start, reading: begin, share: 0.0, origin: 0.0 };
-                let end = Rest { state, reading, share: 1.0, origin: 0.0 };
+                let mut here = StepPoint { state: start, reading: begin, share: 0.0, origin: 0.0 };
+                let end = StepPoint { state, reading, share: 1.0, origin: 0.0 };
                 let is_halved = self.is_halved && matches!(reading.loss, Loss::Certified { .. });
                 let outcome = search.account(&mut here, end, drive, reference, tolerance).and_then(|()| {
                     let coarse = is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
@@ -392,7 +392,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
 }
 
 /// State within a step.
-struct Rest<S> {
+struct StepPoint<S> {
     state: S,
     reading: Reading,
     /// Position of the state within the step, from 0 to 1, and position of its starting state.
@@ -603,16 +603,16 @@ impl<P: Quasistatic> Search<'_, P> {
     /// work.
     fn account(
         &mut self,
-        here: &mut Rest<P::State>,
-        end: Rest<P::State>,
+        here: &mut StepPoint<P::State>,
+        end: StepPoint<P::State>,
         drive: Drive,
         reference: f64,
         tolerance: f64,
     ) -> Result<(), SolveError<P::State>> {
         let (begin, allowed) = (here.reading, tolerance * reference);
-        let extra = |search: &mut Self, share: f64, start: &Rest<P::State>| {
+        let extra = |search: &mut Self, share: f64, start: &StepPoint<P::State>| {
             let (state, reading) = search.further(begin.towards(drive, share), Some(&start.state))?;
-            Ok::<_, SolveError<P::State>>(Rest { state, reading, share, origin: start.share })
+            Ok::<_, SolveError<P::State>>(StepPoint { state, reading, share, origin: start.share })
         };
         let (mut lost, mut uncertain) = (0.0, 0.0);
         let (mut jumped, mut is_known) = (false, true);

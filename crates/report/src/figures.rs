@@ -12,7 +12,7 @@ use ndarray::Array2;
 
 use gfmd_run::failure::Failure;
 
-pub use scene::{Face, Kind, Scene, Shown, rough};
+pub use scene::{Face, FigureKind, Scene, Shown, rough};
 
 /// Parses a prefix of figures. Its folder must exist.
 ///

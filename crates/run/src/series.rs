@@ -18,8 +18,8 @@ use std::time::Instant;
 use gfmd_contact::{Drive, Fields as _, Refusal, SolveError, Visit};
 use gfmd_files::{Output, contiguous};
 use gfmd_interface::{Path, Step};
-use gfmd_problem::{Posed, Rest, Task};
-use gfmd_record::{At, Record};
+use gfmd_problem::{AnyState, Posed, Task};
+use gfmd_record::{Record, StateContext};
 
 use crate::convergence::NotConverged;
 use crate::failure::{Failure, Outcome};
@@ -118,11 +118,11 @@ pub struct Reached<'a> {
     /// Number of its part.
     pub index: usize,
     /// State.
-    pub state: &'a Rest,
+    pub state: &'a AnyState,
     /// Step that led to the state.
     pub step: &'a Step,
     /// Numbers so far: without stiffness, measurements, step and time.
-    pub at: At<'a>,
+    pub at: StateContext<'a>,
     /// Start of the search.
     pub started: Instant,
     /// True if the search ended before the state was at rest.
@@ -168,7 +168,7 @@ impl Series<'_> {
     pub fn run(
         &self,
         path: &mut Path<'_, Posed>,
-        first: impl FnOnce() -> Result<Option<Rest>, Failure>,
+        first: impl FnOnce() -> Result<Option<AnyState>, Failure>,
         (file, mut kept): (Option<&mut StateFile>, Option<&mut UnfinishedRun>),
         progress: &dyn Progress,
         outlet: &mut dyn Outlet,

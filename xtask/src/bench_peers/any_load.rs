@@ -48,7 +48,7 @@ const LEAST: f64 = 1e-3;
 
 /// Kind of contact.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Kind {
+pub struct ContactVariant {
     /// Name in tables.
     pub name: &'static str,
     /// Boundary, "periodic" or "free".
@@ -59,13 +59,13 @@ pub struct Kind {
 }
 
 /// Kinds of contact. The hardness is E* times the rms gradient, so that p* = 1 is the largest load.
-const KINDS: [Kind; 3] = [
-    Kind { name: "periodic", boundary: Boundary::Periodic, hardness: None },
-    Kind { name: "free", boundary: Boundary::Free, hardness: None },
-    Kind { name: "hardness", boundary: Boundary::Periodic, hardness: Some(RMS_GRADIENT) },
+const KINDS: [ContactVariant; 3] = [
+    ContactVariant { name: "periodic", boundary: Boundary::Periodic, hardness: None },
+    ContactVariant { name: "free", boundary: Boundary::Free, hardness: None },
+    ContactVariant { name: "hardness", boundary: Boundary::Periodic, hardness: Some(RMS_GRADIENT) },
 ];
 
-impl Kind {
+impl ContactVariant {
     /// Returns true if the table of this kind has the load.
     fn has(&self, p_star: f64) -> bool {
         match self.hardness {
@@ -109,7 +109,7 @@ pub struct AnyLoad {
 #[derive(Clone, Debug, Serialize)]
 pub struct Block {
     /// Kind of contact.
-    pub kind: Kind,
+    pub kind: ContactVariant,
     /// Hurst exponent.
     pub hurst: f64,
     /// Contestants that solve such contacts.
@@ -134,7 +134,7 @@ struct Resumed {
 }
 
 impl Resumed {
-    fn is_of(&self, kind: &Kind, hurst: f64, contestants: &[String]) -> bool {
+    fn is_of(&self, kind: &ContactVariant, hurst: f64, contestants: &[String]) -> bool {
         self.kind["name"] == kind.name && self.hurst == hurst && self.contestants == contestants
     }
 }

@@ -42,7 +42,7 @@ struct Known {
 }
 
 /// Key of surface and load without the grid: the bits of Hurst exponent and reduced pressure.
-type Kind = [u64; 2];
+type LoadKey = [u64; 2];
 
 pub(super) struct Bench<'a> {
     args: &'a Args,
@@ -50,7 +50,7 @@ pub(super) struct Bench<'a> {
     environment: &'a Environment,
     session: &'a Session,
     contestants: Vec<Contestant>,
-    known: HashMap<(String, Kind), Known>,
+    known: HashMap<(String, LoadKey), Known>,
     /// Cases of an interrupted run.
     resumed: Vec<Case>,
 }

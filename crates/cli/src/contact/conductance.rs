@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Conductor, Height};
-use gfmd_law::Kind;
+use gfmd_law::LawKind;
 use gfmd_problem::Unknown;
 use ndarray::ArrayRef2;
 
@@ -52,7 +52,7 @@ impl Conducting {
         let refuse = |error: &dyn std::fmt::Display| Failure::input("--conductor-height", error);
         Conductor::new(height).map_err(|error| refuse(&error))?;
         let is_endless = |body: &Body| body.height() == Height::Infinite;
-        let are_alike = args.problem.law.law == Kind::HardWall
+        let are_alike = args.problem.law.law == LawKind::HardWall
             && args.problem.hardness.is_none()
             && args.problem.components == Unknown::Normal
             && body.tabulated_wavenumbers().is_none()

@@ -15,11 +15,11 @@ use gfmd_run::source::Surface;
 /// VTK file to write.
 pub(super) struct VtkFile {
     output: Output,
-    kind: Kind,
+    kind: VtkKind,
 }
 
 /// Kinds of files.
-enum Kind {
+enum VtkKind {
     /// Points of the undeformed surface.
     Image,
     /// Deformed surface.
@@ -36,8 +36,8 @@ impl VtkFile {
     pub(super) fn claim(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
         let kind = match extension.as_ref().and_then(|extension| extension.to_str()) {
-            Some("vti") => Kind::Image,
-            Some("vtp") => Kind::Polygons,
+            Some("vti") => VtkKind::Image,
+            Some("vtp") => VtkKind::Polygons,
             _ => return Err(Failure::value(FLAG, path.display(), "NAME.vti or NAME.vtp")),
         };
         let output = Output::claim(path).map_err(|error| Failure::input(FLAG, error))?;
@@ -67,7 +67,7 @@ impl VtkFile {
         arrays.push((scalar("contact", "1"), contact.into()));
         let ([nx, ny], [dx, dy]) = (surface.grid.points(), surface.grid.spacing());
         match self.kind {
-            Kind::Image => {
+            VtkKind::Image => {
                 let lattice = Lattice { points: [nx, ny, 1], origin: [0.0; 3], spacing: [dx, dy, dx] };
                 let declared: Vec<PointArray> = arrays.iter().map(|(array, _)| *array).collect();
                 let mut image = Image::create(&self.output, lattice, &declared)?;
@@ -76,7 +76,7 @@ impl VtkFile {
                 }
                 Ok(image.finish()?)
             }
-            Kind::Polygons => {
+            VtkKind::Polygons => {
                 let moved = |axis: usize, i, j| lateral.get(axis).map_or(0.0, |u| u[[i, j]]);
                 let position = |i: usize, j: usize| {
                     [i as f64 * dx + moved(0, i, j), j as f64 * dy + moved(1, i, j), shown.level[i * ny + j]]

@@ -2,8 +2,8 @@
 
 use gfmd_contact::Boundary;
 use gfmd_law::Limit;
-use gfmd_problem::Rest;
-use gfmd_record::At;
+use gfmd_problem::AnyState;
+use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
@@ -54,7 +54,7 @@ impl Checked for Args {
             } else if prepared.facts.moves_sideways() {
                 check.tractions(waypoint, index, comparison)?;
             } else {
-                let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+                let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
                 stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
             }
         }

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use gfmd_problem::Rest;
-use gfmd_record::At;
+use gfmd_problem::AnyState;
+use gfmd_record::StateContext;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::Comparison;
 use gfmd_run::series::{Chosen, Stored};
@@ -51,7 +51,7 @@ impl Checked for Args {
             }
             before = [pressure, approach, energy, drive.distance];
             let Some(waypoint) = course.places.of(index) else { continue };
-            let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+            let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
             if stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?.is_some() {
                 let field = stored.field("pressure", waypoint)?;
                 let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;

@@ -97,7 +97,7 @@ pub struct Scene<'a> {
 
 /// Quantity shown in a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FigureKind {
     /// Normal pressure.
     Pressure,
     /// Repulsion and attraction, with two colours.
@@ -108,7 +108,7 @@ pub enum Kind {
     Section,
 }
 
-impl Kind {
+impl FigureKind {
     /// Returns the suffix of its file names.
     pub fn name(self) -> &'static str {
         match self {
@@ -155,30 +155,30 @@ impl Scene<'_> {
     /// Passes the figures to `take`, one by one: the pressure; with an attraction, the traction of both signs; the gap,
     /// if known and open somewhere; the section, if the displacement is known as well. A profile has no maps, only
     /// pressure and section.
-    pub fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
+    pub fn figures<E>(&self, mut take: impl FnMut(FigureKind, &Drawn) -> Result<(), E>) -> Result<(), E> {
         let Shown { pressure, gap, level, .. } = self.shown;
         let is_line = self.grid.is_line();
         let Pressures { over, label, .. } = self.pressures();
         let in_units = |p: &f64| p / over;
         {
             let values: Vec<f64> = pressure.iter().map(in_units).map(|p| p.max(0.0)).collect();
-            take(Kind::Pressure, &super::pressure(self.grid, &values, &label, self.unit))?;
+            take(FigureKind::Pressure, &super::pressure(self.grid, &values, &label, self.unit))?;
         }
         if let (Some(end), false) = (largest_of_two_signs(pressure), is_line) {
             let values: Vec<f64> = pressure.iter().map(in_units).collect();
-            take(Kind::Traction, &self.traction(&values, in_units(&end), &label))?;
+            take(FigureKind::Traction, &self.traction(&values, in_units(&end), &label))?;
         }
         let mut values: Vec<f64> = self.distances().collect();
         // A gap that is closed everywhere has no map.
         if !(gap.is_empty() || is_line) && largest(&values) > ROUNDING * self.deformation() {
             let read = length(self.unit, largest(&values));
             values.iter_mut().for_each(|gap| *gap *= read.factor);
-            take(Kind::Gap, &self.gap(&values, &read.name))?;
+            take(FigureKind::Gap, &self.gap(&values, &read.name))?;
         }
         if gap.is_empty() || level.is_empty() {
             return Ok(());
         }
-        self.section().map_or(Ok(()), |chart| take(Kind::Section, &Drawn::Chart(chart)))
+        self.section().map_or(Ok(()), |chart| take(FigureKind::Section, &Drawn::Chart(chart)))
     }
 
     /// Returns the map of the pressure from −`end` to `end`, with repulsion in one colour and attraction in another.
@@ -429,7 +429,7 @@ mod tests {
         let kinds = |shown: &Shown| {
             let mut kinds = Vec::new();
             let all = scene(shown, &grid, None).figures(|kind, drawn| {
-                if let (Kind::Traction, Drawn::Map(map)) = (kind, drawn) {
+                if let (FigureKind::Traction, Drawn::Map(map)) = (kind, drawn) {
                     assert_eq!(map.range, Some([-2.5, 2.5]), "the attraction of 5 is the largest");
                     assert_eq!(map.values.iter().copied().fold(f64::INFINITY, f64::min), -2.5);
                 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use gfmd_files::{Attribute, Output, Reader};
 use gfmd_unit::Dimension;
 
-use super::Kind;
+use super::ResultKind;
 use super::comparison::Comparison;
 use super::folder::Folder;
 use super::trust::{Row, Way, row_of};
@@ -31,7 +31,7 @@ pub enum Against {
 /// Result, and the file with which it is compared.
 pub struct Pair<'a> {
     /// Kind of both results.
-    pub kind: Kind,
+    pub kind: ResultKind,
     /// Result.
     pub first: &'a Reader,
     /// File with which the result is compared.
@@ -45,7 +45,7 @@ pub struct Pair<'a> {
 /// # Errors
 /// Returns an error if a file cannot be written or read.
 pub fn layout(
-    kind: Kind,
+    kind: ResultKind,
     first: &Reader,
     comparison: &mut Comparison,
     write: impl FnOnce(&Output) -> Result<PathBuf, Failure>,

@@ -8,7 +8,7 @@ use std::str::FromStr;
 use gfmd_contact::{Fields as _, Hardness};
 use gfmd_field::Share;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
-use gfmd_problem::{Facts, Rest};
+use gfmd_problem::{AnyState, Facts};
 use gfmd_record::{ARRAYS, Array, Record, arrays, repulsion};
 use gfmd_unit::Units;
 
@@ -88,7 +88,7 @@ impl Chosen {
     pub fn fields<'s>(
         &self,
         facts: &Facts,
-        state: &'s Rest,
+        state: &'s AnyState,
         lift: Option<&Array2<f64>>,
     ) -> Vec<CowArray<'s, f64, Ix2>> {
         let lifted = |array: &Array| match lift {
@@ -147,7 +147,7 @@ pub struct Field<'s> {
 }
 
 /// Returns all fields of a state; a moved base adds `lift` to the displacement.
-pub fn fields<'s>(facts: &Facts, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
+pub fn fields<'s>(facts: &Facts, state: &'s AnyState, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
     let values = Chosen::All.fields(facts, state, lift);
     arrays(facts).zip(values).map(|(array, values)| Field { name: array.name, units: array.unit, values }).collect()
 }
@@ -240,7 +240,7 @@ impl<'a> StateFile<'a> {
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
-    pub fn write(&mut self, index: usize, state: &Rest, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
+    pub fn write(&mut self, index: usize, state: &AnyState, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
         self.write_fields(index, self.chosen.fields(&self.facts, state, lift))
     }
 

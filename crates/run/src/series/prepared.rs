@@ -9,8 +9,8 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
-use gfmd_problem::{Facts, Given, Posed, Rest, pose};
-use gfmd_record::At;
+use gfmd_problem::{AnyState, Facts, Given, Posed, pose};
+use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
 use gfmd_viscoelastic::Prony;
@@ -182,11 +182,11 @@ impl Prepared {
     }
 
     /// Describes a state of the contact for its columns, without a stiffness.
-    pub fn at<'a>(&'a self, state: &'a Rest, tolerance: f64) -> At<'a> {
-        let at = At::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
+    pub fn at<'a>(&'a self, state: &'a AnyState, tolerance: f64) -> StateContext<'a> {
+        let at = StateContext::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
         let (inside, spacing) = (self.surface.statistics.seam.inside, self.surface.grid.spacing());
         let slopes = from_fn(|axis| inside[axis] / spacing[axis]);
-        At {
+        StateContext {
             short_waves: self.short_waves(),
             waves: self.waves(),
             slopes,
@@ -255,7 +255,7 @@ impl Prepared {
     }
 
     /// Returns a warning if the contact reaches the edge of a patch; `None` if it does not, or for a periodic surface.
-    pub fn doubt_of_edge(&self, state: &Rest) -> Option<String> {
+    pub fn doubt_of_edge(&self, state: &AnyState) -> Option<String> {
         let Surface { grid, share, boundary: Boundary::Free, .. } = &self.surface else { return None };
         let ([nx, ny], first) = (grid.points(), share.rows().start);
         let is_edge = |i: usize, j: usize| i == 0 || i + 1 == nx || (!grid.is_line() && (j == 0 || j + 1 == ny));

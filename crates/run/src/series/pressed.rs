@@ -7,7 +7,7 @@ use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, 
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
 };
-use gfmd_problem::{Accuracy, Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown};
+use gfmd_problem::{Accuracy, AnyState, Facts, GridError, Lower, MovedBase, Posed, Unknown};
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
@@ -158,7 +158,7 @@ impl ContactArgs {
     pub fn check(&self) -> Result<(), Failure> {
         if self.range_continuation && self.law.with_range(1.0)?.is_none() {
             let found = format!("--range-continuation: the law {} has no range", self.law.law.name());
-            let with_range = gfmd_law::Kind::names(|kind| kind.has("range") || kind == gfmd_law::Kind::Table);
+            let with_range = gfmd_law::LawKind::names(|kind| kind.has("range") || kind == gfmd_law::LawKind::Table);
             return Err(Failure::Input(format!("{found}; it must be one of {with_range}")));
         }
         if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tol) {
@@ -206,8 +206,8 @@ impl ContactArgs {
         prepared: &Prepared,
         drive: Drive,
         watch: &mut dyn Watch,
-    ) -> Result<Option<Rest>, Failure> {
-        let mut last: Option<Rest> = None;
+    ) -> Result<Option<AnyState>, Failure> {
+        let mut last: Option<AnyState> = None;
         for factor in RANGES.into_iter().filter(|_| self.range_continuation) {
             let Some(law) = self.law.with_range(factor)? else { break };
             let longer = prepared.pose(&self.source, &law.into())?;
