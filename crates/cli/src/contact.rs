@@ -33,15 +33,15 @@ use crate::progress::Progress;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{height, parse_height};
-use gfmd_report::figures::{Face, Scene, Shown, parse_prefix};
+use gfmd_report::figures::{Face, Scene, SceneFields, parse_prefix};
 use gfmd_run::accuracy;
 use gfmd_run::base::MovedBase;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
-    Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Places, Prepared, Reached, Series, StateFile, beside,
-    fields, keeping,
+    Asked, Chosen, ContactArgs, Finer, Head, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile,
+    StateHandler, beside, fields, keeping,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
@@ -350,7 +350,7 @@ impl Loads {
             Measuring { loads: self, contact, args, session, finer, gathered: Gathered::default(), trace: None };
         let mut path = Path::new(contact, args.problem.solver.budget(), None).solver(args.problem.solver.solver);
         let mut stop = session.stop();
-        let ended = series.run(
+        let outcome = series.run(
             &mut path,
             || args.problem.after_longer_ranges(prepared, drives[0], &mut stop),
             (file.as_mut(), kept.as_deref_mut()),
@@ -358,8 +358,8 @@ impl Loads {
             &mut measuring,
         )?;
         let Measuring { gathered, trace, .. } = measuring;
-        let is_kept = ended.is_kept(kept.as_deref());
-        let Ended { records, failure, not_converged, .. } = ended;
+        let is_kept = outcome.is_kept(kept.as_deref());
+        let SeriesOutcome { records, failure, not_converged, .. } = outcome;
         let mut report = Report {
             head: Head::new(&args.problem.asked()?, prepared, contact.surface()),
             accuracy: None,
@@ -387,7 +387,7 @@ impl Loads {
         let wanted = args.plots.is_some() || args.vtk.is_some();
         if let (None, Some(state), true) = (&failure, path.state(), wanted) {
             let lift = prepared.lift();
-            let shown = Shown::of(state, lift, state.plastic_depth());
+            let shown = SceneFields::of(state, lift, state.plastic_depth());
             let fields = if args.vtk.is_some() { fields(&prepared.facts, state, lift) } else { Vec::new() };
             let whole = Whole::of(prepared, shown, fields);
             session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
@@ -426,7 +426,7 @@ impl Loads {
         let Whole { surface, hardness, shown, .. } = whole;
         let variance = self.pressure_variance(surface, args.problem.components);
         let upper = Scene::upper(surface, shown, report.head.e_star, hardness.as_deref());
-        let below = state.lower().map(Shown::below);
+        let below = state.lower().map(SceneFields::below);
         let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
         let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
         report.plots = figures::draw(prefix, report, &scenes, variance)?;
@@ -447,7 +447,7 @@ struct Measuring<'a> {
     trace: Option<Trace>,
 }
 
-impl Outlet for Measuring<'_> {
+impl StateHandler for Measuring<'_> {
     fn tracer(&self) -> Result<Option<Tracer>, Failure> {
         let surface = &self.loads.prepared.surface;
         self.args.trace.tracer(&surface.grid, self.args.axes(surface))
@@ -464,8 +464,8 @@ impl Outlet for Measuring<'_> {
         }
     }
 
-    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
-        let Reached { index, state, at, started, is_cut, .. } = reached;
+    fn record(&mut self, solved: SolvedState<'_>) -> Result<Record, Failure> {
+        let SolvedState { index, state, at, started, is_cut, .. } = solved;
         let warn = |code, text: String| self.session.warn(code, format!("load {index}: {text}"));
         let stiffness = if is_cut {
             Err(NOT_SOLVED)

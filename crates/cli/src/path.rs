@@ -16,14 +16,14 @@ use gfmd_problem::{AnyState, Facts, Friction, Posed};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
-use crate::course::{AroundArgs, Course, Followed, StepArgs, Way};
+use crate::course::{Followed, PathInput, PathOptions, PathSettings, StepArgs};
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
-use gfmd_run::series::{Asked, Ended, Head, Prepared};
+use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 
@@ -69,7 +69,7 @@ pub struct Args {
     shear_strength: Option<f64>,
     #[command(flatten)]
     #[serde(flatten)]
-    around: AroundArgs,
+    around: PathOptions,
     /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with a
     /// value for each point; the plastic depth stays
     #[arg(
@@ -160,19 +160,19 @@ impl Args {
 /// # Errors
 /// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    let course = course(args, session)?;
-    let way = Way {
+    let input = path_input(args, session)?;
+    let settings = PathSettings {
         asked: args.asked()?,
         flag: args.waypoints.flag(),
         resume: args.steps.resume,
         refinement: Refinement { tolerance: args.energy_tol, solves_per_step: args.energy_solves() },
         config: args.config()?,
     };
-    course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
+    input.run(&settings, session, |followed| finish(&input, args, followed, session), |report| report.out.as_ref())
 }
 
 /// Returns the input of the command, checked before the first solve.
-fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
+fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     if !(1e-9..=0.1).contains(&args.energy_tol) {
         return Err(Failure::value("--energy-tol", format!("{:e}", args.energy_tol), "between 1e-9 and 0.1"));
     }
@@ -188,22 +188,22 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     let hard = !may_part && (prepared.limit.is_some() || args.law.law == LawKind::HardWall);
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
     let output = session.output(args.steps.out.as_ref())?;
-    Ok(Course { prepared, drives, places, output })
+    Ok(PathInput { prepared, drives, places, output })
 }
 
 /// Writes the file of a path, draws it, and returns its report.
-fn ended(
-    Course { prepared, drives, .. }: &Course,
+fn finish(
+    PathInput { prepared, drives, .. }: &PathInput,
     args: &Args,
     followed: Followed,
     session: &Session,
 ) -> Result<Outcome<Report>, Failure> {
-    let Followed { contact, path, ended, mut file, widest, unsettled } = followed;
+    let Followed { contact, path, outcome, mut file, widest, unsettled } = followed;
     tell_of_unsettled(&unsettled, &path, args, session);
     if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(AnyState::memory)) {
         memory::write(file, &prepared.surface, &remembered)?;
     }
-    let Ended { records, failure, not_converged, parted_at } = ended;
+    let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
     let mut head = Head::new(&args.asked()?, prepared, contact.surface());

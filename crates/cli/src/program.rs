@@ -276,11 +276,11 @@ impl Command {
     ///
     /// # Errors
     /// Returns the reason why the command failed.
-    pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Shown>>, Failure> {
-        fn whole<R: Shown + 'static>(report: R) -> Outcome<Box<dyn Shown>> {
+    pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Printable>>, Failure> {
+        fn whole<R: Printable + 'static>(report: R) -> Outcome<Box<dyn Printable>> {
             ended(Outcome { report, failure: None })
         }
-        fn ended<R: Shown + 'static>(Outcome { report, failure }: Outcome<R>) -> Outcome<Box<dyn Shown>> {
+        fn ended<R: Printable + 'static>(Outcome { report, failure }: Outcome<R>) -> Outcome<Box<dyn Printable>> {
             Outcome { report: Box::new(report), failure }
         }
         Ok(match self {
@@ -318,7 +318,7 @@ impl Command {
 }
 
 /// Report of a command.
-pub trait Shown {
+pub trait Printable {
     /// Prints the report as a table, or as JSON with `--json`.
     ///
     /// # Errors
@@ -332,7 +332,7 @@ pub trait Shown {
     fn json(&self, session: &Session) -> Result<String, Failure>;
 }
 
-impl<R: Display + Serialize> Shown for R {
+impl<R: Display + Serialize> Printable for R {
     fn print(&self, session: &Session) -> Result<(), Failure> {
         print(self, session)
     }
@@ -345,7 +345,7 @@ impl<R: Display + Serialize> Shown for R {
 /// Text printed verbatim.
 struct Plain(String);
 
-impl Shown for Plain {
+impl Printable for Plain {
     fn print(&self, _: &Session) -> Result<(), Failure> {
         write(&self.0)
     }

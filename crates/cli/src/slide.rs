@@ -22,7 +22,7 @@ use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
-use gfmd_run::resume::{Part, ResumeArgs, UnfinishedRun};
+use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{Asked, Head, Prepared, keeping};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
@@ -36,7 +36,7 @@ use crate::search::SearchArgs;
 
 use self::file::{StatesFile, fields};
 use self::heat::{HeatArgs, Source};
-use self::reached::Reached;
+use self::reached::SteadyState;
 pub use self::report::Report;
 
 /// Flags of `slide`.
@@ -120,7 +120,7 @@ impl Args {
 }
 
 /// The input of the command, checked before the first solve.
-struct Way {
+struct SlideInput {
     prepared: Prepared,
     sliding: SlidingContact,
     heat: Option<Source>,
@@ -128,7 +128,7 @@ struct Way {
     velocities: Vec<Velocity>,
 }
 
-impl Way {
+impl SlideInput {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.control.check(false)?;
         let (velocities, heat) = (args.velocities()?, args.heat.source()?);
@@ -170,7 +170,7 @@ impl Way {
     fn record(
         &self,
         (_, velocity): (Load, &Velocity),
-        Reached { state, heated }: &Reached,
+        SteadyState { state, heated }: &SteadyState,
         tolerance: f64,
         seconds: f64,
     ) -> Record<Sliding> {
@@ -186,7 +186,7 @@ impl Way {
         (load, velocity): (Load, &Velocity),
         pressure: Vec<f64>,
         into_body: Option<Vec<f64>>,
-    ) -> Result<Reached, Failure> {
+    ) -> Result<SteadyState, Failure> {
         let grid = &self.prepared.surface.grid;
         let field = |name: &str, values: Vec<f64>| {
             Array2::from_shape_vec(grid.points(), values).map_err(|error| Failure::input(name, error))
@@ -197,17 +197,17 @@ impl Way {
         let state = state.map_err(|refusal| Failure::input("/fields/pressure", refusal))?;
         let heated = self.heat.map(|heat| heat.certify(grid, velocity, &pressure, into_body.as_ref())).transpose();
         let heated = heated.map_err(|error| Failure::input("/fields/heat_flux", error))?;
-        Ok(Reached { state, heated })
+        Ok(SteadyState { state, heated })
     }
 
     /// A state from the one before, and the reason why it is not one, if it is none.
     fn reach(
         &self,
         (load, velocity): (Load, &Velocity),
-        start: Option<&Reached>,
+        start: Option<&SteadyState>,
         args: &Args,
         session: &Session,
-    ) -> Result<(Reached, Option<Failure>), Refusal> {
+    ) -> Result<(SteadyState, Option<Failure>), Refusal> {
         let start = start.map(|reached| &reached.state);
         let solved = self.sliding.slide(velocity, load, &args.search.budget(), start, &mut session.stop());
         let failed = |text: String, is_cut: bool| match is_cut {
@@ -235,7 +235,7 @@ impl Way {
                 Some,
             ),
         });
-        Ok((Reached { state, heated }, failure))
+        Ok((SteadyState { state, heated }, failure))
     }
 
     /// Solves the states that are not kept, and writes the file. An interrupted run whose states are kept has no file.
@@ -256,13 +256,13 @@ impl Way {
         let file = output.map(|output| StatesFile::new(output, &provenance, prepared, self.facts(), count));
         let mut file = file.transpose()?;
         let progress = Progress::new(session.quiet, "states", count as f64);
-        let (mut failure, mut last): (Option<Failure>, Option<Reached>) = (None, None);
+        let (mut failure, mut last): (Option<Failure>, Option<SteadyState>) = (None, None);
         let finished = kept.as_ref().map_or(0, |kept| kept.finished());
         let names: Vec<&str> = fields(self.facts()).map(|field| field.name).collect();
         for (index, at) in self.states().enumerate() {
             let (started, place) = (Instant::now(), format!("state {index}"));
             if let Some(kept) = kept.as_ref().filter(|_| index < finished) {
-                let Part { text, mut fields } = kept.part(index)?;
+                let FinishedStep { text, mut fields } = kept.part(index)?;
                 let record = Record::from_line(&self.facts(), &text);
                 report.states.push(record.map_err(|error| kept.unusable(index, error))?);
                 if let Some(file) = &mut file {
@@ -298,7 +298,7 @@ impl Way {
             }
             if let (None, Some(kept)) = (&failed, &mut kept) {
                 let text = record.to_line().map_err(|error| Failure::Computation(error.to_string()))?;
-                kept.add(&Part { text, fields });
+                kept.add(&FinishedStep { text, fields });
                 kept.keep_state(|_| ())?;
             }
             report.states.push(record);
@@ -329,14 +329,14 @@ impl Way {
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    let way = Way::new(args, session)?;
+    let input = SlideInput::new(args, session)?;
     let output = session.output(args.out.as_ref())?;
     let kept = match &output {
         Some(output) if !session.is_in_memory() => {
-            let identity = way.prepared.identity(&args.config()?, session);
-            Some(UnfinishedRun::open(output, identity, way.states().count(), args.resume, None)?)
+            let identity = input.prepared.identity(&args.config()?, session);
+            Some(UnfinishedRun::open(output, identity, input.states().count(), args.resume, None)?)
         }
         _ => None,
     };
-    keeping(kept, |kept| way.run(args, output.as_ref(), kept, session), |report| report.out.as_ref())
+    keeping(kept, |kept| input.run(args, output.as_ref(), kept, session), |report| report.out.as_ref())
 }

@@ -19,7 +19,7 @@ pub(crate) use points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 
 use crate::Load;
 use crate::attempt::MARGIN;
-use crate::attempt::{Attempt, Ended};
+use crate::attempt::{Attempt, SolverResult};
 
 /// Watcher of processes that search separately and stop together.
 struct Unison<'a, W> {
@@ -74,7 +74,7 @@ pub(crate) fn solve(
     attempt: &mut Attempt,
     mut outer: impl FnMut(&mut dyn Visit),
     continued: bool,
-) -> Result<Option<Ended>, RelaxError> {
+) -> Result<Option<SolverResult>, RelaxError> {
     let contact = attempt.contact;
     let (response, surface) = (&contact.response, &contact.scaled);
     if contact.free.is_some() || contact.hardness.is_some() || surface.mean_clearance() == 0.0 {

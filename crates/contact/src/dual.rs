@@ -11,7 +11,7 @@ use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
 use crate::attempt::MARGIN;
-use crate::attempt::{Attempt, Ended, Reached};
+use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::compliance::{Compliance, Rounded};
 use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
@@ -215,7 +215,7 @@ impl Preconditioned for Dual<'_> {
     }
 }
 
-pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
+pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<SolverResult, RelaxError> {
     let contact = attempt.contact;
     // Part of the search of [`Gradients::Auto`]: preconditioned, without the preconditioner, and preconditioned again.
     // The search on few points comes before them.
@@ -282,7 +282,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     };
     attempt.effort.iterations += minimum.reached.iteration;
     attempt.effort.transform_pairs += dual.pairs();
-    Ok(Ended { reached: Reached::Pressure(pressure), effort: attempt.effort, ending: minimum.ending })
+    Ok(SolverResult { reached: FoundPressure::Pressure(pressure), effort: attempt.effort, ending: minimum.ending })
 }
 
 #[cfg(test)]

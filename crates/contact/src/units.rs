@@ -123,7 +123,7 @@ impl Units {
 
     /// Returns the watcher of a search in these units. It shows `watch` energies and displacements in the input units.
     pub fn shown<'a>(&self, watch: &'a mut dyn Watch) -> impl Watch + use<'a> {
-        Shown { watch, units: *self, u: Vec::new() }
+        ScaledWatch { watch, units: *self, u: Vec::new() }
     }
 
     /// Checks that a mean pressure, in the units of the input, has all its digits.
@@ -137,13 +137,13 @@ impl Units {
 }
 
 /// Watcher that converts to the units of the input.
-struct Shown<'a> {
+struct ScaledWatch<'a> {
     watch: &'a mut dyn Watch,
     units: Units,
     u: Vec<f64>,
 }
 
-impl Watch for Shown<'_> {
+impl Watch for ScaledWatch<'_> {
     fn see(&mut self, now: &Progress) -> ControlFlow<()> {
         self.watch.see(now)
     }

@@ -7,7 +7,7 @@ use gfmd_response::Elastic;
 use ndarray::ArrayView2;
 
 use crate::certify::certify;
-use crate::ended::{End, Ended};
+use crate::ended::{End, SearchResult};
 use crate::frame::Frame;
 use crate::{Interface, State, dynamics, newton};
 
@@ -136,10 +136,11 @@ impl Interface {
         };
         let start = start.or(on_wall.as_ref());
         let before = on_wall.as_ref().map_or(0.0, |wall| wall.effort.transform_pairs);
-        let Ended { position, iterations, transform_pairs, passed_instability, lowest_curvature, end } = match method {
-            Method::Newton => newton::descend(self, &frame, budget, start, before, watch),
-            Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
-        };
+        let SearchResult { position, iterations, transform_pairs, passed_instability, lowest_curvature, end } =
+            match method {
+                Method::Newton => newton::descend(self, &frame, budget, start, before, watch),
+                Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
+            };
         let mut state = certify(self, &frame, &position);
         if state.traction.iter().any(|t| !t.is_finite()) {
             return Err(Refusal::Overflow.into());
@@ -150,7 +151,7 @@ impl Interface {
         state.lowest_curvature = lowest_curvature;
         match end {
             End::Detached => Err(SolveError::Detached { state: Box::new(state), mean_pressure: frame.push }),
-            End::Ended(ending) => judge(state, ending, budget.tolerance),
+            End::Finished(ending) => judge(state, ending, budget.tolerance),
         }
     }
 }

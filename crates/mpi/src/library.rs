@@ -1,6 +1,7 @@
 //! Functions of an MPI library; the only unsafe code of the crate.
 //!
-//! The signatures follow the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of [`BinaryInterface`].
+//! The signatures follow the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of
+//! [`BinaryInterface`].
 #![expect(unsafe_code, reason = "a C library has no other interface")]
 
 use std::ffi::{c_char, c_int, c_void};

@@ -31,9 +31,9 @@ pub trait Keep: Sync {
     }
 
     /// Announces a round of further surfaces, with the plan that contains them and the error so far
-    /// ([`Reached::relative`]).
+    /// ([`SweepPrecision::relative`]).
     ///
-    /// [`Reached::relative`]: crate::Reached::relative
+    /// [`SweepPrecision::relative`]: crate::SweepPrecision::relative
     fn more(&self, _plan: &Plan, _reached: f64) {}
 
     /// Returns true if the sweep must end now.

@@ -27,5 +27,5 @@ mod units;
 pub use dimension::Dimension;
 pub use length::{Conversion, canonical, convert_lengths, is_length};
 pub use quantity::{Quantity, UnknownUnit};
-pub use shown::Shown;
+pub use shown::DisplayUnit;
 pub use units::{Units, Unusable};

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::contestant::Problem;
-use super::process::{Ended, output};
+use super::process::{ProgramFailure, output};
 use super::python::{Environment, LONG, Script};
 use super::table::{Table, write_beside};
 use super::{Args, Peer, RMS_GRADIENT, problems};
@@ -150,7 +150,9 @@ impl Trial<'_> {
         for over in TOLERANCES {
             let course = match self.theirs(over * self.args.tol) {
                 Ok(course) => course,
-                Err(Ended::Interrupted) => return Err(Ended::Interrupted.failure("adhesion by Tamaas")),
+                Err(ProgramFailure::Interrupted) => {
+                    return Err(ProgramFailure::Interrupted.failure("adhesion by Tamaas"));
+                }
                 Err(ended) => {
                     said = Some(ended.in_words());
                     break;
@@ -186,7 +188,7 @@ impl Trial<'_> {
         })
     }
 
-    fn theirs(&self, tolerance: f64) -> Result<Course, Ended> {
+    fn theirs(&self, tolerance: f64) -> Result<Course, ProgramFailure> {
         let [work, range] = self.law();
         let task = json!({
             "heights": self.problem.heights,

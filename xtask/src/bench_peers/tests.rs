@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use super::any_load::{AnyLoad, Block, Cell, ContactVariant, LOADS, Row};
 use super::contestant::Contestant;
 use super::judge::{Difference, Verdict};
-use super::process::{Ended, output};
+use super::process::{ProgramFailure, output};
 use super::report::{Case, Entry, Interrupted, Report, Timing};
 use super::table::median;
 use super::tolerance::{Found, loosest};
@@ -369,7 +369,7 @@ fn programs_are_read_stopped_and_quoted() {
     let said = shell("echo reason >&2; exit 3", long).unwrap_err().in_words();
     assert!(said.contains("exit status: 3") && said.ends_with("reason"), "{said}");
     let started = Instant::now();
-    assert!(matches!(shell("exec sleep 20", Duration::from_millis(50)), Err(Ended::TooLong(_))));
+    assert!(matches!(shell("exec sleep 20", Duration::from_millis(50)), Err(ProgramFailure::TooLong(_))));
     assert!(started.elapsed() < Duration::from_secs(10));
     let missing = output(&mut Command::new("no-such-program-here"), long, &session()).unwrap_err().in_words();
     assert!(missing.contains("cannot start no-such-program-here"), "{missing}");

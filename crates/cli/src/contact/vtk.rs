@@ -7,7 +7,7 @@ use gfmd_files::vtp::{Sheet, write};
 use gfmd_files::{Output, PointArray, contiguous};
 use ndarray::Array2;
 
-use gfmd_report::figures::Shown;
+use gfmd_report::figures::SceneFields;
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Field;
 use gfmd_run::source::Surface;
@@ -52,7 +52,7 @@ impl VtkFile {
     pub(super) fn write(
         &self,
         surface: &Surface,
-        shown: &Shown,
+        shown: &SceneFields,
         fields: &[Field],
         lateral: &[Array2<f64>],
     ) -> Result<PathBuf, Failure> {

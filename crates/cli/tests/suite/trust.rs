@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use crate::common::{SWEEP, gfmd, long};
 use gfmd_files::{Attribute, Reader};
 use gfmd_run::result::ResultKind;
-use gfmd_run::result::trust::{Way, page, row_of};
+use gfmd_run::result::trust::{Coverage, page, row_of};
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Location};
 use ndarray::{Array2, ArrayD};
@@ -415,8 +415,8 @@ fn every_part_is_verified_as_the_page_says() {
             let is_coordinate = Reader::open(&path).unwrap().is_coordinate(&part);
             let row = row_of(kind, &part);
             let (plain, rerun) = match row {
-                row if is_coordinate && row.is_none_or(|row| row.plain != Way::Checksum) => {
-                    (Way::Verified, Way::Verified)
+                row if is_coordinate && row.is_none_or(|row| row.plain != Coverage::Checksum) => {
+                    (Coverage::Verified, Coverage::Verified)
                 }
                 Some(row) => (row.plain, row.rerun),
                 None => {
@@ -431,20 +431,23 @@ fn every_part_is_verified_as_the_page_says() {
                     continue;
                 }
             }
-            if part == "@content_sha256" || plain == Way::InPart && rerun == Way::InPart || !forge_part(&path, &part) {
+            if part == "@content_sha256"
+                || plain == Coverage::InPart && rerun == Coverage::InPart
+                || !forge_part(&path, &part)
+            {
                 continue;
             }
-            if plain != Way::InPart {
+            if plain != Coverage::InPart {
                 let is_noticed = run(folder, &["check", name, "--json"]).status != Some(0);
-                if is_noticed != (plain == Way::Verified) {
+                if is_noticed != (plain == Coverage::Verified) {
                     wrong.push(format!("{name}: {part} is {plain:?}; noticed: {is_noticed}"));
                 }
                 *(if is_noticed { &mut verified } else { &mut unnoticed }) += 1;
             }
             // A change noticed without a second run is noticed with one.
-            if plain != Way::Verified && kind != ResultKind::KappaSweep && rerun != Way::InPart {
+            if plain != Coverage::Verified && kind != ResultKind::KappaSweep && rerun != Coverage::InPart {
                 let is_noticed = run(folder, &["check", name, "--json", "--rerun"]).status != Some(0);
-                if is_noticed != (rerun == Way::Verified) {
+                if is_noticed != (rerun == Coverage::Verified) {
                     wrong.push(format!("{name}: {part} is {rerun:?} with --rerun; noticed: {is_noticed}"));
                 }
             }

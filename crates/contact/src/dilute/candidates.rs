@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::constants::{MOST, NEARLY, SURPLUS};
 use super::overlap::Overlap;
 use super::points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
-use crate::attempt::{Attempt, Ended, Reached};
+use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::compliance::Compliance;
 use crate::{Contact, Effort, Load, Solution};
 
@@ -379,14 +379,14 @@ impl<'a> Candidates<'a> {
         pressure
     }
 
-    pub(super) fn ended(self, attempt: &Attempt, x: &[f64], ending: Ending) -> Ended {
+    pub(super) fn ended(self, attempt: &Attempt, x: &[f64], ending: Ending) -> SolverResult {
         let mut effort = attempt.effort;
         effort.transform_pairs += self.transforms.pairs() + self.points.pairs();
         let reached = match self.certificate {
-            Some(certificate) => Reached::Certified(certificate.into()),
-            None => Reached::Pressure(self.whole(x)),
+            Some(certificate) => FoundPressure::Certified(certificate.into()),
+            None => FoundPressure::Pressure(self.whole(x)),
         };
-        Ended { reached, effort, ending }
+        SolverResult { reached, effort, ending }
     }
 }
 

@@ -6,7 +6,7 @@ use super::ResultKind;
 
 /// Ways to verify a part of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum Coverage {
     /// Every change beyond rounding is noticed, even with a correct checksum.
     Verified,
     /// Some changes are noticed, even with a correct checksum.
@@ -15,7 +15,7 @@ pub enum Way {
     Checksum,
 }
 
-impl Way {
+impl Coverage {
     fn name(self) -> &'static str {
         match self {
             Self::Verified => "verified",
@@ -31,18 +31,18 @@ pub struct Row {
     /// Variables as `/group/name`, attributes as `/group@name` or `/group/name@name`; `*` stands for any letters.
     pub parts: &'static [&'static str],
     /// Verification without `--rerun`.
-    pub plain: Way,
+    pub plain: Coverage,
     /// Verification with `--rerun`.
-    pub rerun: Way,
+    pub rerun: Coverage,
     /// Data or computation for the comparison; empty for none.
     pub by: &'static str,
 }
 
-const fn row(parts: &'static [&'static str], plain: Way, rerun: Way, by: &'static str) -> Row {
+const fn row(parts: &'static [&'static str], plain: Coverage, rerun: Coverage, by: &'static str) -> Row {
     Row { parts, plain, rerun, by }
 }
 
-use Way::{Checksum, InPart, Verified};
+use Coverage::{Checksum, InPart, Verified};
 
 /// Rows of all kinds of results.
 const ALL: &[Row] = &[

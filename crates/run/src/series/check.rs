@@ -8,7 +8,7 @@ use gfmd_problem::{AnyState, GridError, Posed, Task};
 use gfmd_record::{Column, Measured, Origin, Record, StateContext, arrays};
 use ndarray::{Array2, ArrayRef2};
 
-use super::{Chosen, Parts, Prepared};
+use super::{Chosen, Prepared, SeriesLayout};
 use crate::failure::Failure;
 use crate::result::{Comparison, RESIDUAL_OF_A_PATCH};
 
@@ -56,7 +56,7 @@ impl<'a> Stored<'a> {
 
     /// Returns the path of a column.
     pub fn path(&self, name: &str) -> String {
-        format!("{}/{name}", Parts::of(&self.prepared.facts).group)
+        format!("{}/{name}", SeriesLayout::of(&self.prepared.facts).group)
     }
 
     /// Returns the unit of length, the rms height.
@@ -221,7 +221,7 @@ impl<'a> Stored<'a> {
         }
         comparison.accurate_to(0.0);
         if has_converged {
-            let name = Parts::of(&self.prepared.facts).name;
+            let name = SeriesLayout::of(&self.prepared.facts).name;
             comparison.at_most(&format!("residual of {name} {index}"), state.worst(), self.allowed());
         }
     }

@@ -16,7 +16,7 @@ use ndarray::{Array2, CowArray, Ix2};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::parts::Parts;
+use super::parts::SeriesLayout;
 use super::prepared::Prepared;
 use crate::columns::write_columns;
 use crate::convergence::NotConverged;
@@ -174,7 +174,7 @@ impl<'a> StateFile<'a> {
             Ok(archive) => (archive, Ok(())),
             Err(error) => (None, Err(error)),
         };
-        let (name, meaning) = Parts::of(&facts).stored;
+        let (name, meaning) = SeriesLayout::of(&facts).stored;
         let state = Dimension::index(name, states, meaning);
         let units = surface.units();
         let [x, y] = axes(&surface.grid, surface.unit());
@@ -295,7 +295,7 @@ impl<'a> StateFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<Option<PathBuf>, Failure> {
         let Some(mut archive) = self.archive else { return Ok(None) };
-        let parts = Parts::of(&self.facts);
+        let parts = SeriesLayout::of(&self.facts);
         let rows = Dimension::index(parts.name, count, parts.meaning);
         let names = [parts.name, parts.plural];
         write_columns(&mut archive, (parts.group, &rows, names), (&self.facts, &self.units), records, count)?;

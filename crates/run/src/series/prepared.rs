@@ -16,7 +16,7 @@ use gfmd_unit::Units;
 use gfmd_viscoelastic::Prony;
 use ndarray::Array2;
 
-use super::parts::Parts;
+use super::parts::SeriesLayout;
 use crate::base::{BaseArgs, MovedBase};
 use crate::failure::Failure;
 use crate::hardness::{self, GivenHardness};
@@ -354,7 +354,7 @@ impl Prepared {
     /// # Errors
     /// Returns an error for the first drive without a solution.
     pub fn check_drives(&self, contact: &Posed, drives: &[Drive], flag: &str, tolerance: f64) -> Result<(), Failure> {
-        let part = Parts::of(&self.facts).name;
+        let part = SeriesLayout::of(&self.facts).name;
         for (index, drive) in drives.iter().enumerate() {
             check_drive(contact, *drive, &format!("{flag}, {part} {index}"), tolerance)?;
         }

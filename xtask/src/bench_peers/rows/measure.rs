@@ -22,7 +22,7 @@ use tempfile::TempDir;
 
 use super::super::contestant::{Contestant, Place, Problem, own};
 use super::super::judge::{Verdict, judge};
-use super::super::process::Ended;
+use super::super::process::ProgramFailure;
 use super::super::python::{Environment, LONG};
 use super::super::solve::Solve;
 use super::super::tolerance::{MARGIN, loosest};
@@ -214,7 +214,7 @@ impl<'a> Trial<'a> {
         let tamaas = Contestant::Peer(Peer::Tamaas);
         let (name, out) = (tamaas.to_string(), tamaas.pressure_file(environment.scratch(), 1));
         let fields = BTreeMap::from([(name.clone(), out.clone())]);
-        let failure = |ended: Ended| ended.failure("a solution by Tamaas");
+        let failure = |ended: ProgramFailure| ended.failure("a solution by Tamaas");
         let mut cases = Vec::new();
         for hurst in HURST {
             for problem in problems(&peers, n, hurst, environment.scratch())? {
