@@ -20,13 +20,13 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     for case in cases("friction") {
         let (grid, heights) = surface(case)?;
         let limit = Limit::Coulomb(number(&case["coefficient"]));
-        let contact = FrictionalContact::bounded(Boundary::Free, &friction::body(case)?, &grid, &heights, limit)?;
+        let contact = FrictionalContact::with_boundary(Boundary::Free, &friction::body(case)?, &grid, &heights, limit)?;
         let name = format!("friction on a patch, {}", case["name"].as_str().unwrap_or_default());
         checks.push(follow(&contact, case, name, DENSE)?);
     }
     for case in cases("slabs") {
         let (grid, heights) = surface(case)?;
-        let contact = Contact::bounded(Boundary::Free, &body(case)?, &grid, &heights)?;
+        let contact = Contact::with_boundary(Boundary::Free, &body(case)?, &grid, &heights)?;
         let solvers = [Solver::PreconditionedCg, Solver::ProjectedCg];
         checks.push(compare(&contact, case, &solvers, &format!("patch on a slab, {}", words(case)), DENSE)?);
     }
@@ -69,7 +69,7 @@ fn law(case: &Value) -> Result<Check, ValidationError> {
         reason: format!("it has a law {name:?}; it must be one of gfmd"),
     })?;
     let law = kind.with(&["gamma", "range"].map(|key| (key, number(&case[key]))))?;
-    let interface = Interface::bounded(Boundary::Free, &body(case)?, &grid, &heights, law)?;
+    let interface = Interface::with_boundary(Boundary::Free, &body(case)?, &grid, &heights, law)?;
     let [mean, approach] = ["mean_pressure", "approach"].map(|key| number(&case[key]));
     let is_approach = case["control"].as_str() == Some("approach");
     let load = if is_approach { Load::Approach(approach) } else { Load::MeanPressure(mean) };

@@ -41,7 +41,7 @@ use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, ContactArgs, Finer, Head, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile,
-    StateHandler, beside, fields, keeping,
+    StateHandler, beside, fields, run_with_journal,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
@@ -300,9 +300,9 @@ impl Loads {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
-        let contact = prepared.pose_and_tell(&args.problem.asked()?, session)?;
+        let contact = prepared.pose_with_warnings(&args.problem.asked()?, session)?;
         prepared.check_drives(&contact, drives, args.control.flag(), args.problem.solver.tol)?;
-        prepared.warn_of_drives(drives, args.control.flag(), session);
+        prepared.warn_about_drives(drives, args.control.flag(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
         let config = toml_of(&resolved).map_err(|error| Failure::Computation(error.to_string()))?;
         // A recorded search, or one shared by several processes, cannot be continued and is not kept.
@@ -313,8 +313,11 @@ impl Loads {
             }
             _ => None,
         };
-        let outcome =
-            keeping(kept, |kept| self.solve(&contact, args, config, kept, session), |report| report.out.as_ref());
+        let outcome = run_with_journal(
+            kept,
+            |kept| self.solve(&contact, args, config, kept, session),
+            |report| report.out.as_ref(),
+        );
         let Outcome { mut report, failure } = outcome?;
         report.peak_bytes = session.largest(peak_bytes());
         Ok(Outcome { report, failure })
@@ -379,8 +382,8 @@ impl Loads {
         if is_kept {
             return Ok(Outcome { report, failure });
         }
-        report.head.warn_of_slopes(&report.loads, &prepared.facts, session);
-        prepared.warn_of_strain(report.loads.iter().map(|load| load.number("displacement")), session);
+        report.head.warn_about_slopes(&report.loads, &prepared.facts, session);
+        prepared.warn_about_strain(report.loads.iter().map(|load| load.number("displacement")), session);
         if let Some(file) = file {
             report.out = session.agree(self.finish(file, &report, &gathered))?;
         }

@@ -19,8 +19,8 @@ use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::flow::through;
 use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
-    Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, beside, keeping,
-    on_finer_grids, resolved,
+    Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, beside,
+    on_finer_grids, resolved, run_with_journal,
 };
 use gfmd_run::session::Session;
 
@@ -71,9 +71,9 @@ impl PathInput {
     ) -> Result<Outcome<R>, Failure> {
         let Self { prepared, drives, output, .. } = self;
         let (budget, flag) = (settings.asked.budget, settings.flag);
-        let contact = prepared.pose_and_tell(&settings.asked, session)?;
+        let contact = prepared.pose_with_warnings(&settings.asked, session)?;
         prepared.check_drives(&contact, drives, flag, budget.tolerance)?;
-        prepared.warn_of_drives(drives, flag, session);
+        prepared.warn_about_drives(drives, flag, session);
         let kept = match output {
             Some(output) if !session.is_in_memory() => Some(UnfinishedRun::open(
                 output,
@@ -84,7 +84,7 @@ impl PathInput {
             )?),
             _ => None,
         };
-        keeping(kept, |kept| end(self.follow(&contact, settings, kept, session)?), out)
+        run_with_journal(kept, |kept| end(self.follow(&contact, settings, kept, session)?), out)
     }
 
     /// Computes the steps that are not kept.
@@ -134,7 +134,7 @@ impl PathInput {
         let Log { widest, unsettled, .. } = log;
         let is_kept = outcome.is_kept(kept.as_deref());
         if !is_kept {
-            prepared.warn_of_strain(outcome.records.iter().map(|step| step.number("displacement")), session);
+            prepared.warn_about_strain(outcome.records.iter().map(|step| step.number("displacement")), session);
         }
         let (widest, file) = (widest.map(|(_, shown)| shown), file.filter(|_| !is_kept));
         Ok(Followed { contact, path, outcome, file, widest, unsettled })

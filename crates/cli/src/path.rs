@@ -199,7 +199,7 @@ fn finish(
     session: &Session,
 ) -> Result<Outcome<Report>, Failure> {
     let Followed { contact, path, outcome, mut file, widest, unsettled } = followed;
-    tell_of_unsettled(&unsettled, &path, args, session);
+    warn_unsettled_steps(&unsettled, &path, args, session);
     if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(AnyState::memory)) {
         memory::write(file, &prepared.surface, &remembered)?;
     }
@@ -218,7 +218,7 @@ fn finish(
 }
 
 /// Warns of steps that further increments would change.
-fn tell_of_unsettled(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
+fn warn_unsettled_steps(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
     let Some((first, _)) = unsettled.first() else { return };
     let (energy_solves, energy_tol) = (args.energy_solves(), args.energy_tol);
     let settling = unsettled.iter().map(|(_, step)| path.settling_solves(step)).max().unwrap_or(energy_solves);

@@ -74,7 +74,7 @@ pub fn start<C: Subcommand + Sync>(
     name: &'static str,
     run: impl FnOnce(&C, &Session) -> Result<(), Failure> + Send,
 ) -> ExitCode {
-    keep_freed_memory();
+    tune_allocator();
     fail_beyond_a_limit_of_files();
     ExitCode::from(status(name, std::env::args_os(), run))
 }
@@ -151,7 +151,7 @@ fn fail_beyond_a_limit_of_files() {
 /// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields
 /// of equal size. Returning them to the system each time costs a tenth of the computing time on one thread, and more on
 /// two; one arena per thread takes half a field more.
-pub fn keep_freed_memory() {
+pub fn tune_allocator() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
     // SAFETY: the allocator takes its lock, and the settings accept any value.

@@ -283,7 +283,7 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        self.warn_of_large_strain(args, session);
+        self.warn_about_large_strain(args, session);
         let progress = Progress::new(session.quiet, "grids", self.grids.len() as f64);
         let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
         let reference = self.reference.as_ref();
@@ -315,7 +315,7 @@ impl Prepared {
         Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })
     }
 
-    fn warn_of_large_strain(&self, args: &Args, session: &Session) {
+    fn warn_about_large_strain(&self, args: &Args, session: &Session) {
         let width = if self.mask.is_some() { f64::INFINITY } else { args.punch_fraction * args.length };
         let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
         for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {

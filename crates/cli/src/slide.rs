@@ -23,7 +23,7 @@ use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
-use gfmd_run::series::{Asked, Head, Prepared, keeping};
+use gfmd_run::series::{Asked, Head, Prepared, run_with_journal};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use gfmd_viscoelastic::{SlidingContact, Velocity, VelocityError};
@@ -311,7 +311,7 @@ impl SlideInput {
         progress.finish();
         let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
         if !is_kept {
-            prepared.warn_of_strain(report.states.iter().map(|state| state.number("displacement")), session);
+            prepared.warn_about_strain(report.states.iter().map(|state| state.number("displacement")), session);
         }
         let out = file.filter(|_| !is_kept).map(|file| file.finish(&report.states, count)).transpose()?;
         report.out = session.written(out);
@@ -338,5 +338,5 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         }
         _ => None,
     };
-    keeping(kept, |kept| input.run(args, output.as_ref(), kept, session), |report| report.out.as_ref())
+    run_with_journal(kept, |kept| input.run(args, output.as_ref(), kept, session), |report| report.out.as_ref())
 }

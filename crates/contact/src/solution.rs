@@ -136,7 +136,7 @@ impl Fields for Solution {
     fn summary_in(&self, scales: &Scales) -> Summary {
         let Self { pressure, displacement, gap, mean_pressure, surface, .. } = self;
         let fields = [pressure, displacement, gap].map(|field| field.view());
-        Summary::over(surface.share(), fields, *mean_pressure, scales, surface.boundary()).at_wall()
+        Summary::distributed(surface.share(), fields, *mean_pressure, scales, surface.boundary()).at_wall()
     }
 }
 

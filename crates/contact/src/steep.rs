@@ -233,7 +233,7 @@ impl Search<'_> {
     /// Solves the contact with small slopes on the present heights to `tolerance`.
     fn solve(&mut self, tolerance: f64, watch: &mut dyn Watch) -> Result<Ending, Refusal> {
         let Self { contact, load, budget, effort, heights, small, .. } = self;
-        let flat = Contact::on(Arc::clone(&contact.normal), heights)?;
+        let flat = Contact::with_response(Arc::clone(&contact.normal), heights)?;
         let lowest = -heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let load = match load {
             Load::Approach(approach) => Load::Approach(*approach - lowest),
@@ -324,7 +324,7 @@ impl Equilibrium for SteepContact {
         let heights = field(&self.surface, self.surface.clearance().iter().map(|c| -c).collect());
         let small = match start {
             Some(start) => {
-                let flat = Contact::on(Arc::clone(&self.normal), &heights)?;
+                let flat = Contact::with_response(Arc::clone(&self.normal), &heights)?;
                 Some(flat.certify(&start.normal.pressure, drive.load)?)
             }
             None => None,

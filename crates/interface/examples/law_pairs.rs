@@ -105,7 +105,7 @@ fn main() -> Result<(), Failure> {
             None => Body::half_space(Material::from_contact_modulus(1.0, 0.0)?),
             Some(height) => Body::slab(Material::from_contact_modulus(1.0, 0.3)?, height)?,
         };
-        let interface = Interface::bounded(case.boundary, &body, &grid, &heights, case.law)?;
+        let interface = Interface::with_boundary(case.boundary, &body, &grid, &heights, case.law)?;
         let (mut last, mut iterations, mut pairs): (Option<State>, u64, f64) = (None, 0, 0.0);
         for load in &case.loads {
             let start = last.as_ref().filter(|_| case.follows);

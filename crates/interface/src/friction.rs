@@ -75,7 +75,7 @@ impl FrictionalContact {
     /// # Errors
     /// Returns an error for heights that do not match the grid, are not finite or are all equal, or a negative limit.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
-        Self::bounded(Boundary::Periodic, body, grid, heights, limit)
+        Self::with_boundary(Boundary::Periodic, body, grid, heights, limit)
     }
 
     /// Creates a contact as [`new`](Self::new), with the given boundary. With [`Boundary::Free`] displacements are
@@ -84,7 +84,7 @@ impl FrictionalContact {
     /// # Errors
     /// Returns an error as [`new`](Self::new) and, with free boundaries, for a profile, for a body without lateral
     /// support, or for layers that are too thin.
-    pub fn bounded(
+    pub fn with_boundary(
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
@@ -113,7 +113,11 @@ impl FrictionalContact {
     ///
     /// # Errors
     /// Returns an error for heights that do not match the grid, are not finite or are all equal, or a negative limit.
-    pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
+    pub fn with_response(
+        response: impl Into<Arc<FullResponse>>,
+        heights: &ArrayRef2<f64>,
+        limit: Limit,
+    ) -> Result<Self, Refusal> {
         let response = response.into();
         let limit = limit.check()?;
         let surface = Self::rough(response.grid(), heights, Boundary::Periodic)?;

@@ -221,7 +221,7 @@ impl Interface {
         let (Elastic::Normal(response), None) = (&self.elastic, &self.patch) else { return None };
         // The search that follows finds and reports the same refusal or failure.
         let clearance = ArrayView2::from_shape(self.surface.grid().points(), self.surface.clearance()).ok()?;
-        let contact = Contact::on(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
+        let contact = Contact::with_response(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
         let solution = contact.press(drive.load).budget(*budget).watch(watch).solve().ok()?;
         let mut state = self.certify(&solution.gap, &solution.pressure, drive).ok()?;
         state.effort.transform_pairs += solution.effort.transform_pairs;

@@ -239,8 +239,8 @@ impl Problem {
             });
             let finer = finer.collect::<Result<_, Failure>>()?;
             let at = prepared.at(&state, tolerance);
-            if let (None, Some(doubt)) = (&failure, prepared.doubt_of_edge(&state)) {
-                tracing::warn!("{doubt}");
+            if let (None, Some(warning)) = (&failure, prepared.edge_warning(&state)) {
+                tracing::warn!("{warning}");
             }
             let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
             let facts = Facts { approach: matches!(drive.load, Load::Approach(_)), ..prepared.facts };
@@ -273,15 +273,15 @@ impl Problem {
     }
 
     /// Returns warnings about mixed-up units for loads up to `largest` with the key `control`.
-    fn doubts(&self, control: &str, largest: f64) -> Vec<String> {
-        let mut doubts = self.prepared.doubts(self.prepared.adhesion.as_ref());
+    fn unit_warnings(&self, control: &str, largest: f64) -> Vec<String> {
+        let mut warnings = self.prepared.unit_warnings(self.prepared.adhesion.as_ref());
         let p_star = match control {
             "pressure" => largest / self.prepared.unit_pressure(),
             "p_star" => largest,
             _ => 0.0,
         };
-        doubts.extend(self.prepared.doubt_of_load(p_star, &format!("--{}", control.replace('_', "-"))));
-        doubts
+        warnings.extend(self.prepared.load_warning(p_star, &format!("--{}", control.replace('_', "-"))));
+        warnings
     }
 
     /// Returns the numbers that statistics and flow add to a state, as JSON, and its patches, distributions and
@@ -368,7 +368,7 @@ impl Problem {
 
     /// Returns the warning about large strain at an approach; `None` if the strain is small.
     fn strain(&self, approach: f64) -> Option<String> {
-        self.prepared.doubt_of_strain(approach)
+        self.prepared.strain_warning(approach)
     }
 
     /// Returns the warning about steep slopes, with the largest pressure of the loads; `None` if they are small.

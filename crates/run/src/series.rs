@@ -176,7 +176,7 @@ impl Series<'_> {
         let Self { prepared, session, drives, tolerance, .. } = *self;
         let (facts, lift) = (&prepared.facts, prepared.lift());
         let part = SeriesLayout::of(facts).name;
-        let (mut file, mut outcome, mut is_edge_told) = (file, SeriesOutcome::default(), false);
+        let (mut file, mut outcome, mut is_edge_warned) = (file, SeriesOutcome::default(), false);
         if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
             outcome.records = self.recall(kept, file, path, progress, handler)?;
         }
@@ -223,9 +223,9 @@ impl Series<'_> {
             let effort = if stopped.is_some() { state.effort() } else { step.effort };
             let step = Step { effort, ..step };
             let at = prepared.at(state, tolerance);
-            if let (false, Some(doubt)) = (is_edge_told || stopped.is_some(), prepared.doubt_of_edge(state)) {
-                session.warn("patch-edge", format!("{place}: {doubt}"));
-                is_edge_told = true;
+            if let (false, Some(warning)) = (is_edge_warned || stopped.is_some(), prepared.edge_warning(state)) {
+                session.warn("patch-edge", format!("{place}: {warning}"));
+                is_edge_warned = true;
             }
             let record =
                 handler.record(SolvedState { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
@@ -310,7 +310,7 @@ fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
 
 /// Runs a command that keeps its parts beside its output. After an interruption or an error, the kept parts are flushed
 /// and named in the message. After the end of a run, only its output remains, as returned by `out`.
-pub fn keeping<R>(
+pub fn run_with_journal<R>(
     mut kept: Option<UnfinishedRun>,
     run: impl FnOnce(Option<&mut UnfinishedRun>) -> Result<Outcome<R>, Failure>,
     out: impl FnOnce(&R) -> Option<&PathBuf>,

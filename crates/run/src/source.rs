@@ -334,7 +334,7 @@ impl Surface {
     /// # Errors
     /// Returns an error if the heights have no statistics.
     pub fn displaced(self, lift: &Array2<f64>) -> Result<Self, SurfaceError> {
-        let statistics = Statistics::over(&(&self.heights + lift), &self.grid, &self.share)?;
+        let statistics = Statistics::distributed(&(&self.heights + lift), &self.grid, &self.share)?;
         Ok(Self { statistics, ..self })
     }
 
@@ -432,7 +432,8 @@ impl SourceArgs {
         }
         let name = self.name();
         self.check_sizes(&grid, &heights, &share)?;
-        let statistics = Statistics::over(&heights, &grid, &share).map_err(|error| Failure::input(&name, error))?;
+        let statistics =
+            Statistics::distributed(&heights, &grid, &share).map_err(|error| Failure::input(&name, error))?;
         if (scan.is_some() || second.is_some()) && boundary == Boundary::Periodic {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
             description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");

@@ -232,7 +232,8 @@ impl<'a> Bench<'a> {
     }
 
     fn contact(&self, run: &Run, heights: &Array2<f64>) -> Result<Contact, SweepError> {
-        Contact::on(Arc::clone(&self.response), heights).map_err(|refusal| self.failed(run, None, refusal.into()))
+        Contact::with_response(Arc::clone(&self.response), heights)
+            .map_err(|refusal| self.failed(run, None, refusal.into()))
     }
 
     fn failed(&self, run: &Run, p_star: Option<f64>, error: SolveError<Solution>) -> SweepError {

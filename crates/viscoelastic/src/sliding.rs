@@ -388,7 +388,7 @@ impl<'a> Search<'a> {
         let touch = reduce(added.len(), &least, &lower);
         let points = surface.grid().points();
         let depth = Array2::from_shape_vec(points, added.iter().map(|added| added - touch).collect());
-        let contact = self.storing.indented(&depth.expect("every field has the size of the grid"))?;
+        let contact = self.storing.with_indentation(&depth.expect("every field has the size of the grid"))?;
         let none = || Array2::zeros(points);
         let load = match load {
             Load::Approach(approach) if approach <= touch => {

@@ -98,13 +98,14 @@ impl StepCheck<'_> {
         }
         let before = |name: &str| self.stored.number(name, step - 1);
         let [mut work, mut spread, mut floor] = [0.0_f64; 3];
-        for (force, input) in
+        for (force, coordinate) in
             [("mean_pressure", "displacement"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
         {
-            let moved = now(input) - before(input);
+            let moved = now(coordinate) - before(coordinate);
             work += 0.5 * (now(force) + before(force)) * moved;
             spread += 0.5 * ((now(force) - before(force)) * moved).abs();
-            floor += 0.5 * (now(force).abs() + before(force).abs()) * now(input).abs().max(before(input).abs());
+            floor +=
+                0.5 * (now(force).abs() + before(force).abs()) * now(coordinate).abs().max(before(coordinate).abs());
         }
         let energy = |at: &dyn Fn(&str) -> f64| at("elastic_energy") + at("interface_energy");
         let missing = work - (energy(&now) - energy(&before));

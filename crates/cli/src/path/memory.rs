@@ -56,7 +56,7 @@ fn define(archive: &mut Archive, surface: &Surface, branches: usize) -> Result<(
 /// Returns the contact of a viscoelastic body; `None` for an elastic one.
 fn contact_of(prepared: &Prepared) -> Result<Option<ViscoelasticContact>, Failure> {
     let Prepared { facts, surface, body, prony: Some(prony), .. } = prepared else { return Ok(None) };
-    let elastic = Contact::bounded(facts.boundary, body, &surface.grid, &surface.heights);
+    let elastic = Contact::with_boundary(facts.boundary, body, &surface.grid, &surface.heights);
     let relaxes = facts.relaxes.unwrap_or_default();
     let contact = elastic.and_then(|elastic| ViscoelasticContact::new(elastic, body, prony, relaxes));
     contact.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))

@@ -178,7 +178,7 @@ fn the_pressure_on_a_flat_top_is_the_load_times_a_fixed_field() {
     ] {
         let body = height.map_or_else(|| Body::half_space(material()), |h| Body::slab(material(), h).unwrap());
         let g = matrix(boundary, [N; 2], [1.0; 2], height);
-        let contact = Contact::bounded(boundary, &body, &grid, &heights).unwrap();
+        let contact = Contact::with_boundary(boundary, &body, &grid, &heights).unwrap();
         for hardness in [f64::INFINITY, 5.0] {
             let (fixed, _) = exact(&g, &clearance, &vec![hardness * 1e-6; N * N], Load::MeanPressure(1e-6));
             let plastic = fixed.iter().filter(|p| **p == hardness * 1e-6).count();

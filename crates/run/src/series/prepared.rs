@@ -235,13 +235,13 @@ impl Prepared {
     /// # Errors
     /// Fails like [`pose`](Self::pose); also if the method does not solve the contact, and if the law has no meaning on
     /// the grid, unless that is requested.
-    pub fn pose_and_tell(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
+    pub fn pose_with_warnings(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
         let contact = self.pose(asked.source, &self.law)?;
         let (found, allowed) = (asked.solver, contact.solvers());
         if !allowed.contains(&found) {
             return Err(Refusal::Solver { found, allowed }.into());
         }
-        self.doubts(self.adhesion.as_ref()).into_iter().for_each(|doubt| session.warn(UNITS, doubt));
+        self.unit_warnings(self.adhesion.as_ref()).into_iter().for_each(|warning| session.warn(UNITS, warning));
         if let Some(adhesion) = &self.adhesion {
             adhesion.check(asked.law.coarse)?;
             tracing::info!("{adhesion}");
@@ -255,7 +255,7 @@ impl Prepared {
     }
 
     /// Returns a warning if the contact reaches the edge of a patch; `None` if it does not, or for a periodic surface.
-    pub fn doubt_of_edge(&self, state: &AnyState) -> Option<String> {
+    pub fn edge_warning(&self, state: &AnyState) -> Option<String> {
         let Surface { grid, share, boundary: Boundary::Free, .. } = &self.surface else { return None };
         let ([nx, ny], first) = (grid.points(), share.rows().start);
         let is_edge = |i: usize, j: usize| i == 0 || i + 1 == nx || (!grid.is_line() && (j == 0 || j + 1 == ny));
@@ -273,17 +273,17 @@ impl Prepared {
     }
 
     /// Describes numbers of the problem that no material has, as signs of mixed-up units.
-    pub fn doubts(&self, adhesion: Option<&Adhesion>) -> Vec<String> {
+    pub fn unit_warnings(&self, adhesion: Option<&Adhesion>) -> Vec<String> {
         let units = self.surface.units();
         let modulus = self.body.contact_modulus();
         let Some(metres) = units.metres() else { return Vec::new() };
-        let mut doubts = Vec::new();
+        let mut warnings = Vec::new();
         // Without a unit of stress, a large modulus must be in Pa.
         let pascals = units.pascals().or_else(|| (modulus >= SOFTEST).then_some(1.0));
         if let Some(pascals) = pascals
             && modulus * pascals < SOFTEST
         {
-            doubts.push(format!(
+            warnings.push(format!(
                 "the contact modulus is {:.3e} Pa, softer than any gel: a stress without a unit is in {}; \
                  --young 70GPa has its own",
                 modulus * pascals,
@@ -293,50 +293,50 @@ impl Prepared {
         if let (Some(pascals), Some(adhesion)) = (pascals, adhesion) {
             let work = adhesion.work * pascals * metres;
             if work < WEAKEST {
-                doubts.push(format!(
+                warnings.push(format!(
                     "the work of adhesion is {work:.1e} J/m^2, weaker than any attraction of solids (0.001 to 10): \
                      one without a unit is in {}; --param gamma=0.05J/m^2 has its own",
                     Units::new(units.length(), Some(units.stress().unwrap_or(Units::PASCAL))).name("stress*length")
                 ));
             }
         }
-        doubts
+        warnings
     }
 
     /// Warns about drives, given by `flag`, far beyond full contact: their units are mixed up.
-    pub fn warn_of_drives(&self, drives: &[Drive], flag: &str, session: &Session) {
+    pub fn warn_about_drives(&self, drives: &[Drive], flag: &str, session: &Session) {
         let reduced = drives.iter().filter_map(|drive| match drive.load {
             Load::MeanPressure(pressure) => Some(pressure / self.unit_pressure()),
             Load::Approach(_) => None,
         });
-        if let Some(doubt) = self.doubt_of_load(reduced.fold(0.0, f64::max), flag) {
-            session.warn(UNITS, doubt);
+        if let Some(warning) = self.load_warning(reduced.fold(0.0, f64::max), flag) {
+            session.warn(UNITS, warning);
         }
     }
 
     /// Warns about approaches with strain that is not small.
-    pub fn warn_of_strain(&self, approaches: impl IntoIterator<Item = f64>, session: &Session) {
+    pub fn warn_about_strain(&self, approaches: impl IntoIterator<Item = f64>, session: &Session) {
         let approach = approaches.into_iter().fold(0.0, f64::max);
-        if let Some(doubt) = self.doubt_of_strain(approach) {
-            session.warn("large-strain", doubt);
+        if let Some(warning) = self.strain_warning(approach) {
+            session.warn("large-strain", warning);
         }
     }
 
     /// Returns a warning if strain is not small at the largest approach, length; `None` if it is small.
-    pub fn doubt_of_strain(&self, approach: f64) -> Option<String> {
+    pub fn strain_warning(&self, approach: f64) -> Option<String> {
         let part = approach / self.body.total_height();
         let said = self.surface.units().words(approach, "length");
-        let doubt = || {
+        let warning = || {
             format!(
                 "the approach of {said} is {part:.2} of the height of the slab; \
                  linear elasticity holds for small strain"
             )
         };
-        (part > STRAINED).then(doubt)
+        (part > STRAINED).then(warning)
     }
 
     /// Returns a warning if the largest reduced pressure, given by `name`, is far beyond full contact.
-    pub fn doubt_of_load(&self, p_star: f64, name: &str) -> Option<String> {
+    pub fn load_warning(&self, p_star: f64, name: &str) -> Option<String> {
         let units = self.surface.units();
         let said = units.words(self.unit_pressure(), "stress");
         let hint = match units.stress() {
@@ -345,8 +345,9 @@ impl Prepared {
                 "pressure and modulus may be in different units, as --pressure 1MPa and --young 70GPa are not".into()
             }
         };
-        let doubt = || format!("{name} is {p_star:.3e} times E* g = {said}, far beyond full contact (some 2): {hint}");
-        (p_star > HIGHEST).then(doubt)
+        let warning =
+            || format!("{name} is {p_star:.3e} times E* g = {said}, far beyond full contact (some 2): {hint}");
+        (p_star > HIGHEST).then(warning)
     }
 
     /// Checks that a contact can be solved under each of the drives, given by `flag`.

@@ -192,7 +192,7 @@ impl ContactArgs {
         self.check()?;
         let asked = self.asked()?;
         let prepared = Prepared::new(&asked, |line| self.facts(line), session)?;
-        let posed = prepared.pose_and_tell(&asked, session)?;
+        let posed = prepared.pose_with_warnings(&asked, session)?;
         Ok((prepared, posed))
     }
 
