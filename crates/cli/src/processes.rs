@@ -25,7 +25,7 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
     if words.iter().skip(1).find(is_command).is_none_or(|word| word != TOGETHER) {
         return Ok(None);
     }
-    let joined: Result<Option<(World, Vec<String>)>, Failure> = watched(PATIENCE, report_waiting, || {
+    let joined: Result<Option<(World, Vec<String>)>, Failure> = watched(TIME_TO_REPORT, report_waiting, || {
         let Some(world) = start().map_err(|error| Failure::input("GFMD_MPI", error))? else { return Ok(None) };
         let text: Vec<String> = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
         let all = texts(&world, &text.join(" "));
@@ -47,7 +47,7 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
 }
 
 /// Time after which a process reports that it waits for others to join.
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIME_TO_REPORT: Duration = Duration::from_secs(10);
 
 /// Runs `work`, and calls `tell` on another thread if it takes longer than `patience`.
 fn watched<T>(patience: Duration, tell: impl FnOnce() + Send + 'static, work: impl FnOnce() -> T) -> T {

@@ -210,7 +210,7 @@ impl Args {
 }
 
 /// The ratio of the depth to the width of the punch, or to the height of the slab, above which strain is not small.
-const SMALL: f64 = 0.1;
+const LARGEST_SMALL_STRAIN: f64 = 0.1;
 
 /// Runs the command.
 ///
@@ -318,7 +318,7 @@ impl Prepared {
     fn warn_about_large_strain(&self, args: &Args, session: &Session) {
         let width = if self.mask.is_some() { f64::INFINITY } else { args.punch_fraction * args.length };
         let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
-        for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {
+        for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > LARGEST_SMALL_STRAIN * length) {
             let part = args.depth / length;
             let text =
                 format!("--depth: {} is {part:.2} of {what}; linear elasticity holds for small strain", args.depth);

@@ -227,8 +227,9 @@ impl Contact {
         Ok(Self { scaled: self.units.surface(&surface), surface, ..self.clone() })
     }
 
-    /// Returns this contact after a loss of `depth` `[x, y]`, in length: as [`with_indentation`](Self::with_indentation), with
-    /// residuals relative to the extent of the depth if it exceeds the extent of the displacement.
+    /// Returns this contact after a loss of `depth` `[x, y]`, in length: as
+    /// [`with_indentation`](Self::with_indentation), with residuals relative to the extent of the depth if it exceeds
+    /// the extent of the displacement.
     ///
     /// # Errors
     /// A depth that differs in shape from the heights, or is not finite.

@@ -50,11 +50,11 @@ pub(crate) struct Dual<'a> {
 /// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually
 /// sufficient (commit ff5ee0e); where the preconditioner is poor, as on incompressible layers thinner than the cell is
 /// wide, the method without it is faster.
-const PATIENCE: u64 = 100;
+const PRECONDITIONED_ITERATIONS: u64 = 100;
 
 /// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. Chosen: on cells a
 /// thousand times longer than wide the method without it may not converge at all.
-const LONGER_PATIENCE: u64 = 5000;
+const PLAIN_ITERATIONS: u64 = 5000;
 
 /// Number of the search on few points in a checkpoint, in place of the number of a part.
 const FEW: u32 = 3;
@@ -260,7 +260,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Solver
         Gradients::Auto if !in_parts => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Auto => loop {
             let Budget { tolerance, max_iterations } = attempt.budget_left();
-            let limit = [PATIENCE, LONGER_PATIENCE].get(part as usize).copied().unwrap_or(u64::MAX);
+            let limit = [PRECONDITIONED_ITERATIONS, PLAIN_ITERATIONS].get(part as usize).copied().unwrap_or(u64::MAX);
             let budget = within(Budget { tolerance, max_iterations: max_iterations.min(limit) });
             let target = Target { budget, ..target };
             let plain = part == 1;

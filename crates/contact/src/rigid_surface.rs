@@ -219,7 +219,7 @@ impl RigidSurface {
             return Ok(());
         }
         let (what, found) = load.named();
-        Err(Refusal::Shallow { what, found, least: found * (self.rounding / allowed) })
+        Err(Refusal::LoadBelowRoughnessRounding { what, found, least: found * (self.rounding / allowed) })
     }
 
     /// Checks that the numbers of a contact without attraction under `load` can be resolved: squares of much smaller
@@ -235,7 +235,7 @@ impl RigidSurface {
         };
         let least = LEAST * unit;
         if found < least {
-            return Err(Refusal::Slight { what, found, least });
+            return Err(Refusal::LoadUnderflows { what, found, least });
         }
         Self::check_rounding(what, found, unit, tolerance)
     }

@@ -132,7 +132,7 @@ impl Units {
     /// A pressure other than zero that is too small, or infinite.
     pub fn check_pressure(mean: f64) -> Result<(), Refusal> {
         let good = mean == 0.0 || mean.is_nan() || (LEAST..=1.0 / LEAST).contains(&mean.abs());
-        if good { Ok(()) } else { Err(Refusal::Digits { what: "mean pressure", found: mean }) }
+        if good { Ok(()) } else { Err(Refusal::UnitOutOfRange { what: "mean pressure", found: mean }) }
     }
 }
 

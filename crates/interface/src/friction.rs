@@ -61,7 +61,7 @@ const SHARE: f64 = 0.1;
 /// fifth, so that the next round would change more accurate results; with larger values slabs take more rounds.
 const SHARE_OF_RESIDUAL: f64 = 0.075;
 /// Tolerance of both problems in the first round, and upper limit for the later ones.
-const FIRST: f64 = 1e-3;
+const FIRST_ROUND_TOLERANCE: f64 = 1e-3;
 /// Largest fraction of a prescribed approach that lies within the tolerance of a round.
 const OF_THE_APPROACH: f64 = 0.1;
 
@@ -228,8 +228,8 @@ impl FrictionalContact {
         let mut ending = Ending::GaveUp(Why::Circles);
         // A surface moved by a prescribed approach must not count as solved without pressure.
         let coarsest = |increment: &Increment| match drive.load {
-            Load::Approach(approach) => FIRST.min(OF_THE_APPROACH * approach / increment.length_scale),
-            Load::MeanPressure(_) => FIRST,
+            Load::Approach(approach) => FIRST_ROUND_TOLERANCE.min(OF_THE_APPROACH * approach / increment.length_scale),
+            Load::MeanPressure(_) => FIRST_ROUND_TOLERANCE,
         };
         let mut tolerance = coarsest(&increment);
         for round in 0..ROUNDS {

@@ -94,7 +94,7 @@ const RESOLVED: f64 = 10.0;
 
 /// Rounding error of a mean relative to the largest value: a load of this size counts as zero, such as the middle one
 /// from -0.1 to 0.1.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+const ROUNDING_OF_MEAN: f64 = 16.0 * f64::EPSILON;
 
 impl Interface {
     /// Checks that the tractions of the law do not hide a prescribed load, in input units. The load residual is
@@ -103,9 +103,9 @@ impl Interface {
     fn check_load(&self, state: &State, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
         let Load::MeanPressure(found) = drive.load else { return Ok(()) };
         let traction = state.pressure().iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
-        let (least, zero) = (tolerance * traction, ROUNDING * traction);
+        let (least, zero) = (tolerance * traction, ROUNDING_OF_MEAN * traction);
         let is_hidden = found.abs() > zero && found.abs() < least;
-        if is_hidden { Err(Refusal::Hidden { found, least, traction }) } else { Ok(()) }
+        if is_hidden { Err(Refusal::LoadBelowTractionRounding { found, least, traction }) } else { Ok(()) }
     }
 
     /// Solves in [`units`](Self::units).

@@ -58,7 +58,7 @@ impl CheckpointArgs {
 const CENTURY: f64 = 3e9;
 
 /// Time between two writes divided by the time of a write.
-const PATIENCE: u32 = 20;
+const WRITE_INTERVAL_FACTOR: u32 = 20;
 
 /// Expected time of the first write.
 const FIRST_COST: Duration = Duration::from_millis(5);
@@ -207,7 +207,7 @@ impl<'a> UnfinishedRun<'a> {
         state(&mut writer);
         self.latest = writer.finish().map_err(|error| Failure::Computation(error.to_string()))?;
         let waiting: usize = self.waiting.iter().map(Vec::len).sum::<usize>() + self.latest.len();
-        if self.written.elapsed() >= PATIENCE * self.cost || waiting > MOST_WAITING {
+        if self.written.elapsed() >= WRITE_INTERVAL_FACTOR * self.cost || waiting > MOST_WAITING {
             self.flush()?;
         }
         Ok(())
@@ -240,7 +240,7 @@ impl<'a> UnfinishedRun<'a> {
     /// Returns true if it is time to copy the running solve.
     pub(crate) fn is_due(&self) -> bool {
         let elapsed = self.written.elapsed();
-        self.every.is_some_and(|every| elapsed >= every && elapsed >= PATIENCE * self.cost)
+        self.every.is_some_and(|every| elapsed >= every && elapsed >= WRITE_INTERVAL_FACTOR * self.cost)
     }
 
     /// Copies the running solve.

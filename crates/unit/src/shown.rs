@@ -47,7 +47,7 @@ impl fmt::Display for DisplayUnit {
 const PREFIXES: [&str; 10] = ["f", "p", "n", "µ", "m", "", "k", "M", "G", "T"];
 
 /// Power of ten of the first prefix.
-const FIRST: i32 = -15;
+const FIRST_PREFIX_POWER: i32 = -15;
 
 /// Returns the readable unit for numbers up to `largest` in a unit of `size` in Pa, m and s, or `None` without one.
 pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<DisplayUnit> {
@@ -84,9 +84,9 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Displa
         true => (root - 1e-9).ceil() as i32,
         false => 0,
     };
-    let index = (thousands - FIRST / 3).clamp(0, PREFIXES.len() as i32 - 1);
+    let index = (thousands - FIRST_PREFIX_POWER / 3).clamp(0, PREFIXES.len() as i32 - 1);
     let prefix = PREFIXES[index as usize];
-    let tens = FIRST + 3 * index;
+    let tens = FIRST_PREFIX_POWER + 3 * index;
     let raised = match power.abs() {
         1 => "",
         2 => "²",

@@ -41,7 +41,7 @@ struct Begun<C> {
 }
 
 /// Relative rounding error below which an approach counts as zero.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const ROUNDING_OF_APPROACH: f64 = 8.0 * f64::EPSILON;
 
 impl<C: ElasticContact> ViscoelasticContact<C> {
     /// Creates the contact of `body`, relaxing by a Prony series. `contact` has its long-term moduli.
@@ -345,7 +345,7 @@ impl<C: ElasticContact> Equilibrium for ViscoelasticContact<C> {
             Load::MeanPressure(mean) => Load::MeanPressure(mean / factor),
             Load::Approach(approach) => {
                 let size = approach.abs().max(touch.abs()).max(self.contact.surface().rms_height());
-                let separated = if approach - touch <= ROUNDING * size {
+                let separated = if approach - touch <= ROUNDING_OF_APPROACH * size {
                     begun.contact.separated_state(approach - touch)
                 } else {
                     None

@@ -30,12 +30,12 @@ struct Worn {
 }
 
 /// Relative rounding error below which an approach counts as zero.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const ROUNDING_OF_APPROACH: f64 = 8.0 * f64::EPSILON;
 
 /// Returns the approach beyond first touch, or `None` if the surfaces are apart.
 fn beyond(approach: f64, touch: f64) -> Option<f64> {
     let beyond = approach - touch;
-    (beyond > ROUNDING * approach.max(touch)).then_some(beyond)
+    (beyond > ROUNDING_OF_APPROACH * approach.max(touch)).then_some(beyond)
 }
 
 impl WearContact {

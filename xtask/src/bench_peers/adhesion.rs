@@ -29,7 +29,7 @@ const SLOPE: f64 = 0.3;
 /// Tolerances of Tamaas divided by the residual bound, tried in turn until the residual is within the bound.
 const TOLERANCES: [f64; 4] = [1e3, 1e2, 10.0, 3.0];
 /// Largest number of iterations of Tamaas for a load.
-const MOST: u64 = 100_000;
+const MAX_PEER_ITERATIONS: u64 = 100_000;
 
 /// Result of `bench-peers --adhesion`.
 #[derive(Clone, Debug, Serialize)]
@@ -197,7 +197,7 @@ impl Trial<'_> {
             "threads": self.threads,
             "gamma": work,
             "range": range,
-            "most": MOST,
+            "most": MAX_PEER_ITERATIONS,
             "fftw": self.environment.preloaded(),
         });
         let limit = Duration::from_secs_f64(self.args.patience());

@@ -15,7 +15,7 @@ use hdf5::{File, Location};
 use ndarray::{Array2, ArrayD};
 
 /// Longest duration of a command here.
-const PATIENCE: Duration = Duration::from_secs(120);
+const MAX_COMMAND_TIME: Duration = Duration::from_secs(120);
 
 /// Run with its status, stderr and stdout.
 struct Ran {
@@ -38,7 +38,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Ran {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if started.elapsed() > PATIENCE {
+        if started.elapsed() > MAX_COMMAND_TIME {
             child.kill().unwrap();
             panic!("{arguments:?} did not end");
         }

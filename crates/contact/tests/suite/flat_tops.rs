@@ -285,9 +285,9 @@ fn loads_below_the_rounding_of_the_heights_are_refused() {
     assert!(contact.press(Load::MeanPressure(1e-9)).solve().is_ok());
     for load in [1e-14, 1e-20].map(Load::MeanPressure).into_iter().chain([1e-14, 1e-20].map(Load::Approach)) {
         match contact.press(load).solve() {
-            Err(SolveError::Refused(Refusal::Shallow { found, least, .. })) => {
+            Err(SolveError::Refused(Refusal::LoadBelowRoughnessRounding { found, least, .. })) => {
                 assert!(found < least && least < 1e-9, "{found:e} {least:e}");
-                let message = Refusal::Shallow { what: "mean pressure", found, least }.to_string();
+                let message = Refusal::LoadBelowRoughnessRounding { what: "mean pressure", found, least }.to_string();
                 assert!(message.contains("must be at least") && !message.contains('\n'), "{message}");
             }
             other => panic!("{load:?}: {:?}", other.map(|solution| solution.residual)),

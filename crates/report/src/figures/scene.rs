@@ -129,7 +129,7 @@ pub fn rough(is_composite: bool) -> &'static str {
 const CONTACT: usize = 1;
 
 /// Part of the deformation that the contact residuals leave; smaller heights and gaps are rounding.
-const ROUNDING: f64 = 1e-8;
+const RESIDUAL_DEFORMATION: f64 = 1e-8;
 
 impl<'a> Scene<'a> {
     /// Returns the upper face of a contact with this surface.
@@ -170,7 +170,7 @@ impl Scene<'_> {
         }
         let mut values: Vec<f64> = self.distances().collect();
         // A gap that is closed everywhere has no map.
-        if !(gap.is_empty() || is_line) && largest(&values) > ROUNDING * self.deformation() {
+        if !(gap.is_empty() || is_line) && largest(&values) > RESIDUAL_DEFORMATION * self.deformation() {
             let read = length(self.unit, largest(&values));
             values.iter_mut().for_each(|gap| *gap *= read.factor);
             take(FigureKind::Gap, &self.gap(&values, &read.name))?;
@@ -257,7 +257,7 @@ impl Scene<'_> {
         heights.extend(self.contacts(&points));
         let side = sides(grid, unit);
         let extent = heights.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max);
-        let floor = ROUNDING * self.deformation();
+        let floor = RESIDUAL_DEFORMATION * self.deformation();
         if extent <= floor {
             heights.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y = 0.0);
         }

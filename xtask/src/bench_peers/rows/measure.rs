@@ -44,7 +44,7 @@ const HURST: [f64; 2] = [0.0, 0.8];
 /// Points along a side for the memory prediction.
 const HUGE: usize = 16384;
 /// Points along a side of small contacts, and divisor of their number.
-const SMALL: [(usize, usize); 2] = [(128, 1), (256, 3)];
+const SMALL_SIDES: [(usize, usize); 2] = [(128, 1), (256, 3)];
 const MANY: (&str, &str) = ("many.py", include_str!("../../../peers/many.py"));
 
 /// Settings of the measurements.
@@ -297,7 +297,7 @@ impl<'a> Trial<'a> {
         let script = self.scratch.path().join(MANY.0);
         std::fs::write(&script, MANY.1).map_err(failed)?;
         let mut cases = Vec::new();
-        for (n, part) in SMALL {
+        for (n, part) in SMALL_SIDES {
             let count = self.args.many / part;
             let mut stack = Array3::zeros((count, n, n));
             for (seed, mut heights) in stack.axis_iter_mut(Axis(0)).enumerate() {
