@@ -72,7 +72,7 @@ impl<'a> Dual<'a> {
         let points = response.grid().points();
         let floating = matches!(load, Load::MeanPressure(_));
         let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
-        let extension = PullPush::new(points, floating, edges, contact.stiffness_of_waves()).over(share);
+        let extension = PullPush::new(points, floating, edges, contact.stiffness_of_waves()).distributed(share);
         let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
         let (row, share) = (response.grid().rows()[1], share.clone());
