@@ -1,4 +1,4 @@
-//! Parts shared by the pages about a contact and about a path: surface, fields, failure.
+//! Sections shared by the pages about a contact and about a path: surface, fields, failure.
 
 use std::convert::Infallible;
 
