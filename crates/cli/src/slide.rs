@@ -3,8 +3,8 @@
 mod check;
 mod file;
 mod heat;
-mod reached;
 mod report;
+mod steady_state;
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -36,8 +36,8 @@ use crate::search::SearchArgs;
 
 use self::file::{StatesFile, fields};
 use self::heat::{HeatArgs, Source};
-use self::reached::SteadyState;
 pub use self::report::Report;
+use self::steady_state::SteadyState;
 
 /// Flags of `slide`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]

@@ -8,9 +8,9 @@ use gfmd_response::Transforms;
 use gfmd_vector::{for_each, sum, total};
 
 use crate::certify::certify;
-use crate::ended::{End, SearchResult};
 use crate::frame::Frame;
 use crate::numbers::mean;
+use crate::search_result::{End, SearchResult};
 use crate::{Interface, State};
 
 /// Maximum number of runs. A run that diverges or goes uphill for too long is repeated with half its time step.

@@ -19,8 +19,8 @@ mod wall;
 use gfmd_relax::{Budget, Ending, Progress, Variables as _, Visit, Watch, Why};
 use gfmd_response::Elastic;
 
-use crate::ended::{End, SearchResult};
 use crate::frame::Frame;
+use crate::search_result::{End, SearchResult};
 use crate::{Interface, State};
 pub(crate) use adjoint::{Adjoint, Linear};
 use all_components::AllComponents;

@@ -7,8 +7,8 @@ use gfmd_response::Elastic;
 use ndarray::ArrayView2;
 
 use crate::certify::certify;
-use crate::ended::{End, SearchResult};
 use crate::frame::Frame;
+use crate::search_result::{End, SearchResult};
 use crate::{Interface, State, dynamics, newton};
 
 /// Solvers of an interface. Newton's method needs an energy; dynamics does not.

@@ -1,7 +1,7 @@
 //! Units of a problem.
 
+use crate::display_unit::{self, DisplayUnit};
 use crate::quantity::Unit;
-use crate::shown::{self, DisplayUnit};
 use crate::{Dimension, Quantity};
 
 /// Units of length and stress of a problem, as far as they are known. All numbers of the problem are in these units; an
@@ -132,7 +132,7 @@ impl Units {
         if dimension.time != 0 || dimension.temperature != 0 {
             self.metres()?;
         }
-        shown::of(dimension, size.size(), largest)
+        display_unit::of(dimension, size.size(), largest)
     }
 }
 

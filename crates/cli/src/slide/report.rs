@@ -12,7 +12,7 @@ use gfmd_run::series::Head;
 use gfmd_run::source::Surface;
 use serde::Serialize;
 
-use super::reached::SteadyState;
+use super::steady_state::SteadyState;
 use crate::session::list_files;
 
 /// The result, as printed.

@@ -16,7 +16,7 @@ use ndarray::{Array2, CowArray, Ix2};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::parts::SeriesLayout;
+use super::layout::SeriesLayout;
 use super::prepared::Prepared;
 use crate::columns::write_columns;
 use crate::convergence::NotConverged;

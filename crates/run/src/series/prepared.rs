@@ -16,7 +16,7 @@ use gfmd_unit::Units;
 use gfmd_viscoelastic::Prony;
 use ndarray::Array2;
 
-use super::parts::SeriesLayout;
+use super::layout::SeriesLayout;
 use crate::base::{BaseArgs, MovedBase};
 use crate::failure::Failure;
 use crate::hardness::{self, GivenHardness};
