@@ -660,12 +660,12 @@ impl<P: Quasistatic> Search<'_, P> {
                         }
                         piece = if closes(&halves) {
                             // Without a loss, the difference of work and energy is the error of the work.
-                            let doubt = if is_alike(&halves) { 0.0 } else { halves.unlikeness };
-                            (halves.simpson(), halves.simpson().abs().max(doubt))
+                            let error = if is_alike(&halves) { 0.0 } else { halves.unlikeness };
+                            (halves.simpson(), halves.simpson().abs().max(error))
                         } else if encloses(&halves) {
                             (halves.missing, enclosed(&halves))
                         } else if self.allowance < RESERVE {
-                            (halves.missing, halves.doubt())
+                            (halves.missing, halves.error_estimate())
                         } else {
                             balanced = if balances(&halves) { end.share } else { 0.0 };
                             ahead.clear();
@@ -747,7 +747,7 @@ impl Halves {
 
     /// Estimates the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one half.
     /// Energy is never gained, so that a negative `missing` shows that the forces are not monotonic.
-    fn doubt(&self) -> f64 {
+    fn error_estimate(&self) -> f64 {
         match self.missing < 0.0 {
             true => self.spread - self.missing,
             false => self.spread.min(self.missing.max(self.change.abs())),
