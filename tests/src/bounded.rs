@@ -30,7 +30,7 @@ fn dense(reference: &Reference) -> Result<Vec<Check>, ValidationError> {
         let text = |key: &str| problem[key].as_str().unwrap_or_default();
         let (grid, heights) = surface(&file["surfaces"][text("surface")])?;
         let boundary = if text("boundary") == "free" { Boundary::Free } else { Boundary::Periodic };
-        let mut contact = Contact::bounded(boundary, &unit_half_space(), &grid, &heights)?;
+        let mut contact = Contact::with_boundary(boundary, &unit_half_space(), &grid, &heights)?;
         let hardness = problem["hardness"].as_f64();
         if let Some(hardness) = hardness {
             contact = contact.with_hardness(hardness)?;
@@ -90,7 +90,7 @@ fn round(n: usize, height: impl Fn(f64) -> f64) -> Array2<f64> {
 
 fn press(heights: &Array2<f64>, load: Load) -> Result<Solution, ValidationError> {
     let grid = Grid::square(heights.nrows(), 2.0)?;
-    let contact = Contact::bounded(Boundary::Free, &unit_half_space(), &grid, heights)?;
+    let contact = Contact::with_boundary(Boundary::Free, &unit_half_space(), &grid, heights)?;
     Ok(contact.press(load).tolerance(1e-10).solve()?)
 }
 
@@ -136,7 +136,7 @@ fn line() -> Result<Check, ValidationError> {
     let (n, a) = (1024, 0.5_f64);
     let grid = Grid::line(n, 2.0)?;
     let heights = Array2::from_shape_fn((n, 1), |(i, _)| -0.5 * ((i as f64 + 0.5) * 2.0 / n as f64 - 1.0).powi(2));
-    let contact = Contact::bounded(Boundary::Free, &unit_half_space(), &grid, &heights)?;
+    let contact = Contact::with_boundary(Boundary::Free, &unit_half_space(), &grid, &heights)?;
     let force = 0.25 * PI * a * a;
     let solution = contact.press(Load::MeanPressure(force / 2.0)).tolerance(1e-10).solve()?;
     let peak = solution.pressure.iter().copied().fold(0.0, f64::max);

@@ -118,7 +118,7 @@ fn stiffness_ratio(poisson: f64) -> Result<f64, ValidationError> {
         let touching = |(_, i, j): (usize, usize, usize)| solution.pressure[[i, j]] > 0.0;
         let held = Array3::from_shape_fn((3, 128, 128), |at| at.0 < 2 && touching(at));
         let unit = Array3::from_shape_fn((3, 128, 128), |at| f64::from(u8::from(at.0 == axis && touching(at))));
-        let problem = MixedProblem::on(Arc::clone(&response), Prescribed::new(held.view(), unit.view())?)?;
+        let problem = MixedProblem::with_response(Arc::clone(&response), Prescribed::new(held.view(), unit.view())?)?;
         sum += problem.solve(Method::default(), &Budget::default(), &mut ())?.mean_traction()[axis];
     }
     Ok(0.5 * sum / normal)

@@ -6,7 +6,7 @@ use gfmd_contact::{Drive, Equilibrium, Fields, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{FrictionalContact, Interface, State};
-use gfmd_law::{Dugdale, Exponential, Friction, Kind, Law, Limit, Rate};
+use gfmd_law::{Dugdale, Exponential, Friction, Law, LawKind, Limit, Rate};
 use gfmd_measure::theory::{AdhesiveSphere, Westergaard};
 use ndarray::{Array2, Axis};
 
@@ -39,7 +39,7 @@ fn near(worst: &mut Worst, found: f64, wanted: f64) {
 fn cohesive(reference: &Reference) -> Result<Check, ValidationError> {
     let mut worst = Worst::new();
     for row in reference.table("cohesive_laws.json")? {
-        let kind: Kind = row.name.parse()?;
+        let kind: LawKind = row.name.parse()?;
         let given: Vec<_> =
             kind.parameters().iter().map(|parameter| (parameter.name, row.get(parameter.name))).collect();
         let law = kind.with(&given)?;
@@ -62,7 +62,7 @@ fn cohesive(reference: &Reference) -> Result<Check, ValidationError> {
 fn adhesive(reference: &Reference) -> Result<Check, ValidationError> {
     let mut worst = Worst::new();
     for row in reference.table("normal_potentials.json")? {
-        let kind: Kind = row.name.parse()?;
+        let kind: LawKind = row.name.parse()?;
         let values = ["gamma", "parameter (rho or curvature)"].map(|column| row.get(column));
         let given: Vec<_> = kind.parameters().iter().map(|parameter| parameter.name).zip(values).collect();
         let law = kind.with(&given)?;

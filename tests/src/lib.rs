@@ -88,7 +88,7 @@ pub fn press(
     solver: Solver,
     tolerance: f64,
 ) -> Result<Solution, SolveError<Solution>> {
-    Contact::on(Arc::clone(response), heights)?.press(load).solver(solver).tolerance(tolerance).solve()
+    Contact::with_response(Arc::clone(response), heights)?.press(load).solver(solver).tolerance(tolerance).solve()
 }
 
 /// Presses `heights` on the unit half-space over a square cell of length 1, by the default method.

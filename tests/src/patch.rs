@@ -3,7 +3,7 @@
 use gfmd_contact::{Boundary, Contact, Equilibrium, Fields, Load, Solver};
 use gfmd_green::{BaseKind, Body, Material};
 use gfmd_interface::{FrictionalContact, Interface};
-use gfmd_law::{Kind, Limit};
+use gfmd_law::{LawKind, Limit};
 use serde_json::Value;
 
 use crate::bounded::{compare, numbers, surface};
@@ -20,13 +20,13 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     for case in cases("friction") {
         let (grid, heights) = surface(case)?;
         let limit = Limit::Coulomb(number(&case["coefficient"]));
-        let contact = FrictionalContact::bounded(Boundary::Free, &friction::body(case)?, &grid, &heights, limit)?;
+        let contact = FrictionalContact::with_boundary(Boundary::Free, &friction::body(case)?, &grid, &heights, limit)?;
         let name = format!("friction on a patch, {}", case["name"].as_str().unwrap_or_default());
         checks.push(follow(&contact, case, name, DENSE)?);
     }
     for case in cases("slabs") {
         let (grid, heights) = surface(case)?;
-        let contact = Contact::bounded(Boundary::Free, &body(case)?, &grid, &heights)?;
+        let contact = Contact::with_boundary(Boundary::Free, &body(case)?, &grid, &heights)?;
         let solvers = [Solver::PreconditionedCg, Solver::ProjectedCg];
         checks.push(compare(&contact, case, &solvers, &format!("patch on a slab, {}", words(case)), DENSE)?);
     }
@@ -64,12 +64,12 @@ fn body(case: &Value) -> Result<Body, ValidationError> {
 fn law(case: &Value) -> Result<Check, ValidationError> {
     let (grid, heights) = surface(case)?;
     let name = case["law"].as_str().unwrap_or_default();
-    let kind: Kind = name.parse().map_err(|_| ValidationError::Reference {
+    let kind: LawKind = name.parse().map_err(|_| ValidationError::Reference {
         file: "free_contacts.json".into(),
         reason: format!("it has a law {name:?}; it must be one of gfmd"),
     })?;
     let law = kind.with(&["gamma", "range"].map(|key| (key, number(&case[key]))))?;
-    let interface = Interface::bounded(Boundary::Free, &body(case)?, &grid, &heights, law)?;
+    let interface = Interface::with_boundary(Boundary::Free, &body(case)?, &grid, &heights, law)?;
     let [mean, approach] = ["mean_pressure", "approach"].map(|key| number(&case[key]));
     let is_approach = case["control"].as_str() == Some("approach");
     let load = if is_approach { Load::Approach(approach) } else { Load::MeanPressure(mean) };

@@ -31,7 +31,7 @@ fn contact(file: &File, problem: &Value) -> Result<(Grid, Contact, String), Vali
     let [rough, body] = ["surface", "body"].map(|key| problem[key].as_str().unwrap_or_default());
     let (grid, heights) = surface(&file.0["surfaces"][rough])?;
     let contact = match body.parse::<Boundary>() {
-        Ok(boundary) => Contact::bounded(boundary, &unit_half_space(), &grid, &heights)?,
+        Ok(boundary) => Contact::with_boundary(boundary, &unit_half_space(), &grid, &heights)?,
         Err(_) => Contact::new(&file.one(body)?, &grid, &heights)?,
     };
     let (hardness, kind) = match problem["hardness"].as_f64() {

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::solved::{self, number};
-use case::{Case, FINER, Kind};
+use case::{Case, CaseKind, FINER};
 
 /// Flags of `accuracy`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -120,10 +120,10 @@ fn loads(case: &Case, finer: usize, mode: &str, folder: &Path) -> Result<Vec<Val
 /// Compares the quantities of all loads of a case with closed forms or with the finest grid.
 fn rows(case: &Case, folder: &Path) -> Result<Vec<Row>, Failure> {
     let finest = match case.kind {
-        Kind::Sphere => None,
+        CaseKind::Sphere => None,
         // A law has no formula for one grid.
-        Kind::Adhesive => Some(loads(case, FINER, "none", folder)?),
-        Kind::Rough | Kind::Patch | Kind::Waves => Some(loads(case, FINER, "estimate", folder)?),
+        CaseKind::Adhesive => Some(loads(case, FINER, "none", folder)?),
+        CaseKind::Rough | CaseKind::Patch | CaseKind::Waves => Some(loads(case, FINER, "estimate", folder)?),
     };
     let mut found = Vec::new();
     for (name, mode) in case.modes() {
@@ -144,8 +144,8 @@ fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Returns the limit of a quantity on the finest grid. Under a law, without a limit, returns the quantity itself.
-fn exact(fine: &Value, name: &str, kind: Kind) -> Option<f64> {
-    let exact = number(fine, &format!("{name}{}", if kind == Kind::Adhesive { "" } else { "_limit" }))?;
+fn exact(fine: &Value, name: &str, kind: CaseKind) -> Option<f64> {
+    let exact = number(fine, &format!("{name}{}", if kind == CaseKind::Adhesive { "" } else { "_limit" }))?;
     // Boundary links are counted in units of the grid spacing.
     Some(if name == "boundary_links" { exact / FINER as f64 } else { exact })
 }
@@ -162,11 +162,11 @@ fn compared(coarse: &Value, name: &str, exact: Option<f64>) -> Option<Compared> 
 /// A contact that could not be solved; a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let kinds = [
-        (Kind::Rough, args.seeds),
-        (Kind::Patch, args.patches),
-        (Kind::Sphere, args.alike),
-        (Kind::Waves, args.alike),
-        (Kind::Adhesive, args.alike),
+        (CaseKind::Rough, args.seeds),
+        (CaseKind::Patch, args.patches),
+        (CaseKind::Sphere, args.alike),
+        (CaseKind::Waves, args.alike),
+        (CaseKind::Adhesive, args.alike),
     ];
     let cases = kinds.map(|(kind, count)| (0..count).map(move |number| Case::new(kind, number, args.first_seed)));
     let cases: Vec<Case> = cases.into_iter().flatten().collect();

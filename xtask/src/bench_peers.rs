@@ -37,7 +37,7 @@ use ndarray_npy::write_npy;
 use serde::{Serialize, Serializer};
 
 pub use adhesion::{Adhesion, Course, Row as AdhesionRow};
-pub use any_load::{AnyLoad, Block, Cell, Kind, Row};
+pub use any_load::{AnyLoad, Block, Cell, ContactVariant, Row};
 use contestant::{Contestant, Problem};
 pub use creep::{Creep, Row as CreepRow};
 use measure::Bench;

@@ -69,13 +69,13 @@ pub type Known = [f64; 2];
 #[expect(missing_docs, reason = "docs/results/finite.md")]
 pub struct Report {
     pub first_seed: u64,
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<SurfaceKind>,
 }
 
 /// Surfaces of one Hurst exponent and spectrum.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "docs/results/finite.md")]
-pub struct Kind {
+pub struct SurfaceKind {
     pub hurst: f64,
     pub eps_f_inv: usize,
     pub surfaces: u64,
@@ -192,7 +192,7 @@ fn found(hurst: f64, (eps_f_inv, points_per_wave): (usize, usize), seed: u64) ->
 }
 
 /// Averages the results of the surfaces of one kind. `finer` has some of the surfaces with twice the points per side.
-fn kind(hurst: f64, eps_f_inv: usize, found: &[Found], finer: &[Vec<high::Parts>]) -> Kind {
+fn kind(hurst: f64, eps_f_inv: usize, found: &[Found], finer: &[Vec<high::Parts>]) -> SurfaceKind {
     let above = |load: usize, place: usize| {
         let [value, scatter] = mean(found.iter().map(|found| [found.above[load][place], 0.0]));
         let steps = found.iter().zip(finer).map(|(found, finer)| finer[load][place] - found.above[load][place]);
@@ -207,7 +207,7 @@ fn kind(hurst: f64, eps_f_inv: usize, found: &[Found], finer: &[Vec<high::Parts>
         };
         loads.iter().enumerate().map(of).collect()
     };
-    Kind {
+    SurfaceKind {
         hurst,
         eps_f_inv,
         surfaces: found.len() as u64,
@@ -249,7 +249,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for Kind { hurst, eps_f_inv, surfaces, height, reduced, above, of_long_waves, percolation } in &self.kinds {
+        for SurfaceKind { hurst, eps_f_inv, surfaces, height, reduced, above, of_long_waves, percolation } in
+            &self.kinds
+        {
             writeln!(f, "H = {hurst}, 1/eps_f = {eps_f_inv}, {surfaces} surfaces, height {:.4}", height[0])?;
             for Numbers { load, kappa, gap, stiffness, rms_pressure } in reduced.iter().chain(of_long_waves) {
                 let text = |[value, error]: Known| format!("{value:.4} ± {error:.4}");

@@ -353,7 +353,7 @@ impl Interior {
         // The uniform mode is the first; a small wavenumber does not identify it.
         let found = std::mem::take(&mut self.surface[2][0]).re;
         let largest = normal.iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
-        if found.abs() <= ROUNDING * largest { Ok(()) } else { Err(InteriorError::Volume { found }) }
+        if found.abs() <= ROUNDING_OF_MEAN * largest { Ok(()) } else { Err(InteriorError::Volume { found }) }
     }
 
     /// Returns the body.
@@ -525,7 +525,7 @@ pub(crate) fn check_finite(field: &[f64]) -> Result<(), InteriorError> {
 const CHUNK: usize = 512;
 
 /// Ratio of mean to largest value below which a mean counts as rounding error.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_OF_MEAN: f64 = 1e-12;
 
 /// Relative difference at which two mean tractions contradict each other, beyond the tolerance of any search.
 const CONTRADICTION: f64 = 0.1;

@@ -41,7 +41,7 @@ pub use wave::Wave;
 
 pub use pictures::draw_middle;
 
-use input::{Kind, Surface};
+use input::{StoredField, Surface};
 use pictures::{Pictures, Place};
 use quantity::{Family, Fields};
 use rows::Rows;
@@ -322,7 +322,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             let fields = fields.map_err(|error| Failure::computation(error.to_string()))?;
             level.note(&fields);
             level.check(family, name)?;
-            if surface.kind == Kind::Pressure {
+            if surface.kind == StoredField::Pressure {
                 level.mean_energy_density = f64::NAN;
             }
             for (index, _) in wanted {
@@ -376,9 +376,9 @@ impl Args {
         let Surface { grid, kind, values, record, mean_traction, .. } = surface;
         let refuse = |error: InteriorError| Failure::input(name, error);
         if let Some(interior) = match kind {
-            Kind::Traction => Some(Interior::of_traction(body, *grid, values).map_err(refuse)?),
-            Kind::Pressure => Some(Interior::of_pressure(body, *grid, values).map_err(refuse)?),
-            Kind::Normal if BaseArgs::NAMES.iter().any(|key| record.contains_key(*key)) => {
+            StoredField::Traction => Some(Interior::of_traction(body, *grid, values).map_err(refuse)?),
+            StoredField::Pressure => Some(Interior::of_pressure(body, *grid, values).map_err(refuse)?),
+            StoredField::Normal if BaseArgs::NAMES.iter().any(|key| record.contains_key(*key)) => {
                 let inside = base::inside(name, body, grid, values, *mean_traction);
                 Some(inside.map_err(|error| Failure::input(name, error))?)
             }
@@ -387,7 +387,7 @@ impl Args {
             return if self.mean_traction.is_empty() { Ok(interior) } else { Err(self.known_traction(name)) };
         }
         let of_displacement = || match kind {
-            Kind::Normal => Interior::frictionless(body, *grid, values),
+            StoredField::Normal => Interior::frictionless(body, *grid, values),
             _ => Interior::new(body, *grid, values),
         };
         let interior = of_displacement().map_err(refuse)?;
@@ -423,7 +423,7 @@ impl Args {
 
     /// Returns the quantities to compute, in the order of [`Quantity::ALL`].
     fn quantities(&self, name: &str, surface: &Surface, session: &Session) -> Result<Vec<Quantity>, Failure> {
-        let is_known = |quantity: &Quantity| surface.kind != Kind::Pressure || quantity.is_of_traction();
+        let is_known = |quantity: &Quantity| surface.kind != StoredField::Pressure || quantity.is_of_traction();
         let all = Quantity::ALL.into_iter().filter(|quantity| self.quantities.contains(quantity));
         let (known, unknown): (Vec<Quantity>, Vec<Quantity>) = all.partition(is_known);
         let drawn = self.draw.iter().find(|component| !is_known(&component.quantity));

@@ -16,7 +16,7 @@ use crate::checking::{Check, Checking};
 use crate::{body, contact, kappa_sweep, path, punch, slide, wear};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::check_file;
-use gfmd_run::result::{Comparison, Difference, Kind, printable};
+use gfmd_run::result::{Comparison, Difference, ResultKind, printable};
 use gfmd_run::session::Session;
 
 /// Flags of `check`.
@@ -63,7 +63,7 @@ pub struct Input {
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     pub file: PathBuf,
-    pub kind: Kind,
+    pub kind: ResultKind,
     /// True if the checksum of the content holds, `None` for a file without one.
     pub intact: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,7 +93,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
     let kinds = "a result of contact, path, slide, wear, punch, body or kappa-sweep";
-    let kind = Kind::of(&reader)
+    let kind = ResultKind::of(&reader)
         .ok_or_else(|| Failure::refused(format!("{} is not a result file; it must be {kinds}", file.display())))?;
     check_file(&reader)?;
     // A file that the library cannot read to its end is damaged.
@@ -146,7 +146,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
 
 fn recompute(
     args: &Args,
-    kind: Kind,
+    kind: ResultKind,
     reader: &Reader,
     comparison: &mut Comparison,
     session: &Session,
@@ -159,25 +159,25 @@ fn recompute(
     let checking = Checking { reader, kind, config: &config, session };
     check(checking, comparison)?;
     // Fields below a surface have no certificate, so recompute them.
-    if args.rerun || kind == Kind::Body { again(checking, comparison) } else { Ok(()) }
+    if args.rerun || kind == ResultKind::Body { again(checking, comparison) } else { Ok(()) }
 }
 
 /// Returns the check for results of a kind; `None` for sweeps, which are not configured by flags.
-pub(crate) fn of(kind: Kind) -> Option<Check> {
+pub(crate) fn of(kind: ResultKind) -> Option<Check> {
     Some(match kind {
-        Kind::Contact => Check::of::<contact::Args>(),
-        Kind::Path => Check::of::<path::Args>(),
-        Kind::Slide => Check::of::<slide::Args>(),
-        Kind::Wear => Check::of::<wear::Args>(),
-        Kind::Punch => Check::of::<punch::Args>(),
-        Kind::Body => Check::of::<body::Args>(),
-        Kind::KappaSweep => return None,
+        ResultKind::Contact => Check::of::<contact::Args>(),
+        ResultKind::Path => Check::of::<path::Args>(),
+        ResultKind::Slide => Check::of::<slide::Args>(),
+        ResultKind::Wear => Check::of::<wear::Args>(),
+        ResultKind::Punch => Check::of::<punch::Args>(),
+        ResultKind::Body => Check::of::<body::Args>(),
+        ResultKind::KappaSweep => return None,
     })
 }
 
 /// Returns the input file named in an attribute of a result, if any.
-fn input(reader: &Reader, kind: Kind, name: &str) -> Result<Option<Input>, Failure> {
-    let group = if kind == Kind::Body { "/input" } else { "/surface" };
+fn input(reader: &Reader, kind: ResultKind, name: &str) -> Result<Option<Input>, Failure> {
+    let group = if kind == ResultKind::Body { "/input" } else { "/surface" };
     let (Ok(file), Ok(sha256)) = (reader.text(group, name), reader.text(group, &format!("{name}_sha256"))) else {
         return Ok(None);
     };

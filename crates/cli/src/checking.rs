@@ -7,8 +7,8 @@ use gfmd_contact::Boundary;
 use gfmd_files::{Output, Reader};
 use gfmd_run::failure::Failure;
 use gfmd_run::result::{
-    Against, Comparison, Configuration, Folder, Kind, Pair, compare_heights, layout, regenerated, repeated_problem,
-    stored_problem,
+    Against, Comparison, Configuration, Folder, Pair, ResultKind, compare_heights, layout, regenerated,
+    repeated_problem, stored_problem,
 };
 use gfmd_run::series::{Chosen, Prepared, StateFile};
 use gfmd_run::session::Session;
@@ -18,7 +18,7 @@ use serde::de::DeserializeOwned;
 #[derive(Clone, Copy)]
 pub(crate) struct Checking<'a> {
     pub(crate) reader: &'a Reader,
-    pub(crate) kind: Kind,
+    pub(crate) kind: ResultKind,
     pub(crate) config: &'a Configuration,
     pub(crate) session: &'a Session,
 }
@@ -49,7 +49,7 @@ pub(crate) trait Checked: Args + DeserializeOwned {
 /// Check of the results of a command.
 pub(crate) struct Check {
     /// Reads the configuration of a result.
-    pub(crate) read: fn(Kind, &str) -> Result<Configuration, Failure>,
+    pub(crate) read: fn(ResultKind, &str) -> Result<Configuration, Failure>,
     /// Recomputes the numbers that follow from others in the file.
     pub(crate) check: fn(Checking, &mut Comparison) -> Result<(), Failure>,
     /// Runs the configuration again and compares all variables.

@@ -21,9 +21,9 @@ use gfmd_contact::{Boundary, Drive, Fields as _, Load, Refusal, Stiffness};
 use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
-use gfmd_law::Kind;
-use gfmd_problem::{Facts, NoStiffness, Posed, Rest, Unknown, Words, key, words};
-use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, repulsion};
+use gfmd_law::LawKind;
+use gfmd_problem::{AnyState, Facts, NoStiffness, Posed, Unknown, Words, key, words};
+use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
 use ndarray::ArrayView2;
@@ -33,15 +33,15 @@ use crate::progress::Progress;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{height, parse_height};
-use gfmd_report::figures::{Face, Scene, Shown, parse_prefix};
+use gfmd_report::figures::{Face, Scene, SceneFields, parse_prefix};
 use gfmd_run::accuracy;
 use gfmd_run::base::MovedBase;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
-    Asked, Chosen, ContactArgs, Ended, Finer, Head, Outlet, Places, Prepared, Reached, Series, StateFile, beside,
-    fields, keeping,
+    Asked, Chosen, ContactArgs, Finer, Head, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile,
+    StateHandler, beside, fields, run_with_journal,
 };
 use gfmd_run::session::Session;
 use gfmd_run::source::Surface;
@@ -274,7 +274,7 @@ struct Loads {
 impl Loads {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.checkpoint.every()?;
-        let count = args.control.check(args.problem.law.law != Kind::HardWall)?;
+        let count = args.control.check(args.problem.law.law != LawKind::HardWall)?;
         args.problem.check()?;
         args.check_history()?;
         if args.flow_threshold {
@@ -317,9 +317,9 @@ impl Loads {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
-        let contact = prepared.pose_and_tell(&args.problem.asked()?, session)?;
+        let contact = prepared.pose_with_warnings(&args.problem.asked()?, session)?;
         prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.tolerance)?;
-        prepared.warn_of_drives(drives, args.control.option(), session);
+        prepared.warn_about_drives(drives, args.control.option(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
         let config = toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))?;
         // A recorded search, or one shared by several processes, cannot be continued and is not kept.
@@ -330,8 +330,11 @@ impl Loads {
             }
             _ => None,
         };
-        let outcome =
-            keeping(kept, |kept| self.solve(&contact, args, config, kept, session), |report| report.out.as_ref());
+        let outcome = run_with_journal(
+            kept,
+            |kept| self.solve(&contact, args, config, kept, session),
+            |report| report.out.as_ref(),
+        );
         let Outcome { mut report, failure } = outcome?;
         report.peak_bytes = session.largest(peak_bytes());
         Ok(Outcome { report, failure })
@@ -367,7 +370,7 @@ impl Loads {
             Measuring { loads: self, contact, args, session, finer, gathered: Gathered::default(), trace: None };
         let mut path = Path::new(contact, args.problem.solver.budget(), None).solver(args.problem.solver.solver);
         let mut stop = session.stop();
-        let ended = series.run(
+        let outcome = series.run(
             &mut path,
             || args.problem.after_longer_ranges(prepared, drives[0], &mut stop),
             (file.as_mut(), kept.as_deref_mut()),
@@ -375,8 +378,8 @@ impl Loads {
             &mut measuring,
         )?;
         let Measuring { gathered, trace, .. } = measuring;
-        let is_kept = ended.is_kept(kept.as_deref());
-        let Ended { records, failure, not_converged, .. } = ended;
+        let is_kept = outcome.is_kept(kept.as_deref());
+        let SeriesOutcome { records, failure, not_converged, .. } = outcome;
         let mut report = Report {
             head: Head::new(&args.problem.asked()?, prepared, contact.surface()),
             accuracy: None,
@@ -396,15 +399,15 @@ impl Loads {
         if is_kept {
             return Ok(Outcome { report, failure });
         }
-        report.head.warn_of_slopes(&report.loads, &prepared.facts, session);
-        prepared.warn_of_strain(report.loads.iter().map(|load| load.number("approach")), session);
+        report.head.warn_about_slopes(&report.loads, &prepared.facts, session);
+        prepared.warn_about_strain(report.loads.iter().map(|load| load.number("approach")), session);
         if let Some(file) = file {
             report.out = session.agree(self.finish(file, &report, &gathered))?;
         }
         let wanted = args.plots.is_some() || args.vtk.is_some();
         if let (None, Some(state), true) = (&failure, path.state(), wanted) {
             let lift = prepared.lift();
-            let shown = Shown::of(state, lift, state.plastic_depth());
+            let shown = SceneFields::of(state, lift, state.plastic_depth());
             let fields = if args.vtk.is_some() { fields(&prepared.facts, state, lift) } else { Vec::new() };
             let whole = Whole::of(prepared, shown, fields);
             session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
@@ -431,7 +434,7 @@ impl Loads {
     fn show(
         &self,
         args: &Args,
-        state: &Rest,
+        state: &AnyState,
         whole: &Whole,
         gathered: &Gathered,
         report: &mut Report,
@@ -443,7 +446,7 @@ impl Loads {
         let Whole { surface, hardness, shown, .. } = whole;
         let variance = self.pressure_variance(surface, args.problem.components);
         let upper = Scene::upper(surface, shown, report.head.e_star, hardness.as_deref());
-        let below = state.lower().map(Shown::below);
+        let below = state.lower().map(SceneFields::below);
         let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
         let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
         report.plots = figures::draw(prefix, report, &scenes, variance)?;
@@ -464,7 +467,7 @@ struct Measuring<'a> {
     trace: Option<Trace>,
 }
 
-impl Outlet for Measuring<'_> {
+impl StateHandler for Measuring<'_> {
     fn tracer(&self) -> Result<Option<Tracer>, Failure> {
         let surface = &self.loads.prepared.surface;
         self.args.trace.tracer(&surface.grid, self.args.axes(surface))
@@ -483,15 +486,15 @@ impl Outlet for Measuring<'_> {
         }
     }
 
-    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
-        let Reached { index, state, at, started, is_cut, .. } = reached;
+    fn record(&mut self, solved: SolvedState<'_>) -> Result<Record, Failure> {
+        let SolvedState { index, state, at, started, is_cut, .. } = solved;
         let warn = |code, text: String| self.session.warn(code, format!("load {index}: {text}"));
         let stiffness = if is_cut {
             Err(NOT_SOLVED)
         } else {
             stiffness(self.contact, state, self.args.problem.stiffness_tolerance, |text| warn("stiffness", text))
         };
-        let at = At { stiffness: stiffness.map_err(Into::into), ..at };
+        let at = StateContext { stiffness: stiffness.map_err(Into::into), ..at };
         let repulsion = state.repulsion();
         let Loads { prepared, conducting, drives, .. } = self.loads;
         let findings =
@@ -505,7 +508,7 @@ impl Outlet for Measuring<'_> {
         for reason in finer.iter().filter_map(|found| found.as_ref().err()).filter(|_| !is_cut) {
             warn("grid", format!("no limit is known: {reason}"));
         }
-        let record = Record::of(&At { seconds, measured: findings.borrowed(), finer, ..at });
+        let record = Record::of(&StateContext { seconds, measured: findings.borrowed(), finer, ..at });
         if let Some(coarse) = accuracy::too_coarse(&record) {
             self.session.warn("grid", words![format!("load {index}: "), coarse]);
         }
@@ -537,7 +540,7 @@ impl Measuring<'_> {
             let (state, surface, at) = finer.reach(drive, &mut stop)?;
             let repulsion = state.repulsion();
             let findings = Findings::of(args, (surface, conducting), [repulsion.view(), state.gap()], &at, |_, _| {})?;
-            Ok(OnFinerGrid::of(&At { measured: findings.borrowed(), ..at }))
+            Ok(OnFinerGrid::of(&StateContext { measured: findings.borrowed(), ..at }))
         };
         self.finer.iter_mut().map(|finer| beside(record(finer))).collect()
     }
@@ -550,7 +553,7 @@ impl Measuring<'_> {
 /// Returns the reason why there is no stiffness.
 pub fn stiffness(
     contact: &Posed,
-    state: &Rest,
+    state: &AnyState,
     tolerance: f64,
     warn: impl FnOnce(String),
 ) -> Result<Stiffness, &'static str> {

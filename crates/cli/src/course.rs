@@ -7,28 +7,28 @@ use gfmd_contact::{Budget, Drive, Fields as _, Load, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Flow;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
-use gfmd_problem::{Posed, Rest};
-use gfmd_record::{At, Measured, NOT_SOLVED, OnFinerGrid, Record, Table, table_of};
+use gfmd_problem::{AnyState, Posed};
+use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext, Table, table_of};
 use gfmd_unit::Units;
 use std::fmt;
 use std::path::PathBuf;
 
 use crate::progress::Progress;
-use gfmd_report::figures::Shown;
+use gfmd_report::figures::SceneFields;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::flow::through;
 use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
-    Asked, Chosen, Ended, Outlet, Places, Prepared, Reached, Series, StateFile, beside, keeping, on_finer_grids,
-    resolved,
+    Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, beside,
+    on_finer_grids, resolved, run_with_journal,
 };
 use gfmd_run::session::Session;
 
-pub(crate) use self::args::{AroundArgs, StepArgs};
+pub(crate) use self::args::{PathOptions, StepArgs};
 pub(crate) use self::waypoints::{LoadArgs, counted, legs, lengths};
 
 /// Input of a path, checked before the first solve.
-pub(crate) struct Course {
+pub(crate) struct PathInput {
     pub(crate) prepared: Prepared,
     pub(crate) drives: Vec<Drive>,
     pub(crate) places: Places,
@@ -36,7 +36,7 @@ pub(crate) struct Course {
 }
 
 /// Settings for following a path.
-pub(crate) struct Way<'a> {
+pub(crate) struct PathSettings<'a> {
     pub(crate) asked: Asked<'a>,
     /// Flag of its loads or approaches.
     pub(crate) option: &'static str,
@@ -51,47 +51,47 @@ pub(crate) struct Followed<'a> {
     pub(crate) contact: &'a Posed,
     /// Path at its last state.
     pub(crate) path: Path<'a, Posed>,
-    pub(crate) ended: Ended,
+    pub(crate) outcome: SeriesOutcome,
     /// File without its scalars. An interrupted run with a kept state has none.
     pub(crate) file: Option<StateFile<'a>>,
     /// Fields of the step with the largest contact.
-    pub(crate) widest: Option<Shown>,
+    pub(crate) widest: Option<SceneFields>,
     /// Steps that further increments would change.
     pub(crate) unsettled: Vec<(usize, Step)>,
 }
 
-impl Course {
+impl PathInput {
     /// Follows the path and passes it to `end`, which makes a report; `out` returns the output file of the report.
     pub(crate) fn run<R>(
         &self,
-        way: &Way,
+        settings: &PathSettings,
         session: &Session,
         end: impl FnOnce(Followed) -> Result<Outcome<R>, Failure>,
         out: impl FnOnce(&R) -> Option<&PathBuf>,
     ) -> Result<Outcome<R>, Failure> {
         let Self { prepared, drives, output, .. } = self;
-        let (budget, option) = (way.asked.budget, way.option);
-        let contact = prepared.pose_and_tell(&way.asked, session)?;
+        let (budget, option) = (settings.asked.budget, settings.option);
+        let contact = prepared.pose_with_warnings(&settings.asked, session)?;
         prepared.check_drives(&contact, drives, option, budget.tolerance)?;
-        prepared.warn_of_drives(drives, option, session);
+        prepared.warn_about_drives(drives, option, session);
         let kept = match output {
             Some(output) if !session.is_in_memory() => Some(UnfinishedRun::open(
                 output,
-                prepared.identity(&way.config, session),
+                prepared.identity(&settings.config, session),
                 drives.len(),
-                way.resume,
+                settings.resume,
                 None,
             )?),
             _ => None,
         };
-        keeping(kept, |kept| end(self.follow(&contact, way, kept, session)?), out)
+        run_with_journal(kept, |kept| end(self.follow(&contact, settings, kept, session)?), out)
     }
 
     /// Computes the steps that are not kept.
     fn follow<'a>(
         &'a self,
         contact: &'a Posed,
-        Way { asked, refinement, config, .. }: &Way,
+        PathSettings { asked, refinement, config, .. }: &PathSettings,
         mut kept: Option<&mut UnfinishedRun>,
         session: &'a Session,
     ) -> Result<Followed<'a>, Failure> {
@@ -129,15 +129,15 @@ impl Course {
             unsettled: Vec::new(),
         };
         let kept_files = (file.as_mut(), kept.as_deref_mut());
-        let ended = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
+        let outcome = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
         progress.finish();
         let Log { widest, unsettled, .. } = log;
-        let is_kept = ended.is_kept(kept.as_deref());
+        let is_kept = outcome.is_kept(kept.as_deref());
         if !is_kept {
-            prepared.warn_of_strain(ended.records.iter().map(|step| step.number("approach")), session);
+            prepared.warn_about_strain(outcome.records.iter().map(|step| step.number("approach")), session);
         }
         let (widest, file) = (widest.map(|(_, shown)| shown), file.filter(|_| !is_kept));
-        Ok(Followed { contact, path, ended, file, widest, unsettled })
+        Ok(Followed { contact, path, outcome, file, widest, unsettled })
     }
 }
 
@@ -175,15 +175,15 @@ impl Beside<'_> {
         let at = resolved(self.prepared, state, tolerance);
         let flow = leak(self.prepared, state, &at, |_| {})?;
         let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
-        Ok(OnFinerGrid::of(&At { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
+        Ok(OnFinerGrid::of(&StateContext { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
     }
 }
 
 /// Computes the flow through the gap of a state, if requested.
 pub(crate) fn leak(
     prepared: &Prepared,
-    state: &Rest,
-    at: &At,
+    state: &AnyState,
+    at: &StateContext,
     warn: impl FnOnce(String),
 ) -> Result<Option<Flow>, Failure> {
     let fields = [state.repulsion(), state.gap().into()];
@@ -229,7 +229,7 @@ pub(crate) fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &U
     if lines.is_empty() { Ok(()) } else { writeln!(f, "{FLOW}") }
 }
 
-/// Outlet of a path: its records, its widest contact, its unsettled steps.
+/// State handler of a path: its records, its widest contact, its unsettled steps.
 struct Log<'a> {
     contact: &'a Posed,
     drives: &'a [Drive],
@@ -239,14 +239,14 @@ struct Log<'a> {
     session: &'a Session,
     prepared: &'a Prepared,
     /// Largest contact area, and its fields.
-    widest: Option<(f64, Shown)>,
+    widest: Option<(f64, SceneFields)>,
     /// Steps that further increments would change.
     unsettled: Vec<(usize, Step)>,
 }
 
-impl Outlet for Log<'_> {
-    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure> {
-        let Reached { index, state, step, at, started, is_cut } = reached;
+impl StateHandler for Log<'_> {
+    fn record(&mut self, solved: SolvedState<'_>) -> Result<Record, Failure> {
+        let SolvedState { index, state, step, at, started, is_cut } = solved;
         let warn = |text: String| self.session.warn("flow", format!("step {index}: {text}"));
         let flow = leak(self.prepared, state, &at, warn)?;
         let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
@@ -256,14 +256,15 @@ impl Outlet for Log<'_> {
             false => beside(finer.record(self.drives[index], self.tolerance, self.session)),
         });
         let finer = finer.collect::<Result<_, Failure>>()?;
-        let at = At { seconds, approach: reading.approach, step: Some((step, reading)), finer, measured, ..at };
+        let at =
+            StateContext { seconds, approach: reading.approach, step: Some((step, reading)), finer, measured, ..at };
         let record = Record::of(&at);
         if step.is_unsettled {
             self.unsettled.push((index, *step));
         }
         let area = record.number("area_fraction");
         if self.widest.as_ref().is_none_or(|(most, _)| area > *most) {
-            self.widest = Some((area, Shown::of(state, None, state.plastic_depth())));
+            self.widest = Some((area, SceneFields::of(state, None, state.plastic_depth())));
         }
         Ok(record)
     }
@@ -271,7 +272,7 @@ impl Outlet for Log<'_> {
     /// Visits the largest contact area and its fields; before the first step there are none.
     fn visit(&mut self, visitor: &mut dyn Visit, is_new: bool) {
         if is_new {
-            self.widest = Some((f64::NAN, Shown::zeros(self.prepared.surface.grid.len())));
+            self.widest = Some((f64::NAN, SceneFields::zeros(self.prepared.surface.grid.len())));
         }
         if let Some((area, shown)) = &mut self.widest {
             visitor.number(area);

@@ -11,19 +11,19 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_interface::{Path, Refinement, Step};
-use gfmd_law::{Kind, Limit};
-use gfmd_problem::{Facts, Friction, Posed, Rest, key, setting, words};
+use gfmd_law::{LawKind, Limit};
+use gfmd_problem::{AnyState, Facts, Friction, Posed, key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
-use crate::course::{AroundArgs, Course, Followed, StepArgs, Way};
+use crate::course::{Followed, PathInput, PathOptions, PathSettings, StepArgs};
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
-use gfmd_run::series::{Asked, Ended, Head, Prepared};
+use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 
@@ -69,7 +69,7 @@ pub struct Args {
     shear_strength: Option<f64>,
     #[command(flatten)]
     #[serde(flatten)]
-    around: AroundArgs,
+    around: PathOptions,
     /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with a
     /// value for each point; the plastic depth stays
     #[arg(
@@ -166,19 +166,19 @@ impl Args {
 /// # Errors
 /// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    let course = course(args, session)?;
-    let way = Way {
+    let input = path_input(args, session)?;
+    let settings = PathSettings {
         asked: args.asked()?,
         option: args.waypoints.given(),
         resume: args.steps.resume,
         refinement: Refinement { tolerance: args.energy_tolerance, solves_per_step: args.energy_solves() },
         config: args.config()?,
     };
-    course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
+    input.run(&settings, session, |followed| finish(&input, args, followed, session), |report| report.out.as_ref())
 }
 
 /// Returns the input of the command, checked before the first solve.
-fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
+fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     if !(1e-9..=0.1).contains(&args.energy_tolerance) {
         return Err(Failure::value(
             key("energy_tolerance"),
@@ -195,25 +195,25 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may lag behind the surface and touch it again.
     let may_part = prepared.prony.is_some() && args.waypoints.given() == "approach";
-    let hard = !may_part && (prepared.limit.is_some() || args.law.law == Kind::HardWall);
+    let hard = !may_part && (prepared.limit.is_some() || args.law.law == LawKind::HardWall);
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
     let output = session.output(args.steps.out.as_ref())?;
-    Ok(Course { prepared, drives, places, output })
+    Ok(PathInput { prepared, drives, places, output })
 }
 
 /// Writes the file of a path, draws it, and returns its report.
-fn ended(
-    Course { prepared, drives, .. }: &Course,
+fn finish(
+    PathInput { prepared, drives, .. }: &PathInput,
     args: &Args,
     followed: Followed,
     session: &Session,
 ) -> Result<Outcome<Report>, Failure> {
-    let Followed { contact, path, ended, mut file, widest, unsettled } = followed;
-    tell_of_unsettled(&unsettled, &path, args, session);
-    if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(Rest::memory)) {
+    let Followed { contact, path, outcome, mut file, widest, unsettled } = followed;
+    warn_unsettled_steps(&unsettled, &path, args, session);
+    if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(AnyState::memory)) {
         memory::write(file, &prepared.surface, &remembered)?;
     }
-    let Ended { records, failure, not_converged, parted_at } = ended;
+    let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
     let mut head = Head::new(&args.asked()?, prepared, contact.surface());
@@ -228,7 +228,7 @@ fn ended(
 }
 
 /// Warns of steps that further increments would change.
-fn tell_of_unsettled(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
+fn warn_unsettled_steps(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &Args, session: &Session) {
     let Some((first, _)) = unsettled.first() else { return };
     let (energy_solves, energy_tolerance) = (args.energy_solves(), args.energy_tolerance);
     let settling = unsettled.iter().map(|(_, step)| path.settling_solves(step)).max().unwrap_or(energy_solves);

@@ -25,7 +25,7 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
     if words.iter().skip(1).find(is_command).is_none_or(|word| word != TOGETHER) {
         return Ok(None);
     }
-    let joined: Result<Option<(World, Vec<String>)>, Failure> = watched(PATIENCE, tell_of_waiting, || {
+    let joined: Result<Option<(World, Vec<String>)>, Failure> = watched(TIME_TO_REPORT, report_waiting, || {
         let Some(world) = start().map_err(|error| Failure::input("GFMD_MPI", error))? else { return Ok(None) };
         let text: Vec<String> = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
         let all = texts(&world, &text.join(" "));
@@ -47,7 +47,7 @@ pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
 }
 
 /// Time after which a process reports that it waits for others to join.
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIME_TO_REPORT: Duration = Duration::from_secs(10);
 
 /// Runs `work`, and calls `tell` on another thread if it takes longer than `patience`.
 fn watched<T>(patience: Duration, tell: impl FnOnce() + Send + 'static, work: impl FnOnce() -> T) -> T {
@@ -64,7 +64,7 @@ fn watched<T>(patience: Duration, tell: impl FnOnce() + Send + 'static, work: im
 
 /// Reports on stderr that this process waits for others, since one that has ended or runs another command never joins.
 /// The first process reports, and the second, in case the first one is missing.
-fn tell_of_waiting() {
+fn report_waiting() {
     if let Some(launcher) = Launcher::found().filter(|launcher| launcher.rank < 2) {
         let _ = writeln!(io::stderr(), "{}", waiting(&launcher));
     }

@@ -74,7 +74,7 @@ pub fn start<C: Subcommand + Sync>(
     name: &'static str,
     run: impl FnOnce(&C, &Session) -> Result<(), Failure> + Send,
 ) -> ExitCode {
-    keep_freed_memory();
+    tune_allocator();
     fail_beyond_a_limit_of_files();
     ExitCode::from(status(name, std::env::args_os(), run))
 }
@@ -151,7 +151,7 @@ fn fail_beyond_a_limit_of_files() {
 /// Keeps freed memory in the process, for all its threads, on Linux with glibc. Each solve allocates and frees fields
 /// of equal size. Returning them to the system each time costs a tenth of the computing time on one thread, and more on
 /// two; one arena per thread takes half a field more.
-pub fn keep_freed_memory() {
+pub fn tune_allocator() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     #[allow(unsafe_code, reason = "the allocator has no other interface")]
     // SAFETY: the allocator takes its lock, and the settings accept any value.
@@ -276,11 +276,11 @@ impl Command {
     ///
     /// # Errors
     /// Returns the reason why the command failed.
-    pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Shown>>, Failure> {
-        fn whole<R: Shown + 'static>(report: R) -> Outcome<Box<dyn Shown>> {
+    pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Printable>>, Failure> {
+        fn whole<R: Printable + 'static>(report: R) -> Outcome<Box<dyn Printable>> {
             ended(Outcome { report, failure: None })
         }
-        fn ended<R: Shown + 'static>(Outcome { report, failure }: Outcome<R>) -> Outcome<Box<dyn Shown>> {
+        fn ended<R: Printable + 'static>(Outcome { report, failure }: Outcome<R>) -> Outcome<Box<dyn Printable>> {
             Outcome { report: Box::new(report), failure }
         }
         Ok(match self {
@@ -318,7 +318,7 @@ impl Command {
 }
 
 /// Report of a command.
-pub trait Shown {
+pub trait Printable {
     /// Prints the report as a table, or as JSON with `--json`.
     ///
     /// # Errors
@@ -332,7 +332,7 @@ pub trait Shown {
     fn json(&self, session: &Session) -> Result<String, Failure>;
 }
 
-impl<R: Display + Serialize> Shown for R {
+impl<R: Display + Serialize> Printable for R {
     fn print(&self, session: &Session) -> Result<(), Failure> {
         print(self, session)
     }
@@ -345,7 +345,7 @@ impl<R: Display + Serialize> Shown for R {
 /// Text printed verbatim.
 struct Plain(String);
 
-impl Shown for Plain {
+impl Printable for Plain {
     fn print(&self, _: &Session) -> Result<(), Failure> {
         write(&self.0)
     }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Time before the first plain line.
-const PATIENCE: Duration = Duration::from_secs(1);
+const TIME_TO_FIRST_LINE: Duration = Duration::from_secs(1);
 
 /// Time between two plain lines.
 const PAUSE: Duration = Duration::from_secs(5);
@@ -41,8 +41,9 @@ impl Progress {
             bar
         });
         let now = Instant::now();
-        let plain = (!terminal && !quiet)
-            .then(|| Mutex::new(Plain { what: what.into(), started: now, shown: now + PATIENCE - PAUSE, done: 0.0 }));
+        let plain = (!terminal && !quiet).then(|| {
+            Mutex::new(Plain { what: what.into(), started: now, shown: now + TIME_TO_FIRST_LINE - PAUSE, done: 0.0 })
+        });
         Self { bar, plain, total: Mutex::new(total) }
     }
 

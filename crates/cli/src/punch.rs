@@ -20,7 +20,7 @@ use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
 use gfmd_problem::options::{DampedBy, DynamicsArgs};
 use gfmd_problem::{check_size, key, setting, words};
-use gfmd_record::{PunchAt, PunchFacts, Record};
+use gfmd_record::{PunchContext, PunchFacts, Record};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::failure::{Failure, Outcome};
@@ -210,7 +210,7 @@ impl Args {
 }
 
 /// The ratio of the depth to the width of the punch, or to the height of the slab, above which strain is not small.
-const SMALL: f64 = 0.1;
+const LARGEST_SMALL_STRAIN: f64 = 0.1;
 
 /// Runs the command.
 ///
@@ -287,7 +287,7 @@ impl Prepared {
     }
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-        self.warn_of_large_strain(args, session);
+        self.warn_about_large_strain(args, session);
         let progress = Progress::new(session.quiet, "grids", self.grids.len() as f64);
         let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
         let reference = self.reference.as_ref();
@@ -319,10 +319,10 @@ impl Prepared {
         Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })
     }
 
-    fn warn_of_large_strain(&self, args: &Args, session: &Session) {
+    fn warn_about_large_strain(&self, args: &Args, session: &Session) {
         let width = if self.mask.is_some() { f64::INFINITY } else { args.punch_fraction * args.size };
         let lengths = [("the width of the punch", width), ("the height of the slab", self.finite_height())];
-        for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > SMALL * length) {
+        for (what, length) in lengths.into_iter().filter(|(_, length)| args.depth > LARGEST_SMALL_STRAIN * length) {
             let part = args.depth / length;
             let text = format!(": {} is {part:.2} of {what}; linear elasticity holds for small strain", args.depth);
             session.warn("large-strain", words![key("depth"), text]);
@@ -425,7 +425,7 @@ impl Prepared {
         seconds: f64,
     ) -> Report {
         let components = Components::of(grid);
-        let at = PunchAt {
+        let at = PunchContext {
             solution,
             components,
             widths: [args.punch_fraction * args.size, self.punch.effective_width(grid)],

@@ -17,7 +17,7 @@ use crate::session::list_files;
 use gfmd_report::{Page, quoted};
 use gfmd_run::failure::Failure;
 use gfmd_run::memory::check_file;
-use gfmd_run::result::Kind;
+use gfmd_run::result::ResultKind;
 use gfmd_run::session::Session;
 
 /// Flags of `report`.
@@ -39,7 +39,7 @@ pub struct Args {
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     pub file: PathBuf,
-    pub kind: Kind,
+    pub kind: ResultKind,
     /// Number of figures in the page.
     pub figures: usize,
     /// Warnings of the run, and parts missing in the file.
@@ -57,10 +57,10 @@ pub fn figures(file: &Path, session: &Session) -> Result<Vec<(String, String)>, 
 }
 
 /// Opens a result file that is not damaged; returns its kind, and true if its checksum holds (`None` without one).
-fn opened(file: &Path, session: &Session) -> Result<(Reader, Kind, Option<bool>), Failure> {
+fn opened(file: &Path, session: &Session) -> Result<(Reader, ResultKind, Option<bool>), Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
     let kinds = "contact, path, slide, wear, punch, body or kappa-sweep";
-    let kind = Kind::of(&reader).ok_or_else(|| {
+    let kind = ResultKind::of(&reader).ok_or_else(|| {
         let name = file.display();
         let surface = reader.contains("/surface/height");
         let other = format!("; gfmd surface --surface {name} --report PAGE.html makes the page of a surface");
@@ -87,15 +87,15 @@ fn opened(file: &Path, session: &Session) -> Result<(Reader, Kind, Option<bool>)
 }
 
 /// Returns the contents of the page about a result.
-fn page_of(reader: &Reader, kind: Kind, session: &Session) -> Result<Page, Failure> {
+fn page_of(reader: &Reader, kind: ResultKind, session: &Session) -> Result<Page, Failure> {
     match kind {
-        Kind::Contact => gfmd_report::contact::page(reader),
-        Kind::Path => gfmd_report::path::page(reader),
-        Kind::KappaSweep => gfmd_report::kappa::page(reader, session),
-        Kind::Slide => gfmd_report::slide::page(reader),
-        Kind::Wear => gfmd_report::wear::page(reader),
-        Kind::Punch => gfmd_report::punch::page(reader),
-        Kind::Body => gfmd_report::body::page(reader),
+        ResultKind::Contact => gfmd_report::contact::page(reader),
+        ResultKind::Path => gfmd_report::path::page(reader),
+        ResultKind::KappaSweep => gfmd_report::kappa::page(reader, session),
+        ResultKind::Slide => gfmd_report::slide::page(reader),
+        ResultKind::Wear => gfmd_report::wear::page(reader),
+        ResultKind::Punch => gfmd_report::punch::page(reader),
+        ResultKind::Body => gfmd_report::body::page(reader),
     }
 }
 
@@ -122,7 +122,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 }
 
 /// Returns the command that repeats the run of a result, or the reason why no command does.
-fn again(kind: Kind, reader: &Reader) -> Result<String, String> {
+fn again(kind: ResultKind, reader: &Reader) -> Result<String, String> {
     let text = reader.text("/", "config").unwrap_or_default();
     let Some(Check { read, .. }) = check::of(kind) else {
         return Ok("gfmd kappa-sweep --config sweep.toml --out again.h5".into());

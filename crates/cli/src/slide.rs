@@ -3,8 +3,8 @@
 mod check;
 mod file;
 mod heat;
-mod reached;
 mod report;
+mod steady_state;
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -18,12 +18,12 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
 use gfmd_problem::{Facts, GridError, key, words};
-use gfmd_record::{Record, Sliding, SlidingAt, SlidingFacts};
+use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::memory::peak_bytes;
-use gfmd_run::resume::{Part, ResumeArgs, UnfinishedRun};
-use gfmd_run::series::{Asked, Head, Prepared, keeping};
+use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
+use gfmd_run::series::{Asked, Head, Prepared, run_with_journal};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use gfmd_viscoelastic::{SlidingContact, Velocity, VelocityError};
@@ -36,8 +36,8 @@ use crate::search::SearchArgs;
 
 use self::file::{StatesFile, fields};
 use self::heat::{HeatArgs, Source};
-use self::reached::Reached;
 pub use self::report::Report;
+use self::steady_state::SteadyState;
 
 /// Flags of `slide`.
 #[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
@@ -120,7 +120,7 @@ impl Args {
 }
 
 /// The input of the command, checked before the first solve.
-struct Way {
+struct SlideInput {
     prepared: Prepared,
     sliding: SlidingContact,
     heat: Option<Source>,
@@ -128,7 +128,7 @@ struct Way {
     velocities: Vec<Velocity>,
 }
 
-impl Way {
+impl SlideInput {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.control.check(false)?;
         let (velocities, heat) = (args.velocities()?, args.heat.source()?);
@@ -175,13 +175,13 @@ impl Way {
     fn record(
         &self,
         (_, velocity): (Load, &Velocity),
-        Reached { state, heated }: &Reached,
+        SteadyState { state, heated }: &SteadyState,
         tolerance: f64,
         seconds: f64,
     ) -> Record<Sliding> {
         let persson = self.sliding.persson(velocity, state.solution.mean_pressure);
         let scales = (&self.prepared.scales(), tolerance);
-        let at = SlidingAt::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds);
+        let at = SlidingContext::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds);
         Record::compute(&self.facts(), &at)
     }
 
@@ -191,7 +191,7 @@ impl Way {
         (load, velocity): (Load, &Velocity),
         pressure: Vec<f64>,
         into_body: Option<Vec<f64>>,
-    ) -> Result<Reached, Failure> {
+    ) -> Result<SteadyState, Failure> {
         let grid = &self.prepared.surface.grid;
         let field = |name: &str, values: Vec<f64>| {
             Array2::from_shape_vec(grid.points(), values).map_err(|error| Failure::input(name, error))
@@ -202,17 +202,17 @@ impl Way {
         let state = state.map_err(|refusal| Failure::input("/fields/pressure", refusal))?;
         let heated = self.heat.map(|heat| heat.certify(grid, velocity, &pressure, into_body.as_ref())).transpose();
         let heated = heated.map_err(|error| Failure::input("/fields/heat_flux", error))?;
-        Ok(Reached { state, heated })
+        Ok(SteadyState { state, heated })
     }
 
     /// A state from the one before, and the reason why it is not one, if it is none.
     fn reach(
         &self,
         (load, velocity): (Load, &Velocity),
-        start: Option<&Reached>,
+        start: Option<&SteadyState>,
         args: &Args,
         session: &Session,
-    ) -> Result<(Reached, Option<Failure>), Refusal> {
+    ) -> Result<(SteadyState, Option<Failure>), Refusal> {
         let start = start.map(|reached| &reached.state);
         let solved = self.sliding.slide(velocity, load, &args.search.budget(), start, &mut session.stop());
         let failed = |text: String, is_cut: bool| match is_cut {
@@ -240,7 +240,7 @@ impl Way {
                 Some,
             ),
         });
-        Ok((Reached { state, heated }, failure))
+        Ok((SteadyState { state, heated }, failure))
     }
 
     /// Solves the states that are not kept, and writes the file. An interrupted run whose states are kept has no file.
@@ -261,13 +261,13 @@ impl Way {
         let file = output.map(|output| StatesFile::new(output, &provenance, prepared, self.facts(), count));
         let mut file = file.transpose()?;
         let progress = Progress::new(session.quiet, "states", count as f64);
-        let (mut failure, mut last): (Option<Failure>, Option<Reached>) = (None, None);
+        let (mut failure, mut last): (Option<Failure>, Option<SteadyState>) = (None, None);
         let finished = kept.as_ref().map_or(0, |kept| kept.finished());
         let names: Vec<&str> = fields(self.facts()).map(|field| field.name).collect();
         for (index, at) in self.states().enumerate() {
             let (started, place) = (Instant::now(), format!("state {index}"));
             if let Some(kept) = kept.as_ref().filter(|_| index < finished) {
-                let Part { text, mut fields } = kept.part(index)?;
+                let FinishedStep { text, mut fields } = kept.part(index)?;
                 let record = Record::from_line(&self.facts(), &text);
                 report.states.push(record.map_err(|error| kept.unusable(index, error))?);
                 if let Some(file) = &mut file {
@@ -303,7 +303,7 @@ impl Way {
             }
             if let (None, Some(kept)) = (&failed, &mut kept) {
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
-                kept.add(&Part { text, fields });
+                kept.add(&FinishedStep { text, fields });
                 kept.keep_state(|_| ())?;
             }
             report.states.push(record);
@@ -316,7 +316,7 @@ impl Way {
         progress.finish();
         let is_kept = matches!(failure, Some(Failure::Interrupted(_))) && kept.is_some();
         if !is_kept {
-            prepared.warn_of_strain(report.states.iter().map(|state| state.number("approach")), session);
+            prepared.warn_about_strain(report.states.iter().map(|state| state.number("approach")), session);
         }
         let out = file.filter(|_| !is_kept).map(|file| file.finish(&report.states, count)).transpose()?;
         report.out = session.written(out);
@@ -334,14 +334,14 @@ impl Way {
 /// # Errors
 /// Unusable input; a file that could not be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    let way = Way::new(args, session)?;
+    let input = SlideInput::new(args, session)?;
     let output = session.output(args.out.as_ref())?;
     let kept = match &output {
         Some(output) if !session.is_in_memory() => {
-            let identity = way.prepared.identity(&args.config()?, session);
-            Some(UnfinishedRun::open(output, identity, way.states().count(), args.resume, None)?)
+            let identity = input.prepared.identity(&args.config()?, session);
+            Some(UnfinishedRun::open(output, identity, input.states().count(), args.resume, None)?)
         }
         _ => None,
     };
-    keeping(kept, |kept| way.run(args, output.as_ref(), kept, session), |report| report.out.as_ref())
+    run_with_journal(kept, |kept| input.run(args, output.as_ref(), kept, session), |report| report.out.as_ref())
 }

@@ -14,7 +14,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Output, Provenance};
 use gfmd_problem::key;
-use gfmd_record::{Record, SurfaceAt, SurfaceFacts, by_reason};
+use gfmd_record::{Record, SurfaceContext, SurfaceFacts, by_reason};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
 use gfmd_surface::{
     Areal, HurstFit, Normalisation, Periodisation, PowerSpectrum, RadialBin, RollOff, RollOffShape, Statistics,
@@ -150,7 +150,7 @@ pub struct Report {
     pub scan: Option<Scan>,
     #[serde(flatten)]
     pub second: Option<Second>,
-    pub asked: Option<Asked>,
+    pub asked: Option<RequestedStatistics>,
     /// Reasons why numbers have no value, each with their names.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub undefined: BTreeMap<String, Vec<String>>,
@@ -168,7 +168,7 @@ pub struct Report {
 /// The numbers that were asked of a generated surface; the report has the measured numbers under equal names.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
-pub struct Asked {
+pub struct RequestedStatistics {
     pub seed: u64,
     pub hurst: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -309,11 +309,11 @@ fn again() -> String {
 }
 
 /// The name of a page's subject, the file that was read with its SHA-256, the command that makes the page, warnings.
-type Told<'a> = (&'a str, Option<(&'a str, &'a str)>, Option<String>, Vec<String>);
+type PageSource<'a> = (&'a str, Option<(&'a str, &'a str)>, Option<String>, Vec<String>);
 
 impl Args {
     /// Returns the numbers asked of the generator, and the wavelengths between which its spectrum is a power law.
-    fn asked(&self, grid: &Grid) -> Result<(Option<Asked>, [f64; 2]), Failure> {
+    fn asked(&self, grid: &Grid) -> Result<(Option<RequestedStatistics>, [f64; 2]), Failure> {
         let generator = &self.source.generator;
         let spectrum = match generator.method {
             Method::Psd => Some(generator.spectrum(grid)?),
@@ -323,7 +323,7 @@ impl Args {
             Normalisation::RmsGradient(gradient) => (Some(gradient), None),
             Normalisation::RmsHeight(height) => (None, Some(height)),
         };
-        let asked = Asked {
+        let asked = RequestedStatistics {
             seed: generator.seed,
             hurst: generator.hurst,
             rms_gradient,
@@ -376,7 +376,7 @@ impl Report {
     ) -> Self {
         let facts = SurfaceFacts { free: boundary == Boundary::Free };
         let moments = if facts.free { statistics.moments_inside() } else { statistics.moments };
-        let at = SurfaceAt { statistics, moments, areal, fit, fit_range, cut_offs: spectrum.cut_offs() };
+        let at = SurfaceContext { statistics, moments, areal, fit, fit_range, cut_offs: spectrum.cut_offs() };
         let mut report = Self {
             source: String::new(),
             n: grid.points(),
@@ -438,7 +438,7 @@ impl Report {
         &self,
         output: &Output,
         subject: &Subject,
-        (name, file, again, remarks): Told,
+        (name, file, again, remarks): PageSource,
         provenance: &Provenance,
     ) -> Result<(), Failure> {
         let numbers = self.listed();

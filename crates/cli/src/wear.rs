@@ -13,16 +13,16 @@ use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs};
-use gfmd_problem::{Facts, Rest, key};
-use gfmd_report::figures::{Scene, Shown, parse_prefix};
+use gfmd_problem::{AnyState, Facts, key};
+use gfmd_report::figures::{Scene, SceneFields, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::series::{Asked, Ended, Head, Prepared};
+use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::course::{AroundArgs, Course, Followed, LoadArgs, StepArgs, Way, counted, legs, lengths};
+use crate::course::{Followed, LoadArgs, PathInput, PathOptions, PathSettings, StepArgs, counted, legs, lengths};
 
 pub use self::report::Report;
 
@@ -45,7 +45,7 @@ pub struct Args {
     compliance: ComplianceArgs,
     #[command(flatten)]
     #[serde(flatten)]
-    around: AroundArgs,
+    around: PathOptions,
     #[command(flatten)]
     #[serde(flatten)]
     loads: LoadArgs,
@@ -132,7 +132,7 @@ fn check_distance(rate: f64, distances: &[f64], heights: &Array2<f64>) -> Result
 }
 
 /// Returns the input of the command, checked before the first solve.
-fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
+fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     args.coefficient()?;
     let distances = lengths("distance", &args.distance)?;
     if distances.is_empty() {
@@ -149,7 +149,7 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
         Drive::from(load(value)).after(distance)
     });
     let output = session.output(args.steps.out.as_ref())?;
-    Ok(Course { prepared, drives, places, output })
+    Ok(PathInput { prepared, drives, places, output })
 }
 
 /// Runs the command.
@@ -157,8 +157,8 @@ fn course(args: &Args, session: &Session) -> Result<Course, Failure> {
 /// # Errors
 /// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    let course = course(args, session)?;
-    let way = Way {
+    let input = path_input(args, session)?;
+    let settings = PathSettings {
         asked: args.asked(),
         option: args.loads.given(),
         resume: args.steps.resume,
@@ -166,24 +166,24 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         refinement: Refinement { solves_per_step: 0, ..Refinement::default() },
         config: args.config()?,
     };
-    course.run(&way, session, |followed| ended(&course, args, followed, session), |report| report.out.as_ref())
+    input.run(&settings, session, |followed| finish(&input, args, followed, session), |report| report.out.as_ref())
 }
 
 /// Writes the file of a path, draws it, and returns its report.
-fn ended(
-    Course { prepared, drives, .. }: &Course,
+fn finish(
+    PathInput { prepared, drives, .. }: &PathInput,
     args: &Args,
-    Followed { contact, path, ended, file, .. }: Followed,
+    Followed { contact, path, outcome, file, .. }: Followed,
     session: &Session,
 ) -> Result<Outcome<Report>, Failure> {
-    let Ended { records, failure, not_converged, .. } = ended;
+    let SeriesOutcome { records, failure, not_converged, .. } = outcome;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
     let head = Head::new(&args.asked(), prepared, contact.surface());
     let report = Report::new(head, args.coefficient()?, records);
     let mut report = Report { not_converged, out, ..report };
-    if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, path.state().and_then(Rest::worn)) {
-        let shown = Shown::of(state, None, None);
+    if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, path.state().and_then(AnyState::worn)) {
+        let shown = SceneFields::of(state, None, None);
         let scene = Scene::upper(&prepared.surface, &shown, report.head.e_star, None);
         report.plots = figures::draw(prefix, &report, &scene, (&prepared.surface, &state.depth))?;
     }

@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                         let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
                         let spectrum = SelfAffine { hurst, ..SelfAffine::with_rms_gradient(0.1) };
                         let heights = numbers.self_affine(1.0, spectrum).heights(&grid, 1)?;
-                        let contact = Contact::on(Arc::clone(&response), &heights)?;
+                        let contact = Contact::with_response(Arc::clone(&response), &heights)?;
                         let load = Load::MeanPressure(reduced_pressure * contact.reduced_pressure_unit());
                         match contact
                             .press(load)

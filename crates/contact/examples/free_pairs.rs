@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let heights = numbers.self_affine(1.0, family).heights(&whole, 1)?;
         let heights: Array2<f64> = heights.slice(s![..n, ..n]).to_owned();
         let [free, periodic] =
-            [Boundary::Free, Boundary::Periodic].map(|b| Contact::bounded(b, &body, &grid, &heights));
+            [Boundary::Free, Boundary::Periodic].map(|b| Contact::with_boundary(b, &body, &grid, &heights));
         let (free, periodic) = (free?, periodic?);
         for reduced_pressure in [1e-3, 0.01, 0.05, 0.2, 0.6, 2.0, 10.0] {
             let load = Load::MeanPressure(reduced_pressure * 0.1);

@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let heights = numbers
                 .self_affine(1.0, SelfAffine { hurst, ..SelfAffine::with_rms_gradient(0.1) })
                 .heights(&grid, 1)?;
-            let contact = Contact::on(Arc::clone(&response), &heights)?;
+            let contact = Contact::with_response(Arc::clone(&response), &heights)?;
             for reduced_pressure in [1e-4, 1e-3, 0.01, 0.05, 0.2, 0.6] {
                 print!("{n:5} {hurst:4} {reduced_pressure:6} ");
                 for &solver in &solvers {

@@ -19,20 +19,20 @@ pub(crate) struct Attempt<'a> {
 }
 
 /// Result of a solver.
-pub(crate) struct Ended {
-    pub(crate) reached: Reached,
+pub(crate) struct SolverResult {
+    pub(crate) reached: FoundPressure,
     pub(crate) effort: Effort,
     pub(crate) ending: Ending,
 }
 
 /// End of a search. Only the pressure is trusted: all other fields are computed from it by [`Contact::certified`].
-pub(crate) enum Reached {
+pub(crate) enum FoundPressure {
     Pressure(Vec<f64>),
     /// Certificate of the pressure that the solver itself has requested. It is counted in the effort of the solver.
     Certified(Box<Solution>),
 }
 
-impl Reached {
+impl FoundPressure {
     pub(crate) fn pressure(self) -> Vec<f64> {
         match self {
             Self::Pressure(pressure) => pressure,

@@ -53,7 +53,7 @@ impl Contact {
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal; E* h_rms / L out of range.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::over(&grid.whole(), body, grid, heights)
+        Self::distributed(&grid.whole(), body, grid, heights)
     }
 
     /// Makes the contact as [`new`](Self::new), without lateral displacement of the surface (theory.md, section 3,
@@ -65,7 +65,7 @@ impl Contact {
         Self::held_sideways_over(&grid.whole(), body, grid, heights)
     }
 
-    /// Returns the rows of a grid that this process, one of several, solves for ([`over`](Self::over)).
+    /// Returns the rows of a grid that this process, one of several, solves for ([`distributed`](Self::distributed)).
     ///
     /// # Errors
     /// More processes than can share the rows.
@@ -80,11 +80,11 @@ impl Contact {
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
-    pub fn over(share: &Share, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::responding(NormalResponse::over, share, body, grid, heights)
+    pub fn distributed(share: &Share, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        Self::responding(NormalResponse::distributed, share, body, grid, heights)
     }
 
-    /// Makes the contact as [`over`](Self::over), without lateral displacement of the surface.
+    /// Makes the contact as [`distributed`](Self::distributed), without lateral displacement of the surface.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
@@ -128,7 +128,12 @@ impl Contact {
     /// # Errors
     /// As [`new`](Self::new); with free boundaries also a body without a level far away, or with layers that are too
     /// thin.
-    pub fn bounded(boundary: Boundary, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn with_boundary(
+        boundary: Boundary,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+    ) -> Result<Self, Refusal> {
         let mut contact = Self::new(body, grid, heights)?;
         if boundary == Boundary::Free {
             let Self { units, surface, scaled, free, .. } = &mut contact;
@@ -173,7 +178,7 @@ impl Contact {
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
-    pub fn on(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn with_response(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let response = response.into();
         let share = response.share().clone();
         let surface = Self::rough(&share, response.grid(), heights)?;
@@ -217,21 +222,22 @@ impl Contact {
     ///
     /// # Errors
     /// A depth that differs in shape from the heights, or is not finite.
-    pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let surface = Arc::new(self.surface.indented(depth)?);
+    pub fn with_indentation(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let surface = Arc::new(self.surface.with_indentation(depth)?);
         Ok(Self { scaled: self.units.surface(&surface), surface, ..self.clone() })
     }
 
-    /// Returns this contact after a loss of `depth` `[x, y]`, in length: as [`indented`](Self::indented), with
-    /// residuals relative to the extent of the depth if it exceeds the extent of the displacement.
+    /// Returns this contact after a loss of `depth` `[x, y]`, in length: as
+    /// [`with_indentation`](Self::with_indentation), with residuals relative to the extent of the depth if it exceeds
+    /// the extent of the displacement.
     ///
     /// # Errors
     /// A depth that differs in shape from the heights, or is not finite.
-    pub fn worn(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn with_wear_depth(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let [least, most] = depth
             .iter()
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], depth| [depth.min(least), depth.max(most)]);
-        Ok(Self { worn: (most - least).max(0.0) / self.units.length(), ..self.indented(depth)? })
+        Ok(Self { worn: (most - least).max(0.0) / self.units.length(), ..self.with_indentation(depth)? })
     }
 
     /// Returns this contact on a body below springs that act point by point, with a `compliance` in length/stress: G(q)
@@ -265,7 +271,7 @@ impl Contact {
     }
 
     fn rough(share: &Share, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
-        let surface = RigidSurface::over(share, grid, heights)?;
+        let surface = RigidSurface::distributed(share, grid, heights)?;
         if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
     }
 

@@ -10,7 +10,10 @@ mod points;
 use std::ops::ControlFlow;
 
 use candidates::Candidates;
-use constants::{AT_ONCE, FIRST, MOST, MOST_AT_START, NEAR, PATIENCE, SMALL, STAGE};
+use constants::{
+    AT_ONCE, FIRST_CHECK_RESIDUAL, JOIN_GAP_PER_TOLERANCE, MAX_BLOCK_FRACTION, MAX_BLOCK_FRACTION_AT_START,
+    MAX_ITERATIONS_BETWEEN_CHECKS, NEXT_CHECK_RESIDUAL, SMALL_GRID_POINTS,
+};
 use gfmd_relax::{Budget, Ending, PreconditionedCg, Progress, RelaxError, Target, Visit, Watch, Why};
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::Share;
@@ -19,7 +22,7 @@ pub(crate) use points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 
 use crate::Load;
 use crate::attempt::MARGIN;
-use crate::attempt::{Attempt, Ended};
+use crate::attempt::{Attempt, SolverResult};
 
 /// Watcher of processes that search separately and stop together.
 struct Unison<'a, W> {
@@ -74,7 +77,7 @@ pub(crate) fn solve(
     attempt: &mut Attempt,
     mut outer: impl FnMut(&mut dyn Visit),
     continued: bool,
-) -> Result<Option<Ended>, RelaxError> {
+) -> Result<Option<SolverResult>, RelaxError> {
     let contact = attempt.contact;
     let (response, surface) = (&contact.response, &contact.scaled);
     if contact.free.is_some() || contact.hardness.is_some() || surface.mean_clearance() == 0.0 {
@@ -91,12 +94,12 @@ pub(crate) fn solve(
     let most = match attempt.watch.recall().filter(|_| continued) {
         Some(recalled) => {
             kept.visit(recalled, blocks);
-            MOST
+            MAX_BLOCK_FRACTION
         }
         None => {
-            kept.tolerance = finest.max(FIRST * overlap.depth / scale);
+            kept.tolerance = finest.max(FIRST_CHECK_RESIDUAL * overlap.depth / scale);
             kept.places = Candidates::places(attempt, overlap);
-            MOST_AT_START[usize::from(contact.share.total() > SMALL)]
+            MAX_BLOCK_FRACTION_AT_START[usize::from(contact.share.total() > SMALL_GRID_POINTS)]
         }
     };
     if !are_few(&kept.places, most, contact.share.total()) {
@@ -110,7 +113,10 @@ pub(crate) fn solve(
     let (mut problem, mut x) = Candidates::new(attempt, scattered, start, overlap);
     loop {
         let left = attempt.budget_left();
-        let budget = Budget { tolerance: kept.tolerance, max_iterations: left.max_iterations.min(PATIENCE) };
+        let budget = Budget {
+            tolerance: kept.tolerance,
+            max_iterations: left.max_iterations.min(MAX_ITERATIONS_BETWEEN_CHECKS),
+        };
         let points = contact.share.total() as f64 / x.len() as f64;
         let mean = attempt.load.mean_pressure().map(|mean| mean * points);
         let target = Target { mean, gradient_scale: scale, budget };
@@ -142,11 +148,11 @@ pub(crate) fn solve(
             None => {}
         }
         problem.settle(&x);
-        let survey = problem.survey(NEAR * kept.tolerance * scale);
+        let survey = problem.survey(JOIN_GAP_PER_TOLERANCE * kept.tolerance * scale);
         if is_finest && survey.penetration <= finest * scale {
             return Ok(Some(problem.ended(attempt, &x, minimum.ending)));
         }
-        let next = STAGE * survey.deepest / scale;
+        let next = NEXT_CHECK_RESIDUAL * survey.deepest / scale;
         if next >= kept.tolerance.max(AT_ONCE * finest) {
             break;
         }

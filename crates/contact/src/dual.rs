@@ -11,7 +11,7 @@ use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
 use crate::attempt::MARGIN;
-use crate::attempt::{Attempt, Ended, Reached};
+use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::compliance::{Compliance, Rounded};
 use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
@@ -50,11 +50,11 @@ pub(crate) struct Dual<'a> {
 /// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually
 /// sufficient (commit ff5ee0e); where the preconditioner is poor, as on incompressible layers thinner than the cell is
 /// wide, the method without it is faster.
-const PATIENCE: u64 = 100;
+const PRECONDITIONED_ITERATIONS: u64 = 100;
 
 /// Number of iterations without the preconditioner after which [`Solver::Auto`] returns to it. Chosen: on cells a
 /// thousand times longer than wide the method without it may not converge at all.
-const LONGER_PATIENCE: u64 = 5000;
+const PLAIN_ITERATIONS: u64 = 5000;
 
 /// Number of the search on few points in a checkpoint, in place of the number of a part.
 const FEW: u32 = 3;
@@ -72,7 +72,7 @@ impl<'a> Dual<'a> {
         let points = response.grid().points();
         let floating = matches!(load, Load::MeanPressure(_));
         let edges = if contact.free.is_some() { Edges::Mirrored } else { Edges::Joined };
-        let extension = PullPush::new(points, floating, edges, contact.stiffness_of_waves()).over(share);
+        let extension = PullPush::new(points, floating, edges, contact.stiffness_of_waves()).distributed(share);
         let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
         let (row, share) = (response.grid().rows()[1], share.clone());
@@ -215,7 +215,7 @@ impl Preconditioned for Dual<'_> {
     }
 }
 
-pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended, RelaxError> {
+pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<SolverResult, RelaxError> {
     let contact = attempt.contact;
     // Part of the search of [`Gradients::Auto`]: preconditioned, without the preconditioner, and preconditioned again.
     // The search on few points comes before them.
@@ -260,7 +260,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
         Gradients::Auto if !in_parts => PreconditionedCg.minimise(&mut dual, x, &target, attempt.watch)?,
         Gradients::Auto => loop {
             let Budget { tolerance, max_iterations } = attempt.budget_left();
-            let limit = [PATIENCE, LONGER_PATIENCE].get(part as usize).copied().unwrap_or(u64::MAX);
+            let limit = [PRECONDITIONED_ITERATIONS, PLAIN_ITERATIONS].get(part as usize).copied().unwrap_or(u64::MAX);
             let budget = within(Budget { tolerance, max_iterations: max_iterations.min(limit) });
             let target = Target { budget, ..target };
             let plain = part == 1;
@@ -282,7 +282,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Ended,
     };
     attempt.effort.iterations += minimum.reached.iteration;
     attempt.effort.transform_pairs += dual.pairs();
-    Ok(Ended { reached: Reached::Pressure(pressure), effort: attempt.effort, ending: minimum.ending })
+    Ok(SolverResult { reached: FoundPressure::Pressure(pressure), effort: attempt.effort, ending: minimum.ending })
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use gfmd_relax::{
 };
 
 use crate::Load;
-use crate::attempt::{Attempt, Ended, Reached};
+use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::layer::{Layer, Pressed, Sprung};
 use crate::load_search::LoadSearch;
 
@@ -69,7 +69,7 @@ pub(crate) enum Motion {
     AugmentedLagrangian,
 }
 
-pub(crate) fn solve(mut attempt: Attempt, motion: Motion) -> Result<Ended, RelaxError> {
+pub(crate) fn solve(mut attempt: Attempt, motion: Motion) -> Result<SolverResult, RelaxError> {
     let start = attempt.start.take();
     let (pressure, ending) = match attempt.load {
         Load::Approach(approach) if attempt.contact.response.uniform_compliance() == 0.0 => {
@@ -77,7 +77,7 @@ pub(crate) fn solve(mut attempt: Attempt, motion: Motion) -> Result<Ended, Relax
         }
         load => equilibrate(&mut attempt, motion, load, start, None)?,
     };
-    Ok(Ended { reached: Reached::Pressure(pressure), effort: attempt.effort, ending })
+    Ok(SolverResult { reached: FoundPressure::Pressure(pressure), effort: attempt.effort, ending })
 }
 
 fn equilibrate(

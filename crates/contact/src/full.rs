@@ -48,14 +48,14 @@ impl FullContact {
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::on(FullResponse::new(*grid, body), heights)
+        Self::with_response(FullResponse::new(*grid, body), heights)
     }
 
     /// Makes the contact as [`new`](Self::new), with an existing response.
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
-    pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn with_response(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let response = response.into();
         let surface = RigidSurface::new(response.grid(), heights)?;
         if surface.rms_height() == 0.0 {

@@ -119,7 +119,7 @@ const ITERATIONS: u64 = 2000;
 
 /// Stiffness of a uniform displacement per point in contact, relative to the largest stiffness, below which it is a
 /// rounding error.
-const ROUNDING: f64 = 1e-8;
+const ROUNDING_OF_STIFFNESS: f64 = 1e-8;
 
 impl Contact {
     /// Computes the derivatives of a number in the state `solution` under a `load` of the prescribed kind, from the
@@ -279,7 +279,7 @@ impl<'a> Problem<'a> {
             problem.press(inside, &mut image);
             let sum = total(&image);
             let [_, stiffest] = contact.stiffness_range();
-            problem.constant = (sum > ROUNDING * stiffest * problem.count).then_some((image, sum));
+            problem.constant = (sum > ROUNDING_OF_STIFFNESS * stiffest * problem.count).then_some((image, sum));
         }
         problem
     }

@@ -158,13 +158,13 @@ impl PullPush {
 
     /// Restricts the map to the points of one of several processes, which make the same calls. The rows of its first
     /// [`shared_levels`](Self::shared_levels) levels are shared. Edges are joined.
-    pub(crate) fn over(mut self, share: &Share) -> Self {
+    pub(crate) fn distributed(mut self, share: &Share) -> Self {
         if share.is_whole() {
             return self;
         }
         self.shared = self.levels.len().min(Self::shared_levels(self.points) as usize);
         for (height, level) in (1..).zip(&mut self.levels[..self.shared]) {
-            level.over(share, height, height as usize == self.shared);
+            level.distribute(share, height, height as usize == self.shared);
         }
         self.points[0] = share.rows().len();
         (self.kept, self.above) = (words_of(self.points), words_of(self.points));
@@ -192,9 +192,9 @@ impl PullPush {
         let Some(first) = self.levels.first_mut() else { return };
         first.pull(points, |i, weights, values| {
             let i = i - start;
-            rows::see(known.row(i, columns), known.level, words(&self.above, i, columns), weights, values);
+            rows::weigh_points(known.row(i, columns), known.level, words(&self.above, i, columns), weights, values);
         });
-        learn(share, shared, 0, first);
+        exchange_level(share, shared, 0, first);
         self.fill();
     }
 
@@ -205,7 +205,7 @@ impl PullPush {
             above.pull(below.cells, |i, weights, values| {
                 rows::weigh(below.full, (below.known(i), below.value(i)), weights, values);
             });
-            learn(share, shared, number, above);
+            exchange_level(share, shared, number, above);
         });
         weigh_top(&mut self.levels);
         downwards(&mut self.levels, |number, above, below| {
@@ -218,7 +218,7 @@ impl PullPush {
             });
             below.known = known;
             if number < shared {
-                below.learn_beside(share);
+                below.exchange_halo(share);
             }
         });
     }
@@ -265,21 +265,21 @@ impl PullPush {
             )
         };
         // Points that did not keep their own value pass their entry of t to the levels above.
-        let handed = &*t;
+        let entries = &*t;
         let width = columns.div_ceil(BITS);
         first.push_transposed(edges, points, |i, line, part| {
-            let row = held_row(handed, &t_beside, &own, points, i);
+            let row = held_row(entries, &t_beside, &own, points, i);
             let kept = held_row(&self.kept, &kept_beside, &own, [points[0], width], i);
-            rows::hand_on(row, kept, part, line);
+            rows::accumulate_points(row, kept, part, line);
         });
         if shared > 0 {
-            first.learn_value(share);
+            first.exchange_values(share);
         }
         self.fill_transposed();
         let kept = |i: usize| words(&self.kept, i, columns);
         self.levels[0].pull_transposed((t, own.clone()), columns, |i, t, share| {
             let i = i - own.start;
-            rows::end(row_of(known.x, i, columns), known.bounds(i, columns), kept(i), share, t);
+            rows::finish(row_of(known.x, i, columns), known.bounds(i, columns), kept(i), share, t);
         });
     }
 
@@ -288,10 +288,10 @@ impl PullPush {
         let (edges, share, shared) = (self.edges, &self.share, self.shared);
         upwards(&mut self.levels, |number, above, below| {
             above.push_transposed(edges, below.cells, |i, line, part| {
-                rows::hand_up(below.full, (below.known(i), below.value(i)), part, line);
+                rows::accumulate_cells(below.full, (below.known(i), below.value(i)), part, line);
             });
             if number < shared {
-                above.learn_value(share);
+                above.exchange_values(share);
             }
         });
         weigh_top(&mut self.levels);
@@ -323,11 +323,11 @@ fn upwards(levels: &mut [Level], mut step: impl FnMut(usize, &mut Level, &Level)
 }
 
 /// Receives the values of a level computed by other processes, if its number is below `shared`.
-fn learn(share: &Share, shared: usize, number: usize, level: &mut Level) {
+fn exchange_level(share: &Share, shared: usize, number: usize, level: &mut Level) {
     if number < shared {
-        level.learn_known(share);
+        level.exchange_known(share);
         if number + 1 == shared {
-            level.learn_value(share);
+            level.exchange_values(share);
         }
     }
 }

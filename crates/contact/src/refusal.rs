@@ -69,7 +69,7 @@ pub enum Refusal {
     },
     /// A result is infinite, or too small for full precision.
     #[error("the {what} is {found:e}; it must be between 1e-290 and 1e290 in magnitude, which other units make it")]
-    Digits {
+    UnitOutOfRange {
         /// Name of the number.
         what: &'static str,
         /// Value found.
@@ -79,7 +79,7 @@ pub enum Refusal {
     #[error(
         "the {what} is {found:e}; it must be at least {least:e} on this surface, since squares of smaller ones vanish"
     )]
-    Slight {
+    LoadUnderflows {
         /// Mean pressure or approach.
         what: &'static str,
         /// Value found.
@@ -93,7 +93,7 @@ pub enum Refusal {
         "the {what} is {found:e}; it must be at least {least:e} on this surface, since rounding errors of the heights \
          decide where smaller ones make contact"
     )]
-    Shallow {
+    LoadBelowRoughnessRounding {
         /// Mean pressure or approach.
         what: &'static str,
         /// Value found.
@@ -121,7 +121,7 @@ pub enum Refusal {
         "the mean pressure is {found:e}; it must be 0, or at least {least:e} in magnitude, since tractions up to \
          {traction:e} hide smaller ones at this tolerance"
     )]
-    Hidden {
+    LoadBelowTractionRounding {
         /// Mean pressure.
         found: f64,
         /// Smallest possible magnitude.

@@ -49,14 +49,14 @@ impl RigidSurface {
     /// Heights that differ in shape from the grid, are not finite, or differ by more than the largest number.
     pub fn new(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let [rows, columns] = grid.rows();
-        Self::over(&Share::whole(rows, columns), grid, heights)
+        Self::distributed(&Share::whole(rows, columns), grid, heights)
     }
 
     /// Makes the surface as [`new`](Self::new), from the rows of this process, its `share`; all make the same calls.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
-    pub fn over(share: &Share, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn distributed(share: &Share, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let (found, expected) = (heights.dim().into(), shape(share, grid));
         if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
@@ -119,7 +119,7 @@ impl RigidSurface {
     }
 
     /// Returns the surface with `depth` added to its clearance. Its rms height and gradient do not change.
-    pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn with_indentation(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let (share, found, expected) = (&self.share, depth.dim().into(), self.shape());
         if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
@@ -219,7 +219,7 @@ impl RigidSurface {
             return Ok(());
         }
         let (what, found) = load.named();
-        Err(Refusal::Shallow { what, found, least: found * (self.rounding / allowed) })
+        Err(Refusal::LoadBelowRoughnessRounding { what, found, least: found * (self.rounding / allowed) })
     }
 
     /// Checks that the numbers of a contact without attraction under `load` can be resolved: squares of much smaller
@@ -235,7 +235,7 @@ impl RigidSurface {
         };
         let least = LEAST * unit;
         if found < least {
-            return Err(Refusal::Slight { what, found, least });
+            return Err(Refusal::LoadUnderflows { what, found, least });
         }
         Self::check_rounding(what, found, unit, tolerance)
     }
@@ -263,7 +263,7 @@ impl RigidSurface {
             let clearance: Vec<f64> = self.clearance.iter().map(|c| c / units.length()).collect();
             let grid = units.grid(&self.grid);
             let gradient = if self.boundary == Boundary::Periodic {
-                Moments::over(&clearance, &grid, &self.share).map(|moments| moments.rms_gradient())
+                Moments::distributed(&clearance, &grid, &self.share).map(|moments| moments.rms_gradient())
             } else {
                 let Ok(clearance) = Array2::from_shape_vec(self.grid.points(), clearance) else { return f64::NAN };
                 Statistics::of(&clearance, &grid).map(|statistics| statistics.rms_gradient_inside)

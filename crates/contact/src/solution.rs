@@ -136,7 +136,7 @@ impl Fields for Solution {
     fn summary_in(&self, scales: &Scales) -> Summary {
         let Self { pressure, displacement, gap, mean_pressure, surface, .. } = self;
         let fields = [pressure, displacement, gap].map(|field| field.view());
-        Summary::over(surface.share(), fields, *mean_pressure, scales, surface.boundary()).at_wall()
+        Summary::distributed(surface.share(), fields, *mean_pressure, scales, surface.boundary()).at_wall()
     }
 }
 
@@ -229,7 +229,7 @@ impl Solution {
         let mean_pressure = sum / n as f64;
         let [lx, ly] = surface.grid().lengths();
         // A uniform pressure, such as the hardness at all points, leaves only the rounding errors of the transforms.
-        let rounding = ROUNDING * -strongest * lx.max(ly) / contact_modulus;
+        let rounding = ROUNDING_OF_DISPLACEMENT * -strongest * lx.max(ly) / contact_modulus;
         let own = Some(-highest - lowest).filter(|own| *own > rounding).unwrap_or(0.0);
         let length_scale = RigidSurface::finer_scale(length_scale, extent.max(own));
         let sink = |u: &mut [f64]| {
@@ -348,7 +348,7 @@ impl Plastic {
 }
 
 /// Rounding error of a displacement relative to one number; transforms add up a little more than one rounding error.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+const ROUNDING_OF_DISPLACEMENT: f64 = 16.0 * f64::EPSILON;
 
 /// Returns the middle between the largest room of the points at the hardness and the smallest room of the others. It is
 /// the approach if no pressure lies between the bounds.

@@ -1,6 +1,6 @@
 use gfmd_relax::{Budget, Watch};
 
-use crate::attempt::{Attempt, Reached};
+use crate::attempt::{Attempt, FoundPressure};
 use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
 use crate::refine::{coarsest, refine};
@@ -87,8 +87,8 @@ impl Equilibrium for Contact {
                 Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }),
             };
             let mut solution = match ended.reached {
-                Reached::Pressure(pressure) => self.certified(pressure, load),
-                Reached::Certified(solution) => *solution,
+                FoundPressure::Pressure(pressure) => self.certified(pressure, load),
+                FoundPressure::Certified(solution) => *solution,
             };
             solution.effort.iterations = ended.effort.iterations;
             solution.effort.transform_pairs += ended.effort.transform_pairs;

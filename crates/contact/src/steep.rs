@@ -78,10 +78,10 @@ const DEPTH: usize = 4;
 /// Precision of the lateral displacement, relative to the length scale, divided by the residual so far.
 const PRECISION: f64 = 0.01;
 
-/// Changes of the lateral displacement relative to the length scale: below `ROUNDING`, rounding errors may keep it from
-/// settling; above `FAR`, it does not settle.
-const ROUNDING: f64 = 1e-12;
-const FAR: f64 = 1e3;
+/// Changes of the lateral displacement relative to the length scale: below `ROUNDING_OF_CHANGE`, rounding errors
+/// may keep it from settling; above `UNSETTLED_CHANGE`, it does not settle.
+const ROUNDING_OF_CHANGE: f64 = 1e-12;
+const UNSETTLED_CHANGE: f64 = 1e3;
 
 /// Largest ratio of residuals of successive solves that counts as convergence, and number of solves that may exceed it.
 const SLOW: (f64, usize) = (0.9, 8);
@@ -166,8 +166,8 @@ impl SteepContact {
             let [lowest, highest] =
                 displacement[axes * points..].iter().fold([0.0_f64; 2], |[low, high], u| [low.min(*u), high.max(*u)]);
             let relative = change / RigidSurface::finer_scale(length_scale, highest - lowest);
-            let is_rounding = relative <= ROUNDING && change >= 0.5 * last;
-            let settles = relative <= FAR;
+            let is_rounding = relative <= ROUNDING_OF_CHANGE && change >= 0.5 * last;
+            let settles = relative <= UNSETTLED_CHANGE;
             if relative <= precision || is_rounding || !settles {
                 break;
             }
@@ -233,7 +233,7 @@ impl Search<'_> {
     /// Solves the contact with small slopes on the present heights to `tolerance`.
     fn solve(&mut self, tolerance: f64, watch: &mut dyn Watch) -> Result<Ending, Refusal> {
         let Self { contact, load, budget, effort, heights, small, .. } = self;
-        let flat = Contact::on(Arc::clone(&contact.normal), heights)?;
+        let flat = Contact::with_response(Arc::clone(&contact.normal), heights)?;
         let lowest = -heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let load = match load {
             Load::Approach(approach) => Load::Approach(*approach - lowest),
@@ -276,7 +276,7 @@ impl Search<'_> {
 /// Returns the reason why a search ends when the contact of a displaced surface is refused for too large slopes.
 fn why(refusal: &Refusal) -> Why {
     match refusal {
-        Refusal::Height { .. } | Refusal::RmsHeight { .. } | Refusal::Digits { .. } => {
+        Refusal::Height { .. } | Refusal::RmsHeight { .. } | Refusal::UnitOutOfRange { .. } => {
             Why::Diverged(Divergence::NotFinite)
         }
         _ => Why::Displaced,
@@ -324,7 +324,7 @@ impl Equilibrium for SteepContact {
         let heights = field(&self.surface, self.surface.clearance().iter().map(|c| -c).collect());
         let small = match start {
             Some(start) => {
-                let flat = Contact::on(Arc::clone(&self.normal), &heights)?;
+                let flat = Contact::with_response(Arc::clone(&self.normal), &heights)?;
                 Some(flat.certify(&start.normal.pressure, drive.load)?)
             }
             None => None,

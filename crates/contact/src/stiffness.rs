@@ -48,7 +48,7 @@ const ITERATIONS: u64 = 2000;
 
 /// Stiffness of a uniform displacement per point in contact, relative to the largest stiffness, above which it is more
 /// than a rounding error of single precision.
-const ROUNDING: f64 = 1e-4;
+const ROUNDING_OF_STIFFNESS: f64 = 1e-4;
 
 /// Residual of points out of contact, so large that the preconditioner does not take them for points about to enter it.
 const APART: f32 = 1e30;
@@ -163,7 +163,7 @@ impl<'a> Unit<'a> {
         self.residual.fill(1.0);
         self.press(0.0);
         let sum = self.share.total_of(&self.image);
-        let rounding = ROUNDING * stiffest * self.dual.unit() * self.count;
+        let rounding = ROUNDING_OF_STIFFNESS * stiffest * self.dual.unit() * self.count;
         self.constant = (sum > rounding).then(|| self.image.iter().map(|z| (f64::from(*z) / sum) as f32).collect());
     }
 

@@ -123,7 +123,7 @@ impl Units {
 
     /// Returns the watcher of a search in these units. It shows `watch` energies and displacements in the input units.
     pub fn shown<'a>(&self, watch: &'a mut dyn Watch) -> impl Watch + use<'a> {
-        Shown { watch, units: *self, u: Vec::new() }
+        ScaledWatch { watch, units: *self, u: Vec::new() }
     }
 
     /// Checks that a mean pressure, in the units of the input, has all its digits.
@@ -132,18 +132,18 @@ impl Units {
     /// A pressure other than zero that is too small, or infinite.
     pub fn check_pressure(mean: f64) -> Result<(), Refusal> {
         let good = mean == 0.0 || mean.is_nan() || (LEAST..=1.0 / LEAST).contains(&mean.abs());
-        if good { Ok(()) } else { Err(Refusal::Digits { what: "mean pressure", found: mean }) }
+        if good { Ok(()) } else { Err(Refusal::UnitOutOfRange { what: "mean pressure", found: mean }) }
     }
 }
 
 /// Watcher that converts to the units of the input.
-struct Shown<'a> {
+struct ScaledWatch<'a> {
     watch: &'a mut dyn Watch,
     units: Units,
     u: Vec<f64>,
 }
 
-impl Watch for Shown<'_> {
+impl Watch for ScaledWatch<'_> {
     fn see(&mut self, now: &Progress) -> ControlFlow<()> {
         self.watch.see(now)
     }

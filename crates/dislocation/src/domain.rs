@@ -268,7 +268,8 @@ impl Domain {
         let values = Array3::from_shape_fn((2, points, 1), |(axis, i, _)| {
             if axis == 1 && self.held[i] { height(i) } else { given[axis * points + i] }
         });
-        let problem = MixedProblem::on(Arc::clone(&self.response), Prescribed::new(held.view(), values.view())?)?;
+        let problem =
+            MixedProblem::with_response(Arc::clone(&self.response), Prescribed::new(held.view(), values.view())?)?;
         let budget = Budget { tolerance: self.tolerance, ..Budget::default() };
         let solution = problem.solve(Method::default(), &budget, &mut ())?;
         Ok((solution.traction.into_iter().collect(), solution.displacement.into_iter().collect()))

@@ -62,7 +62,7 @@ impl<T: Real> Plan<T> {
     }
 
     /// Plans the transforms of the rows in the `share` of this process.
-    pub(crate) fn over(grid: &Grid, share: &Share) -> Self {
+    pub(crate) fn distributed(grid: &Grid, share: &Share) -> Self {
         let points = grid.points();
         if share.is_whole() || grid.rows()[0] == 1 {
             return Self::new(grid, points);

@@ -26,8 +26,8 @@ impl<T: Real> Transform<T> {
     /// kernel has the [`lanes`](Self::lanes) of this process; every process makes the same calls. The results have the
     /// same bits as with one process. Message buffers take about 0.4 fields in addition to the memory of
     /// [`new`](Self::new) for these rows.
-    pub fn over(grid: Grid, share: &Share) -> Self {
-        Self { grid, plan: Plan::over(&grid, share) }
+    pub fn distributed(grid: Grid, share: &Share) -> Self {
+        Self { grid, plan: Plan::distributed(&grid, share) }
     }
 
     /// Returns the lanes of the half spectrum ([`Grid::spectrum_shape`]) of this process; one process has all lanes.

@@ -84,7 +84,7 @@
 //! | describe an elastic body | [`green`] | [`Body`], [`Material`] |
 //! | press the surface on the body | [`contact`] | [`Contact`], [`Equilibrium`] |
 //! | add adhesion, friction; follow a path of loads | [`interface`] | [`Interface`], [`FrictionalContact`], [`Path`] |
-//! | choose or evaluate the law of an interface | [`law`] | [`Law`], [`Kind`] |
+//! | choose or evaluate the law of an interface | [`law`] | [`Law`], [`LawKind`] |
 //! | let a viscoelastic body relax, or slide over it | [`viscoelastic`] | [`ViscoelasticContact`], [`SlidingContact`] |
 //! | wear the surface while it slides | [`wear`] | [`WearContact`] |
 //! | prescribe displacements on some points, tractions on others | [`mixed`] | [`MixedProblem`] |
@@ -111,7 +111,7 @@
 //! [`FrictionalContact`]: interface::FrictionalContact
 //! [`Path`]: interface::Path
 //! [`Law`]: law::Law
-//! [`Kind`]: law::Kind
+//! [`LawKind`]: law::LawKind
 //! [`ViscoelasticContact`]: viscoelastic::ViscoelasticContact
 //! [`SlidingContact`]: viscoelastic::SlidingContact
 //! [`WearContact`]: wear::WearContact

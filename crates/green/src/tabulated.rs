@@ -25,7 +25,7 @@ pub(crate) struct Table {
 const LEAST_DIRECTIONS: usize = 4;
 
 /// Largest deviation of wavenumbers (relative) and angles (rad) from a regular table, since files have few digits.
-const ROUNDING: f64 = 1e-4;
+const ROUNDING_OF_TABLE: f64 = 1e-4;
 
 /// Largest angular coefficient that counts as a rounding error of ln G.
 const NOTHING: f64 = 1e-14;
@@ -156,12 +156,13 @@ impl Polar {
             }
             // The wave −q is the wave q; an angle just below half a turn is 0.
             let angle = y.atan2(*x).rem_euclid(std::f64::consts::PI);
-            let angle = if angle > std::f64::consts::PI - ROUNDING { angle - std::f64::consts::PI } else { angle };
+            let angle =
+                if angle > std::f64::consts::PI - ROUNDING_OF_TABLE { angle - std::f64::consts::PI } else { angle };
             waves.push(Wave { row, q, angle, value: value.ln() });
         }
         waves.sort_by(|a, b| a.q.total_cmp(&b.q));
         // Number of waves with the same wavenumber.
-        let directions = waves.iter().take_while(|wave| wave.q <= waves[0].q * (1.0 + ROUNDING)).count();
+        let directions = waves.iter().take_while(|wave| wave.q <= waves[0].q * (1.0 + ROUNDING_OF_TABLE)).count();
         if directions < LEAST_DIRECTIONS || !waves.len().is_multiple_of(directions) {
             return Err(GreenError::Directions { found: directions, rows: rows.len() });
         }
@@ -171,7 +172,8 @@ impl Polar {
             ring.sort_by(|a, b| a.angle.total_cmp(&b.angle));
             for (j, wave) in ring.iter().enumerate() {
                 let wanted = std::f64::consts::PI * j as f64 / directions as f64;
-                let fits = (wave.q / first - 1.0).abs() <= ROUNDING && (wave.angle - wanted).abs() <= ROUNDING;
+                let fits = (wave.q / first - 1.0).abs() <= ROUNDING_OF_TABLE
+                    && (wave.angle - wanted).abs() <= ROUNDING_OF_TABLE;
                 if !fits {
                     let (row, angle) = (wave.row, wave.angle.to_degrees());
                     return Err(GreenError::Direction { row, q: wave.q, angle, directions });

@@ -47,7 +47,7 @@ struct Direction {
 /// Number of directions to which the next one is conjugate.
 const DEPTH: usize = 12;
 /// Number of steps within which the residual must halve.
-const PATIENCE: u64 = 200;
+const STEPS_TO_HALVE: u64 = 200;
 
 impl<'a> Search<'a> {
     /// Starts a search for the part of a `flux` that flows into the body, from zero.
@@ -139,7 +139,7 @@ impl<'a> Search<'a> {
             since += 1;
             if found <= 0.5 * halved {
                 (halved, since) = (found, 0);
-            } else if since > PATIENCE {
+            } else if since > STEPS_TO_HALVE {
                 return Ending::GaveUp(Why::Rounding);
             }
             let mut next = if self.kept.len() == DEPTH { self.kept.pop_front() } else { None }.unwrap_or_default();

@@ -9,7 +9,7 @@ use gfmd_contact::{Boundary, Equilibrium, Fields, Load, SolveError};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{Interface, State};
-use gfmd_law::{Kind, Law};
+use gfmd_law::{Law, LawKind};
 use gfmd_surface::{Discretisation, SelfAffine};
 
 /// Test case with E* = 1 and rms gradient 1, so that loads are reduced pressures.
@@ -26,7 +26,7 @@ struct Case {
 
 type Failure = Box<dyn std::error::Error>;
 
-fn law(kind: Kind, parameters: &[(&str, f64)]) -> Result<Box<dyn Law>, Failure> {
+fn law(kind: LawKind, parameters: &[(&str, f64)]) -> Result<Box<dyn Law>, Failure> {
     Ok(kind.with(parameters)?)
 }
 
@@ -49,7 +49,7 @@ fn cases(n: usize) -> Result<Vec<Case>, Failure> {
     // The steepness of `exponential(1.0)` is 0.48 times the stiffness of the shortest wave.
     let corner = 0.5 * std::f64::consts::TAU * (n as f64 / 2.0) * std::f64::consts::SQRT_2;
     let range = (work / (0.48 * corner)).sqrt();
-    let exponential = |factor: f64| law(Kind::Exponential, &[("gamma", work * factor), ("range", range * factor)]);
+    let exponential = |factor: f64| law(LawKind::Exponential, &[("gamma", work * factor), ("range", range * factor)]);
     let case = |name, hurst, law, loads, follows| Case {
         name,
         hurst,
@@ -60,9 +60,9 @@ fn cases(n: usize) -> Result<Vec<Case>, Failure> {
         follows,
     };
     let jumps = [-30.0, -20.0, -12.0, -6.0, -3.0, 0.0, 4.0, 0.0, -4.0, -8.0, -14.0, -24.0];
-    let morse = law(Kind::Morse, &[("gamma", work), ("range", range)])?;
-    let cosine = law(Kind::HarmonicCosine, &[("gamma", work), ("curvature", 0.4 * corner)])?;
-    let dugdale = law(Kind::Dugdale, &[("gamma", work), ("range", 2.0 * range)])?;
+    let morse = law(LawKind::Morse, &[("gamma", work), ("range", range)])?;
+    let cosine = law(LawKind::HarmonicCosine, &[("gamma", work), ("curvature", 0.4 * corner)])?;
+    let dugdale = law(LawKind::Dugdale, &[("gamma", work), ("range", 2.0 * range)])?;
     Ok(vec![
         case("loop-short-0.8", 0.8, exponential(1.0)?, pressures(&LOOP), true),
         case("loop-short-0.3", 0.3, exponential(1.0)?, pressures(&LOOP), true),
@@ -105,7 +105,7 @@ fn main() -> Result<(), Failure> {
             None => Body::half_space(Material::from_contact_modulus(1.0, 0.0)?),
             Some(height) => Body::slab(Material::from_contact_modulus(1.0, 0.3)?, height)?,
         };
-        let interface = Interface::bounded(case.boundary, &body, &grid, &heights, case.law)?;
+        let interface = Interface::with_boundary(case.boundary, &body, &grid, &heights, case.law)?;
         let (mut last, mut iterations, mut pairs): (Option<State>, u64, f64) = (None, 0, 0.0);
         for load in &case.loads {
             let start = last.as_ref().filter(|_| case.follows);

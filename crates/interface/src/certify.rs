@@ -30,7 +30,7 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
     let worst = |part: fn(&Balance) -> f64| balances.iter().fold(0.0, |worst, balance| higher(worst, part(balance)));
     let scale = interface.stress_scale(frame.drive.load);
     let stress = higher(higher(worst(|balance| balance.largest), scale), f64::MIN_POSITIVE);
-    let noise = 2.0 * balances[z].unbalanced + ROUNDING * balances[z].largest;
+    let noise = 2.0 * balances[z].unbalanced + ROUNDING_OF_TRACTION * balances[z].largest;
     let interface_energy = certificate.interface_energy();
     let contact_fraction = certificate.contact_fraction();
     let (displacement, approach) = certificate.displacement_and_approach(mean_pressure);
@@ -90,7 +90,7 @@ impl Interface {
 }
 
 /// Relative rounding error of tractions from transforms of large fields, with a margin.
-const ROUNDING: f64 = 100.0 * f64::EPSILON;
+const ROUNDING_OF_TRACTION: f64 = 100.0 * f64::EPSILON;
 
 /// Reason why reshaping a field cannot fail.
 const FITS: &str = "every field of an interface has the size of its grid";

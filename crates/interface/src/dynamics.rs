@@ -8,9 +8,9 @@ use gfmd_response::Transforms;
 use gfmd_vector::{for_each, sum, total};
 
 use crate::certify::certify;
-use crate::ended::{End, Ended};
 use crate::frame::Frame;
 use crate::numbers::mean;
+use crate::search_result::{End, SearchResult};
 use crate::{Interface, State};
 
 /// Maximum number of runs. A run that diverges or goes uphill for too long is repeated with half its time step.
@@ -24,7 +24,7 @@ pub(crate) fn relax_to_rest(
     budget: &Budget,
     start: Option<&State>,
     watch: &mut dyn Watch,
-) -> Result<Ended, RelaxError> {
+) -> Result<SearchResult, RelaxError> {
     let mut position = frame.starting_position(&interface.elastic, start);
     let [softest, stiffest] = interface.elastic.stiffness_range();
     let lowest = (0..frame.points()).map(|i| frame.separation(&position, i).0).fold(0.0, f64::min);
@@ -72,13 +72,13 @@ pub(crate) fn relax_to_rest(
         stiffness *= 4.0;
         attempt += 1;
     }
-    Ok(Ended {
+    Ok(SearchResult {
         position,
         iterations,
         transform_pairs: motion.transforms.pairs(),
         passed_instability: false,
         lowest_curvature: f64::NAN,
-        end: End::Ended(ending),
+        end: End::Finished(ending),
     })
 }
 

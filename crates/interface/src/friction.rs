@@ -61,7 +61,7 @@ const SHARE: f64 = 0.1;
 /// fifth, so that the next round would change more accurate results; with larger values slabs take more rounds.
 const SHARE_OF_RESIDUAL: f64 = 0.075;
 /// Tolerance of both problems in the first round, and upper limit for the later ones.
-const FIRST: f64 = 1e-3;
+const FIRST_ROUND_TOLERANCE: f64 = 1e-3;
 /// Largest fraction of a prescribed approach that lies within the tolerance of a round.
 const OF_THE_APPROACH: f64 = 0.1;
 
@@ -75,7 +75,7 @@ impl FrictionalContact {
     /// # Errors
     /// Returns an error for heights that do not match the grid, are not finite or are all equal, or a negative limit.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
-        Self::bounded(Boundary::Periodic, body, grid, heights, limit)
+        Self::with_boundary(Boundary::Periodic, body, grid, heights, limit)
     }
 
     /// Creates a contact as [`new`](Self::new), with the given boundary. With [`Boundary::Free`] displacements are
@@ -84,7 +84,7 @@ impl FrictionalContact {
     /// # Errors
     /// Returns an error as [`new`](Self::new) and, with free boundaries, for a profile, for a body without lateral
     /// support, or for layers that are too thin.
-    pub fn bounded(
+    pub fn with_boundary(
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
@@ -113,7 +113,11 @@ impl FrictionalContact {
     ///
     /// # Errors
     /// Returns an error for heights that do not match the grid, are not finite or are all equal, or a negative limit.
-    pub fn on(response: impl Into<Arc<FullResponse>>, heights: &ArrayRef2<f64>, limit: Limit) -> Result<Self, Refusal> {
+    pub fn with_response(
+        response: impl Into<Arc<FullResponse>>,
+        heights: &ArrayRef2<f64>,
+        limit: Limit,
+    ) -> Result<Self, Refusal> {
         let response = response.into();
         let limit = limit.check()?;
         let surface = Self::rough(response.grid(), heights, Boundary::Periodic)?;
@@ -224,8 +228,8 @@ impl FrictionalContact {
         let mut ending = Ending::GaveUp(Why::Circles);
         // A surface moved by a prescribed approach must not count as solved without pressure.
         let coarsest = |increment: &Increment| match drive.load {
-            Load::Approach(approach) => FIRST.min(OF_THE_APPROACH * approach / increment.length_scale),
-            Load::MeanPressure(_) => FIRST,
+            Load::Approach(approach) => FIRST_ROUND_TOLERANCE.min(OF_THE_APPROACH * approach / increment.length_scale),
+            Load::MeanPressure(_) => FIRST_ROUND_TOLERANCE,
         };
         let mut tolerance = coarsest(&increment);
         for round in 0..ROUNDS {

@@ -36,7 +36,6 @@
 
 mod certify;
 mod dynamics;
-mod ended;
 mod frame;
 mod friction;
 mod gradient;
@@ -47,6 +46,7 @@ mod path;
 mod plastic;
 mod problem;
 mod resumable;
+mod search_result;
 mod solve;
 mod state;
 mod stored_fields;

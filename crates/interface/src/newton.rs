@@ -19,8 +19,8 @@ mod wall;
 use gfmd_relax::{Budget, Ending, Progress, Variables as _, Visit, Watch, Why};
 use gfmd_response::Elastic;
 
-use crate::ended::{End, Ended};
 use crate::frame::Frame;
+use crate::search_result::{End, SearchResult};
 use crate::{Interface, State};
 pub(crate) use adjoint::{Adjoint, Linear};
 use all_components::AllComponents;
@@ -39,7 +39,7 @@ pub(crate) fn descend(
     start: Option<&State>,
     before: f64,
     watch: &mut dyn Watch,
-) -> Ended {
+) -> SearchResult {
     let elastic = &interface.elastic;
     let uniform = uniform_compliance(interface, frame);
     let mut transforms = elastic.transforms();
@@ -79,7 +79,7 @@ fn descend_with<M: Model>(
     // True if a jump between the start and the state counts as an instability.
     mut has_start: bool,
     watch: &mut dyn Watch,
-) -> Ended {
+) -> SearchResult {
     let mut iterations = 0;
     macro_rules! visit_all {
         ($visitor:expr) => {{
@@ -97,17 +97,17 @@ fn descend_with<M: Model>(
         watch.checkpoint(&mut |visitor| visit_all!(visitor));
         let residual = descent.release();
         if watch.see(&Progress { iteration: iterations, residual }).is_break() {
-            break End::Ended(Ending::Interrupted);
+            break End::Finished(Ending::Interrupted);
         }
         if descent.is_apart() {
             break End::Detached;
         }
         let at_rest = residual <= SHARE_OF_TOLERANCE * budget.tolerance;
         if at_rest && !(descent.is_unstable() && descent.leave()) {
-            break End::Ended(Ending::Converged);
+            break End::Finished(Ending::Converged);
         }
         if iterations == budget.max_iterations {
-            break End::Ended(Ending::GaveUp(Why::Iterations));
+            break End::Finished(Ending::GaveUp(Why::Iterations));
         }
         iterations += 1;
         if at_rest {
@@ -116,13 +116,13 @@ fn descend_with<M: Model>(
         descent.seek((SHARE_OF_TOLERANCE * budget.tolerance / residual).max(residual.sqrt().min(0.1)));
         if !descent.advance() && !descent.slide_downhill() {
             break if residual <= budget.tolerance {
-                End::Ended(Ending::Converged)
+                End::Finished(Ending::Converged)
             } else {
-                End::Ended(Ending::GaveUp(Why::NoDescent))
+                End::Finished(Ending::GaveUp(Why::NoDescent))
             };
         }
     };
     let (passed_instability, lowest_curvature) = (descent.met_negative && has_start, descent.lowest);
     let (position, transform_pairs) = descent.into_position_and_pairs();
-    Ended { position, iterations, transform_pairs, passed_instability, lowest_curvature, end }
+    SearchResult { position, iterations, transform_pairs, passed_instability, lowest_curvature, end }
 }

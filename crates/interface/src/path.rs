@@ -31,13 +31,13 @@ pub trait Quasistatic: Equilibrium {
 }
 
 /// Equilibrium state with its forces and energies.
-type Reached<S> = (S, Reading);
+type SolvedState<S> = (S, Reading);
 
 /// Step in equal increments.
 struct Divided<S> {
     /// State before the last increment, if any.
-    before: Option<Reached<S>>,
-    end: Reached<S>,
+    before: Option<SolvedState<S>>,
+    end: SolvedState<S>,
     /// Sums of the losses and of the imbalances of all increments.
     lost: f64,
     imbalance: f64,
@@ -192,9 +192,9 @@ pub struct Path<'a, P: Quasistatic> {
     solver: Solver,
     /// `None` for a path without energy balance.
     refinement: Option<Refinement>,
-    last: Option<Reached<P::State>>,
+    last: Option<SolvedState<P::State>>,
     /// End of the path with half as many increments, if the loss is certified and its error is wanted.
-    coarse: Option<Reached<P::State>>,
+    coarse: Option<SolvedState<P::State>>,
     /// True while every step was also made with half as many increments.
     is_halved: bool,
     /// Work exchanged in all steps so far, and their number.
@@ -306,7 +306,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         Ok(())
     }
 
-    fn restored(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Reached<P::State>, Refusal>
+    fn restored(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<SolvedState<P::State>, Refusal>
     where
         P: Resumable,
     {
@@ -360,8 +360,8 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 self.exchanged += exchanged;
                 self.steps += 1;
                 let reference = exchanged.max(self.exchanged / self.steps as f64);
-                let mut here = Rest { state: start, reading: begin, share: 0.0, origin: 0.0 };
-                let end = Rest { state, reading, share: 1.0, origin: 0.0 };
+                let mut here = StepPoint { state: start, reading: begin, share: 0.0, origin: 0.0 };
+                let end = StepPoint { state, reading, share: 1.0, origin: 0.0 };
                 let is_halved = self.is_halved && matches!(reading.loss, Loss::Certified { .. });
                 let outcome = search.account(&mut here, end, drive, reference, tolerance).and_then(|()| {
                     let coarse = is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
@@ -392,7 +392,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
 }
 
 /// State within a step.
-struct Rest<S> {
+struct StepPoint<S> {
     state: S,
     reading: Reading,
     /// Position of the state within the step, from 0 to 1, and position of its starting state.
@@ -432,7 +432,7 @@ struct Search<'a, P: Quasistatic> {
 }
 
 impl<P: Quasistatic> Search<'_, P> {
-    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<Reached<P::State>, SolveError<P::State>> {
+    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         let state = self.problem.equilibrate(drive, self.solver, &self.budget, start, &mut *self.watch)?;
         let reading = self.problem.reading(&state);
         let Effort { iterations, transform_pairs } = state.effort();
@@ -445,11 +445,11 @@ impl<P: Quasistatic> Search<'_, P> {
     /// not change. `end` was found in one increment.
     fn divide(
         &mut self,
-        start: Option<&Reached<P::State>>,
-        end: Reached<P::State>,
+        start: Option<&SolvedState<P::State>>,
+        end: SolvedState<P::State>,
         drive: Drive,
         tolerance: f64,
-    ) -> Result<Reached<P::State>, SolveError<P::State>> {
+    ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
         let mut made = Divided { before: None, lost: end.1.lost(), imbalance: 0.0, end };
         self.step.increments = 1;
@@ -498,11 +498,11 @@ impl<P: Quasistatic> Search<'_, P> {
     /// too. `end` was found in one increment.
     fn halve(
         &mut self,
-        start: Option<&Reached<P::State>>,
-        end: Reached<P::State>,
+        start: Option<&SolvedState<P::State>>,
+        end: SolvedState<P::State>,
         drive: Drive,
         (tolerance, is_halved): (f64, bool),
-    ) -> Result<Reached<P::State>, SolveError<P::State>> {
+    ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
         let is_at_once = end.1.is_at_once(&begin);
         let mut made = Divided { before: None, lost: end.1.lost(), imbalance: end.1.imbalance(), end };
@@ -531,9 +531,9 @@ impl<P: Quasistatic> Search<'_, P> {
     /// of the loss unless it is known. Returns `None` if the step is not divided or cannot be made.
     fn beside(
         &mut self,
-        coarse: Option<&Reached<P::State>>,
+        coarse: Option<&SolvedState<P::State>>,
         drive: Drive,
-    ) -> Result<Option<Reached<P::State>>, SolveError<P::State>> {
+    ) -> Result<Option<SolvedState<P::State>>, SolveError<P::State>> {
         let (state, begin) =
             (coarse.map(|(state, _)| state), coarse.map_or(Reading::UNLOADED, |(_, reading)| *reading));
         let increments = match (self.step.dissipated_error, self.step.increments) {
@@ -563,7 +563,7 @@ impl<P: Quasistatic> Search<'_, P> {
         drive: Drive,
         increments: u64,
     ) -> Result<Divided<P::State>, SolveError<P::State>> {
-        let (mut before, mut lost, mut imbalance): (Option<Reached<P::State>>, f64, f64) = (None, 0.0, 0.0);
+        let (mut before, mut lost, mut imbalance): (Option<SolvedState<P::State>>, f64, f64) = (None, 0.0, 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
             let reached = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
@@ -593,7 +593,11 @@ impl<P: Quasistatic> Search<'_, P> {
     }
 
     /// Finds the equilibrium state under `drive` by an extra solve.
-    fn further(&mut self, drive: Drive, start: Option<&P::State>) -> Result<Reached<P::State>, SolveError<P::State>> {
+    fn further(
+        &mut self,
+        drive: Drive,
+        start: Option<&P::State>,
+    ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         self.step.extra_solves += 1;
         self.allowance = self.allowance.saturating_sub(1);
         self.rest(drive, start)
@@ -603,16 +607,16 @@ impl<P: Quasistatic> Search<'_, P> {
     /// work.
     fn account(
         &mut self,
-        here: &mut Rest<P::State>,
-        end: Rest<P::State>,
+        here: &mut StepPoint<P::State>,
+        end: StepPoint<P::State>,
         drive: Drive,
         reference: f64,
         tolerance: f64,
     ) -> Result<(), SolveError<P::State>> {
         let (begin, allowed) = (here.reading, tolerance * reference);
-        let extra = |search: &mut Self, share: f64, start: &Rest<P::State>| {
+        let extra = |search: &mut Self, share: f64, start: &StepPoint<P::State>| {
             let (state, reading) = search.further(begin.towards(drive, share), Some(&start.state))?;
-            Ok::<_, SolveError<P::State>>(Rest { state, reading, share, origin: start.share })
+            Ok::<_, SolveError<P::State>>(StepPoint { state, reading, share, origin: start.share })
         };
         let (mut lost, mut uncertain) = (0.0, 0.0);
         let (mut jumped, mut is_known) = (false, true);
@@ -656,12 +660,12 @@ impl<P: Quasistatic> Search<'_, P> {
                         }
                         piece = if closes(&halves) {
                             // Without a loss, the difference of work and energy is the error of the work.
-                            let doubt = if is_alike(&halves) { 0.0 } else { halves.unlikeness };
-                            (halves.simpson(), halves.simpson().abs().max(doubt))
+                            let error = if is_alike(&halves) { 0.0 } else { halves.unlikeness };
+                            (halves.simpson(), halves.simpson().abs().max(error))
                         } else if encloses(&halves) {
                             (halves.missing, enclosed(&halves))
                         } else if self.allowance < RESERVE {
-                            (halves.missing, halves.doubt())
+                            (halves.missing, halves.error_estimate())
                         } else {
                             balanced = if balances(&halves) { end.share } else { 0.0 };
                             ahead.clear();
@@ -743,7 +747,7 @@ impl Halves {
 
     /// Estimates the error of `missing`: its magnitude if no energy was lost, its change if a jump lies in one half.
     /// Energy is never gained, so that a negative `missing` shows that the forces are not monotonic.
-    fn doubt(&self) -> f64 {
+    fn error_estimate(&self) -> f64 {
         match self.missing < 0.0 {
             true => self.spread - self.missing,
             false => self.spread.min(self.missing.max(self.change.abs())),

@@ -66,13 +66,13 @@ impl PlasticContact {
         depth: &ArrayRef2<f64>,
         load: Load,
     ) -> Result<PlasticState, Refusal> {
-        let contact = self.contact.indented(depth)?;
+        let contact = self.contact.with_indentation(depth)?;
         let solution = match gap_at(&contact, load) {
             None => contact.certify(pressure, load)?,
             // Measured from the first touch of the flattened surfaces.
             Some((approach, gap)) => {
                 let touch = approach + gap;
-                let contact = self.contact.indented(&depth.mapv(|depth| depth - touch))?;
+                let contact = self.contact.with_indentation(&depth.mapv(|depth| depth - touch))?;
                 let mut solution = contact.certify(pressure, Load::Approach(-gap))?;
                 solution.approach = approach;
                 solution
@@ -85,7 +85,7 @@ impl PlasticContact {
     fn after(&self, state: Option<&PlasticState>) -> Result<(Contact, Array2<f64>), Refusal> {
         let depth =
             state.map_or_else(|| Array2::zeros(self.contact.surface().grid().points()), |state| state.depth.clone());
-        Ok((self.contact.indented(&depth)?, depth))
+        Ok((self.contact.with_indentation(&depth)?, depth))
     }
 }
 
@@ -209,7 +209,7 @@ impl Resumable for PlasticContact {
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<PlasticState, Refusal> {
         let mut before = Array2::zeros(self.contact.surface().grid().points());
         with_contiguous(&mut before, |depth| visitor.field(depth));
-        let contact = self.contact.indented(&before)?;
+        let contact = self.contact.with_indentation(&before)?;
         let solution = contact.restore(drive, visitor)?;
         if gap_at(&contact, drive.load).is_some() {
             return self.certify(&solution.pressure, &before, drive.load);

@@ -55,7 +55,7 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error as [`new`](Self::new) and, with free boundaries, for a body without a level far away.
-    pub fn bounded(
+    pub fn with_boundary(
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
@@ -92,7 +92,11 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error if the heights do not match the grid or are not finite.
-    pub fn on(elastic: impl Into<Elastic>, heights: &ArrayRef2<f64>, law: impl Law + 'static) -> Result<Self, Refusal> {
+    pub fn with_response(
+        elastic: impl Into<Elastic>,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
         let elastic = elastic.into();
         let surface = Arc::new(RigidSurface::new(elastic.grid(), heights)?);
         let (given, contact_modulus) = (Arc::clone(&surface), elastic.contact_modulus());
@@ -105,8 +109,8 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error if the depth is not finite or its shape differs from the heights.
-    pub fn indented(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let given = Arc::new(self.given.indented(depth)?);
+    pub fn with_indentation(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let given = Arc::new(self.given.with_indentation(depth)?);
         let surface = self.units.surface(&given);
         let patch = self.patch.as_ref().map(|patch| Patch::of(&surface, self.elastic.grid(), patch.has_level()));
         Ok(Self { surface, given, patch, ..self.clone() })

@@ -7,8 +7,8 @@ use gfmd_response::Elastic;
 use ndarray::ArrayView2;
 
 use crate::certify::certify;
-use crate::ended::{End, Ended};
 use crate::frame::Frame;
+use crate::search_result::{End, SearchResult};
 use crate::{Interface, State, dynamics, newton};
 
 /// Solvers of an interface. Newton's method needs an energy; dynamics does not.
@@ -94,7 +94,7 @@ const RESOLVED: f64 = 10.0;
 
 /// Rounding error of a mean relative to the largest value: a load of this size counts as zero, such as the middle one
 /// from -0.1 to 0.1.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+const ROUNDING_OF_MEAN: f64 = 16.0 * f64::EPSILON;
 
 impl Interface {
     /// Checks that the tractions of the law do not hide a prescribed load, in input units. The load residual is
@@ -103,9 +103,9 @@ impl Interface {
     fn check_load(&self, state: &State, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
         let Load::MeanPressure(found) = drive.load else { return Ok(()) };
         let traction = state.pressure().iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
-        let (least, zero) = (tolerance * traction, ROUNDING * traction);
+        let (least, zero) = (tolerance * traction, ROUNDING_OF_MEAN * traction);
         let is_hidden = found.abs() > zero && found.abs() < least;
-        if is_hidden { Err(Refusal::Hidden { found, least, traction }) } else { Ok(()) }
+        if is_hidden { Err(Refusal::LoadBelowTractionRounding { found, least, traction }) } else { Ok(()) }
     }
 
     /// Solves in [`units`](Self::units).
@@ -136,10 +136,11 @@ impl Interface {
         };
         let start = start.or(on_wall.as_ref());
         let before = on_wall.as_ref().map_or(0.0, |wall| wall.effort.transform_pairs);
-        let Ended { position, iterations, transform_pairs, passed_instability, lowest_curvature, end } = match method {
-            Method::Newton => newton::descend(self, &frame, budget, start, before, watch),
-            Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
-        };
+        let SearchResult { position, iterations, transform_pairs, passed_instability, lowest_curvature, end } =
+            match method {
+                Method::Newton => newton::descend(self, &frame, budget, start, before, watch),
+                Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
+            };
         let mut state = certify(self, &frame, &position);
         if state.traction.iter().any(|t| !t.is_finite()) {
             return Err(Refusal::Overflow.into());
@@ -150,7 +151,7 @@ impl Interface {
         state.lowest_curvature = lowest_curvature;
         match end {
             End::Detached => Err(SolveError::Detached { state: Box::new(state), mean_pressure: frame.push }),
-            End::Ended(ending) => judge(state, ending, budget.tolerance),
+            End::Finished(ending) => judge(state, ending, budget.tolerance),
         }
     }
 }
@@ -220,7 +221,7 @@ impl Interface {
         let (Elastic::Normal(response), None) = (&self.elastic, &self.patch) else { return None };
         // The search that follows finds and reports the same refusal or failure.
         let clearance = ArrayView2::from_shape(self.surface.grid().points(), self.surface.clearance()).ok()?;
-        let contact = Contact::on(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
+        let contact = Contact::with_response(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
         let solution = contact.press(drive.load).budget(*budget).watch(watch).solve().ok()?;
         let mut state = self.certify(&solution.gap, &solution.pressure, drive).ok()?;
         state.effort.transform_pairs += solution.effort.transform_pairs;

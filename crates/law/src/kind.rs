@@ -7,7 +7,7 @@ use crate::{
 
 /// List of all laws: names, parameters, constructors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum LawKind {
     /// [`HardWall`].
     HardWall,
     /// [`XuNeedleman`].
@@ -69,7 +69,7 @@ const XU_NEEDLEMAN: [Parameter; 5] = [SEPARATION[0], SEPARATION[1], SEPARATION[2
 const RANGE: [Parameter; 2] = [positive("gamma", "stress*length"), positive("range", "length")];
 const CURVATURE: [Parameter; 2] = [positive("gamma", "stress*length"), positive("curvature", "stress/length")];
 
-impl Kind {
+impl LawKind {
     /// All laws.
     pub const ALL: [Self; 11] = [
         Self::HardWall,
@@ -102,7 +102,7 @@ impl Kind {
         }
     }
 
-    /// Returns the parameters, in the order of [`Kind::with`].
+    /// Returns the parameters, in the order of [`LawKind::with`].
     pub fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::HardWall | Self::Table => &[],
@@ -117,7 +117,7 @@ impl Kind {
     ///
     /// # Errors
     /// Returns an error if a name is unknown, or a parameter is given twice, missing or out of range; also for
-    /// [`Kind::Table`], which has rows instead of parameters.
+    /// [`LawKind::Table`], which has rows instead of parameters.
     pub fn with(self, given: &[(impl AsRef<str>, f64)]) -> Result<Box<dyn Law>, LawError> {
         if let Some((found, _)) =
             given.iter().find(|(name, _)| self.parameters().iter().all(|p| p.name != name.as_ref()))
@@ -150,13 +150,13 @@ impl Kind {
         })
     }
 
-    /// Returns the names of the laws selected by `wanted`, in the order of [`Kind::ALL`], separated by commas.
+    /// Returns the names of the laws selected by `wanted`, in the order of [`LawKind::ALL`], separated by commas.
     pub fn names(wanted: impl Fn(Self) -> bool) -> String {
         let names: Vec<&str> = Self::ALL.into_iter().filter(|kind| wanted(*kind)).map(Self::name).collect();
         names.join(", ")
     }
 
-    /// Returns advice on the law to use for the common model `name` that is not a [`Kind`]; empty for other names.
+    /// Returns advice on the law to use for the common model `name` that is not a [`LawKind`]; empty for other names.
     pub(crate) fn instead_of(name: &str) -> &'static str {
         match name.to_lowercase().as_str() {
             "jkr" => {
@@ -178,7 +178,7 @@ impl Kind {
     }
 }
 
-impl std::str::FromStr for Kind {
+impl std::str::FromStr for LawKind {
     type Err = LawError;
 
     fn from_str(name: &str) -> Result<Self, LawError> {

@@ -17,7 +17,7 @@
 //! per area) exists. All laws are isotropic: T_t is parallel to Δ_t and depends on its magnitude.
 //!
 //! ```
-//! use gfmd_law::{Kind, Law, Npb, Separation};
+//! use gfmd_law::{Law, LawKind, Npb, Separation};
 //!
 //! let separation = Separation { normal_work: 1.0, tangential_work: 0.8, normal_length: 0.2, tangential_length: 0.3 };
 //! let law = Npb::new(separation)?;
@@ -25,9 +25,9 @@
 //! assert_eq!(law.response(-0.1, 0.0).traction[0], law.response(-0.1, 0.9).traction[0]);
 //! assert!(law.mixed_mode().is_some_and(|properties| properties.all()));
 //!
-//! let law = Kind::Morse.with(&[("gamma", 1.0), ("range", 0.2)])?;
+//! let law = LawKind::Morse.with(&[("gamma", 1.0), ("range", 0.2)])?;
 //! assert!((law.traction(0.1, [0.0; 2])[2] - 2.386_512_185).abs() < 1e-9);
-//! assert_eq!(Kind::Morse.with(&[("gamma", 1.0)]).unwrap_err().to_string(),
+//! assert_eq!(LawKind::Morse.with(&[("gamma", 1.0)]).unwrap_err().to_string(),
 //!     "the law morse needs the parameter range (length, positive)");
 //! # Ok::<(), gfmd_law::LawError>(())
 //! ```
@@ -50,7 +50,7 @@ pub use bosch_schreurs_geers::BoschSchreursGeers;
 pub use coupled_exponential::{CoupledExponential, Npb};
 pub use friction::{Friction, Limit, Rate, Sliding};
 pub use in_units::InUnits;
-pub use kind::{Allowed, Kind, Parameter};
+pub use kind::{Allowed, LawKind, Parameter};
 pub use law::{Jacobian, Law, MixedMode, Opening, Response};
 pub use normal::{Dugdale, Exponential, HardWall, HarmonicCosine, Morse};
 pub use npc::Npc;

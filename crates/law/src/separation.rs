@@ -1,4 +1,4 @@
-use crate::{Kind, Parameter};
+use crate::{LawKind, Parameter};
 
 /// Works and lengths of separation of a cohesive law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +81,7 @@ pub enum LawError {
         allowed: &'static str,
     },
     /// Unknown law.
-    #[error("the law is {found:?}; it must be one of {}{}", Kind::names(|_| true), Kind::instead_of(found))]
+    #[error("the law is {found:?}; it must be one of {}{}", LawKind::names(|_| true), LawKind::instead_of(found))]
     Name {
         /// Requested name.
         found: String,
@@ -90,7 +90,7 @@ pub enum LawError {
     #[error("the law {} has no parameter {found:?}; it takes {}", kind.name(), Parameter::list(kind.parameters()))]
     Unknown {
         /// Law.
-        kind: Kind,
+        kind: LawKind,
         /// Name of the parameter.
         found: String,
     },
@@ -98,7 +98,7 @@ pub enum LawError {
     #[error("the law {} needs the parameter {parameter}", kind.name())]
     Missing {
         /// Law.
-        kind: Kind,
+        kind: LawKind,
         /// Missing parameter.
         parameter: Parameter,
     },
@@ -113,7 +113,7 @@ pub enum LawError {
         /// Allowed values, completing "it must be".
         allowed: &'static str,
     },
-    /// [`Kind::Table`] without a table.
+    /// [`LawKind::Table`] without a table.
     #[error("the law table needs its rows: gaps and tractions")]
     NoTable,
     /// Parameter given more than once.

@@ -64,12 +64,12 @@ impl Summary {
     ) -> Self {
         let (rows, columns) = pressure.dim();
         let fields = [pressure, displacement_z, gap];
-        Self::over(&Share::whole(rows, columns), fields, mean_pressure, scales, boundary)
+        Self::distributed(&Share::whole(rows, columns), fields, mean_pressure, scales, boundary)
     }
 
     /// Measures the distributed `fields` (pressure, displacement, gap): each process passes the rows of its `share`.
     /// All processes get the summary that [`of`](Self::of) gives for the whole fields.
-    pub fn over(
+    pub fn distributed(
         share: &Share,
         fields: [ArrayView2<f64>; 3],
         mean_pressure: f64,

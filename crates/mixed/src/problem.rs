@@ -56,14 +56,14 @@ impl MixedProblem {
     /// # Errors
     /// Prescribed values that do not fit the grid, hold nothing, or leave a mean traction undetermined.
     pub fn new(body: &Body, grid: &Grid, prescribed: Prescribed) -> Result<Self, MixedError> {
-        Self::on(FullResponse::new(*grid, body), prescribed)
+        Self::with_response(FullResponse::new(*grid, body), prescribed)
     }
 
     /// Poses the problem on an existing response, which many problems may share.
     ///
     /// # Errors
     /// Prescribed values that do not fit the grid, hold nothing, or leave a mean traction undetermined.
-    pub fn on(response: impl Into<Arc<FullResponse>>, prescribed: Prescribed) -> Result<Self, MixedError> {
+    pub fn with_response(response: impl Into<Arc<FullResponse>>, prescribed: Prescribed) -> Result<Self, MixedError> {
         let response = response.into();
         let [nx, ny] = response.grid().points();
         let (found, expected) = (prescribed.shape(), [response.components().len(), nx, ny]);

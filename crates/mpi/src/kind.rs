@@ -11,7 +11,7 @@ pub(crate) struct Constants {
 
 /// A binary interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum BinaryInterface {
     /// Handles are addresses of objects of the library.
     OpenMpi,
     /// Handles are numbers of the size of an `int`: MPICH and its relatives.
@@ -29,7 +29,7 @@ pub(crate) const STANDARD: Constants = Constants { world: 0x101, word: 0x259, se
 /// `mpi.h` of Open MPI, in which handles are symbols.
 pub(crate) const OPEN_MPI_SERIALIZED: i32 = 2;
 
-impl Kind {
+impl BinaryInterface {
     /// Returns the interface of a library from its file name; `has_open_mpi` is true if it has the symbols of Open MPI.
     pub(crate) fn of(file: &str, has_open_mpi: bool) -> Self {
         let name = file.rsplit('/').next().unwrap_or(file);
@@ -47,8 +47,8 @@ mod tests {
 
     #[test]
     fn interfaces_are_known_by_symbol_and_name() {
-        assert_eq!(Kind::of("libmpi.so.40", true), Kind::OpenMpi);
-        assert_eq!(Kind::of("/opt/mpi_abi/lib/libmpi.so.12", false), Kind::Mpich);
-        assert_eq!(Kind::of("/usr/lib/libmpi_abi.so.1", false), Kind::Standard);
+        assert_eq!(BinaryInterface::of("libmpi.so.40", true), BinaryInterface::OpenMpi);
+        assert_eq!(BinaryInterface::of("/opt/mpi_abi/lib/libmpi.so.12", false), BinaryInterface::Mpich);
+        assert_eq!(BinaryInterface::of("/usr/lib/libmpi_abi.so.1", false), BinaryInterface::Standard);
     }
 }

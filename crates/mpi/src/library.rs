@@ -1,6 +1,7 @@
 //! Functions of an MPI library; the only unsafe code of the crate.
 //!
-//! The signatures follow the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of [`Kind`].
+//! The signatures follow the standard (MPI 3.1, sections 5.5, 5.8, 5.12.2, 3.7.3, 8.7), with the handles of
+//! [`BinaryInterface`].
 #![expect(unsafe_code, reason = "a C library has no other interface")]
 
 use std::ffi::{c_char, c_int, c_void};
@@ -10,7 +11,7 @@ use std::ptr::null;
 use gfmd_vector::Messages;
 use libloading::Library;
 
-use crate::kind::{Kind, MPICH, OPEN_MPI_SERIALIZED, STANDARD};
+use crate::kind::{BinaryInterface, MPICH, OPEN_MPI_SERIALIZED, STANDARD};
 
 /// MPI handle: an `int` in MPICH, an address elsewhere, stored as a number of its size.
 pub(crate) trait Handle: Copy + Send + Sync + 'static {
@@ -89,8 +90,8 @@ pub(crate) fn begin(
     }
     // SAFETY: the symbol is looked up, not used.
     let has_open_mpi = unsafe { library.get::<*const c_void>(b"ompi_mpi_comm_world\0") }.is_ok();
-    let (begun, rank, size) = match Kind::of(file, has_open_mpi) {
-        Kind::OpenMpi => {
+    let (begun, rank, size) = match BinaryInterface::of(file, has_open_mpi) {
+        BinaryInterface::OpenMpi => {
             let address = |name: &[u8]| {
                 // SAFETY: the address of an object is taken, not read.
                 unsafe { library.get::<*const c_void>(name) }.map(|symbol| *symbol as usize)
@@ -99,12 +100,12 @@ pub(crate) fn begin(
             let (functions, rank, size) = Functions::begin(&library, world, word, OPEN_MPI_SERIALIZED)?;
             (Begun::Addresses(functions), rank, size)
         }
-        Kind::Mpich => {
+        BinaryInterface::Mpich => {
             let (world, word) = (Handle::of(MPICH.world), Handle::of(MPICH.word));
             let (functions, rank, size) = Functions::begin(&library, world, word, MPICH.serialized)?;
             (Begun::Numbers(functions), rank, size)
         }
-        Kind::Standard => {
+        BinaryInterface::Standard => {
             let (world, word) = (STANDARD.world, STANDARD.word);
             let (functions, rank, size) = Functions::begin(&library, world, word, STANDARD.serialized)?;
             (Begun::Addresses(functions), rank, size)

@@ -1,6 +1,6 @@
 use gfmd_contact::Boundary;
 use gfmd_green::{BaseKind, Condition, Ground, Height};
-use gfmd_law::Kind;
+use gfmd_law::LawKind;
 use gfmd_viscoelastic::Relaxes;
 
 use crate::{GridError, Unknown};
@@ -82,8 +82,8 @@ pub enum MovedBase {
 pub struct Facts {
     /// Kind of load sequence.
     pub task: Task,
-    /// Law across the gap; [`Kind::HardWall`] for none.
-    pub law: Kind,
+    /// Law across the gap; [`LawKind::HardWall`] for none.
+    pub law: LawKind,
     /// True if a hardness limits the pressure.
     pub hardness: bool,
     /// Limit of the shear, if there is friction.
@@ -134,7 +134,7 @@ impl Default for Facts {
     fn default() -> Self {
         Self {
             task: Task::Loads,
-            law: Kind::HardWall,
+            law: LawKind::HardWall,
             hardness: false,
             friction: None,
             boundary: Boundary::Periodic,
@@ -164,7 +164,7 @@ impl Default for Facts {
 impl Facts {
     /// Returns true if a law acts across the gap.
     pub fn has_law(&self) -> bool {
-        self.law != Kind::HardWall
+        self.law != LawKind::HardWall
     }
 
     /// Returns true if the displacement has a reference level: points far away, or its mean. A profile on a patch over

@@ -13,7 +13,7 @@ use gfmd_wear::{WearContact, WearState};
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
-use crate::posed::{Kind, NoStiffness};
+use crate::posed::{ContactKind, NoStiffness};
 
 /// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
@@ -31,7 +31,7 @@ fn approach(stored: &StoredFields<'_>, clearance: &[f64]) -> f64 {
     sum / clearance.len() as f64
 }
 
-impl Kind for Contact {
+impl ContactKind for Contact {
     fn surface(&self) -> &RigidSurface {
         Contact::surface(self)
     }
@@ -58,7 +58,7 @@ impl Kind for Contact {
     }
 }
 
-impl Kind for FullContact {
+impl ContactKind for FullContact {
     fn surface(&self) -> &RigidSurface {
         FullContact::surface(self)
     }
@@ -80,7 +80,7 @@ impl Kind for FullContact {
     }
 }
 
-impl Kind for SteepContact {
+impl ContactKind for SteepContact {
     fn surface(&self) -> &RigidSurface {
         SteepContact::surface(self)
     }
@@ -97,7 +97,7 @@ impl Kind for SteepContact {
     }
 }
 
-impl Kind for SqueezedContact {
+impl ContactKind for SqueezedContact {
     fn surface(&self) -> &RigidSurface {
         self.surfaces()[0]
     }
@@ -120,7 +120,7 @@ impl Kind for SqueezedContact {
     }
 }
 
-impl Kind for Interface {
+impl ContactKind for Interface {
     fn surface(&self) -> &RigidSurface {
         Interface::surface(self)
     }
@@ -161,7 +161,7 @@ impl Kind for Interface {
 /// Reason why states of a path have no stiffness.
 const ON_A_PATH: NoStiffness = NoStiffness::Undefined("not computed along a path");
 
-impl Kind for FrictionalContact {
+impl ContactKind for FrictionalContact {
     fn surface(&self) -> &RigidSurface {
         FrictionalContact::surface(self)
     }
@@ -195,7 +195,7 @@ impl Kind for FrictionalContact {
     }
 }
 
-impl Kind for PlasticContact {
+impl ContactKind for PlasticContact {
     fn surface(&self) -> &RigidSurface {
         self.contact().surface()
     }
@@ -218,7 +218,7 @@ impl Kind for PlasticContact {
     }
 }
 
-impl<C> Kind for ViscoelasticContact<C>
+impl<C> ContactKind for ViscoelasticContact<C>
 where
     C: ElasticContact<State: Send + Sync + 'static> + Send + Sync + 'static,
 {
@@ -255,7 +255,7 @@ where
     }
 }
 
-impl Kind for WearContact {
+impl ContactKind for WearContact {
     fn surface(&self) -> &RigidSurface {
         self.contact().surface()
     }

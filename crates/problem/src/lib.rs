@@ -4,8 +4,8 @@
 //! - [`Facts`] list the parts of a problem: a law, free boundaries, a second body, ... [`RULES`] say which parts cannot
 //!   be combined, once for the program, the Python package, the documentation and the tests.
 //! - [`pose`] is the only place that makes a contact from them: a [`Posed`] problem, which every solver, path and file
-//!   treats as a single kind. A new kind of contact implements [`Kind`].
-//! - [`Rest`] is a state at rest of any kind; [`Rest::get`] returns it as its own type.
+//!   treats as a single kind. A new kind of contact implements [`ContactKind`].
+//! - [`AnyState`] is a state at rest of any kind; [`AnyState::get`] returns it as its own type.
 //!
 //! ```
 //! use gfmd_contact::{Equilibrium, Fields, Load};
@@ -53,7 +53,7 @@ pub use grid_error::GridError;
 pub use memory::MemoryNeed;
 pub use moduli::Moduli;
 pub use pose::{Given, pose};
-pub use posed::{Kind, NoStiffness, Posed, Rest, State};
+pub use posed::{AnyState, ContactKind, NoStiffness, Posed, State};
 pub use rules::{Clash, Part, RULES, Rule, rules_of, rules_of_wear, table};
 pub use unknown::{NoUnknown, Unknown};
 pub use unusable::{SIZES, Unusable, check_size};

@@ -6,9 +6,9 @@ use gfmd_viscoelastic::ViscoelasticState;
 use gfmd_wear::WearState;
 use ndarray::{Array2, Array3};
 
-use crate::Rest;
+use crate::AnyState;
 
-impl Rest {
+impl AnyState {
     /// Returns the state of a hard wall; the upper face if there are two.
     pub fn wall(&self) -> Option<&Solution> {
         let full = || self.get().map(|state: &FullSolution| &state.normal);

@@ -66,8 +66,8 @@ impl<'a> Given<'a> {
         let Self { facts, body, grid, share, heights, .. } = self;
         let contact = match (facts.unknown, facts.boundary) {
             (Unknown::Held, _) => Contact::held_sideways_over(share, body, grid, heights),
-            (_, Boundary::Periodic) => Contact::over(share, body, grid, heights),
-            (_, Boundary::Free) => Contact::bounded(Boundary::Free, body, grid, heights),
+            (_, Boundary::Periodic) => Contact::distributed(share, body, grid, heights),
+            (_, Boundary::Free) => Contact::with_boundary(Boundary::Free, body, grid, heights),
         };
         let contact = contact?.with_dynamics(self.dynamics);
         match &self.hardness {
@@ -103,11 +103,11 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
         return Ok(Posed::new(SteepContact::new(body, grid, heights)?));
     }
     if let Some(limit) = limit {
-        return Ok(Posed::new(FrictionalContact::bounded(facts.boundary, body, grid, heights, *limit)?));
+        return Ok(Posed::new(FrictionalContact::with_boundary(facts.boundary, body, grid, heights, *limit)?));
     }
     if let (Some(prony), Some(relaxes)) = (prony, facts.relaxes) {
         if facts.has_law() {
-            let interface = Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?;
+            let interface = Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?;
             return Ok(Posed::new(ViscoelasticContact::new(interface, body, prony, relaxes)?));
         }
         return Ok(Posed::new(ViscoelasticContact::new(given.wall()?, body, prony, relaxes)?));
@@ -121,9 +121,9 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     match facts.task {
         Task::Path if facts.is_wall_on_path() => Ok(Posed::new(PlasticContact::new(given.wall()?))),
         // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
-        Task::Path => Ok(Posed::new(Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?)),
+        Task::Path => Ok(Posed::new(Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?)),
         Task::Loads if facts.has_law() => {
-            Ok(Posed::new(Interface::bounded(facts.boundary, body, grid, heights, Arc::clone(law))?))
+            Ok(Posed::new(Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?))
         }
         Task::Loads if facts.unknown == Unknown::All => {
             Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)))

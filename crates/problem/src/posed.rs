@@ -11,7 +11,7 @@ use ndarray::{ArrayRef2, ArrayView2, CowArray, Ix2};
 use crate::Unusable;
 
 /// Kind of contact, with all that solvers, paths and files need. A new kind implements this trait, once.
-pub trait Kind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
+pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
     /// Returns the rigid surface; the upper one of two.
     fn surface(&self) -> &RigidSurface;
 
@@ -120,9 +120,9 @@ impl<S: Fields + Any + Send + Sync> State for S {
 }
 
 /// State at rest of a [`Posed`] problem, or the state reached by a solve that failed.
-pub struct Rest(Box<dyn State>);
+pub struct AnyState(Box<dyn State>);
 
-impl Rest {
+impl AnyState {
     /// Wraps a state.
     pub fn new(state: impl State) -> Self {
         Self(Box::new(state))
@@ -138,7 +138,7 @@ impl Rest {
     }
 }
 
-impl Fields for Rest {
+impl Fields for AnyState {
     fn pressure(&self) -> CowArray<'_, f64, Ix2> {
         self.0.pressure()
     }
@@ -184,8 +184,8 @@ impl Fields for Rest {
     }
 }
 
-/// [`Kind`] without its state type.
-trait Erased: Send + Sync {
+/// [`ContactKind`] without its state type.
+trait DynContact: Send + Sync {
     fn surface(&self) -> &RigidSurface;
     fn solvers(&self) -> &'static [Solver];
     fn check(&self, drive: Drive) -> Result<(), Refusal>;
@@ -195,26 +195,26 @@ trait Erased: Send + Sync {
         drive: Drive,
         solver: Solver,
         budget: &Budget,
-        start: Option<&Rest>,
+        start: Option<&AnyState>,
         watch: &mut dyn Watch,
-    ) -> Result<Rest, SolveError<Rest>>;
-    fn keep(&self, state: &mut Rest, visitor: &mut dyn Visit);
-    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Rest, Refusal>;
+    ) -> Result<AnyState, SolveError<AnyState>>;
+    fn keep(&self, state: &mut AnyState, visitor: &mut dyn Visit);
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal>;
     fn basis(&self) -> &'static [&'static str];
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal>;
-    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal>;
-    fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness>;
-    fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
-    fn reading(&self, state: &Rest) -> Reading;
-    fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool;
-    fn change(&self, start: Option<&Rest>, from: &Rest, to: &Rest) -> f64;
-    fn change_of_stick(&self, from: &Rest, to: &Rest) -> f64;
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal>;
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<AnyState, Refusal>;
+    fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness>;
+    fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
+    fn reading(&self, state: &AnyState) -> Reading;
+    fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool;
+    fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64;
+    fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64;
     fn trapping(&self) -> Option<Trapping>;
 }
 
-impl<K: Kind> Erased for K {
+impl<K: ContactKind> DynContact for K {
     fn surface(&self) -> &RigidSurface {
-        Kind::surface(self)
+        ContactKind::surface(self)
     }
 
     fn solvers(&self) -> &'static [Solver] {
@@ -234,79 +234,80 @@ impl<K: Kind> Erased for K {
         drive: Drive,
         solver: Solver,
         budget: &Budget,
-        start: Option<&Rest>,
+        start: Option<&AnyState>,
         watch: &mut dyn Watch,
-    ) -> Result<Rest, SolveError<Rest>> {
+    ) -> Result<AnyState, SolveError<AnyState>> {
         let start = start.map(|rest| rest.get().ok_or(Refusal::OtherKind)).transpose()?;
         let solved = Equilibrium::equilibrate(self, drive, solver, budget, start, watch);
-        solved.map(Rest::new).map_err(|error| error.map(Rest::new))
+        solved.map(AnyState::new).map_err(|error| error.map(AnyState::new))
     }
 
-    fn keep(&self, state: &mut Rest, visitor: &mut dyn Visit) {
+    fn keep(&self, state: &mut AnyState, visitor: &mut dyn Visit) {
         if let Some(state) = state.get_mut() {
             Resumable::keep(self, state, visitor);
         }
     }
 
-    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Rest, Refusal> {
-        Resumable::restore(self, drive, visitor).map(Rest::new)
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal> {
+        Resumable::restore(self, drive, visitor).map(AnyState::new)
     }
 
     fn basis(&self) -> &'static [&'static str] {
-        Kind::basis(self)
+        ContactKind::basis(self)
     }
 
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal> {
-        Kind::certify(self, fields, drive).map(Rest::new)
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal> {
+        ContactKind::certify(self, fields, drive).map(AnyState::new)
     }
 
-    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
-        Kind::recall(self, stored, lower).map(Rest::new)
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<AnyState, Refusal> {
+        ContactKind::recall(self, stored, lower).map(AnyState::new)
     }
 
-    fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         match state.get() {
-            Some(state) => Kind::stiffness(self, state, tolerance),
+            Some(state) => ContactKind::stiffness(self, state, tolerance),
             None => Err(NoStiffness::Undefined("the state is of another kind of contact")),
         }
     }
 
-    fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+    fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
         match state.get() {
-            Some(state) => Kind::gradient(self, state, load, of),
+            Some(state) => ContactKind::gradient(self, state, load, of),
             None => Err(Unusable::of("the state is of another kind of contact")),
         }
     }
 
-    fn reading(&self, state: &Rest) -> Reading {
-        state.get().map_or_else(|| of_fields(state), |state| Kind::reading(self, state))
+    fn reading(&self, state: &AnyState) -> Reading {
+        state.get().map_or_else(|| of_fields(state), |state| ContactKind::reading(self, state))
     }
 
-    fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool {
-        end.get().is_some_and(|end| Kind::depends_on_division(self, start.and_then(Rest::get), end, tolerance))
+    fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool {
+        end.get()
+            .is_some_and(|end| ContactKind::depends_on_division(self, start.and_then(AnyState::get), end, tolerance))
     }
 
-    fn change(&self, start: Option<&Rest>, from: &Rest, to: &Rest) -> f64 {
+    fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64 {
         let both = from.get().zip(to.get());
-        both.map_or(f64::NAN, |(from, to)| Kind::change(self, start.and_then(Rest::get), from, to))
+        both.map_or(f64::NAN, |(from, to)| ContactKind::change(self, start.and_then(AnyState::get), from, to))
     }
 
-    fn change_of_stick(&self, from: &Rest, to: &Rest) -> f64 {
-        from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| Kind::change_of_stick(self, from, to))
+    fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64 {
+        from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| ContactKind::change_of_stick(self, from, to))
     }
 
     fn trapping(&self) -> Option<Trapping> {
-        Kind::trapping(self)
+        ContactKind::trapping(self)
     }
 }
 
 /// Problem of any kind, ready to be solved. Everything that takes an [`Equilibrium`] takes it, such as
 /// [`Press`](gfmd_contact::Press) and [`Path`](gfmd_interface::Path).
-pub struct Posed(Box<dyn Erased>);
+pub struct Posed(Box<dyn DynContact>);
 
 impl Posed {
     /// Wraps a contact.
-    pub fn new(kind: impl Kind) -> Self {
+    pub fn new(kind: impl ContactKind) -> Self {
         Self(Box::new(kind))
     }
 
@@ -324,7 +325,7 @@ impl Posed {
     ///
     /// # Errors
     /// Returns an error if the fields do not fit the grid, or if the drive is invalid.
-    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Rest, Refusal> {
+    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal> {
         self.0.certify(fields, drive)
     }
 
@@ -332,7 +333,7 @@ impl Posed {
     ///
     /// # Errors
     /// Returns an error if fields are missing or do not fit the grid.
-    pub fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<Rest, Refusal> {
+    pub fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<AnyState, Refusal> {
         self.0.recall(stored, lower)
     }
 
@@ -340,7 +341,7 @@ impl Posed {
     ///
     /// # Errors
     /// Returns the reason why there is no stiffness, or why it is less exact than requested.
-    pub fn stiffness(&self, state: &Rest, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+    pub fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         self.0.stiffness(state, tolerance)
     }
 
@@ -349,7 +350,7 @@ impl Posed {
     ///
     /// # Errors
     /// Returns the reason why there are none.
-    pub fn gradient(&self, state: &Rest, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+    pub fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
         self.0.gradient(state, load, of)
     }
 
@@ -360,7 +361,7 @@ impl Posed {
 }
 
 impl Equilibrium for Posed {
-    type State = Rest;
+    type State = AnyState;
 
     fn solvers(&self) -> &'static [Solver] {
         self.0.solvers()
@@ -379,37 +380,37 @@ impl Equilibrium for Posed {
         drive: Drive,
         solver: Solver,
         budget: &Budget,
-        start: Option<&Rest>,
+        start: Option<&AnyState>,
         watch: &mut dyn Watch,
-    ) -> Result<Rest, SolveError<Rest>> {
+    ) -> Result<AnyState, SolveError<AnyState>> {
         self.0.equilibrate(drive, solver, budget, start, watch)
     }
 }
 
 impl Resumable for Posed {
-    fn keep(&self, state: &mut Rest, visitor: &mut dyn Visit) {
+    fn keep(&self, state: &mut AnyState, visitor: &mut dyn Visit) {
         self.0.keep(state, visitor);
     }
 
-    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Rest, Refusal> {
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal> {
         self.0.restore(drive, visitor)
     }
 }
 
 impl Quasistatic for Posed {
-    fn reading(&self, state: &Rest) -> Reading {
+    fn reading(&self, state: &AnyState) -> Reading {
         self.0.reading(state)
     }
 
-    fn depends_on_division(&self, start: Option<&Rest>, end: &Rest, tolerance: f64) -> bool {
+    fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool {
         self.0.depends_on_division(start, end, tolerance)
     }
 
-    fn change(&self, start: Option<&Rest>, from: &Rest, to: &Rest) -> f64 {
+    fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64 {
         self.0.change(start, from, to)
     }
 
-    fn change_of_stick(&self, from: &Rest, to: &Rest) -> f64 {
+    fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64 {
         self.0.change_of_stick(from, to)
     }
 }
@@ -417,5 +418,5 @@ impl Quasistatic for Posed {
 const _: () = {
     const fn shared<T: Send + Sync>() {}
     shared::<Posed>();
-    shared::<Rest>();
+    shared::<AnyState>();
 };

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use clap::{CommandFactory as _, Parser};
 use gfmd_cli::inputs::stay_in;
-use gfmd_cli::program::{Command, keep_freed_memory, status};
+use gfmd_cli::program::{Command, status, tune_allocator};
 use gfmd_files::{Draft, Memory, Output};
 use gfmd_problem::options::given::{ArrayOption, Arrays, StoredLoad};
 use gfmd_run::failure::{Failure, Outcome};
@@ -214,6 +214,6 @@ pub(crate) fn figures(py: Python<'_>, path: &str) -> PyResult<Vec<(String, Strin
 /// Runs the program `gfmd` with `words`, starting with its name, and returns the exit status.
 #[pyfunction]
 pub(crate) fn program(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
-    keep_freed_memory(); // the process belongs to the program
+    tune_allocator(); // the process belongs to the program
     py.detach(|| status("gfmd", words, Command::run))
 }

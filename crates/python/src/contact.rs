@@ -10,11 +10,11 @@ use gfmd_contact::{
 };
 use gfmd_green::Height;
 use gfmd_interface::StoredFields;
-use gfmd_law::{Kind, Law};
+use gfmd_law::{Law, LawKind};
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, Row};
-use gfmd_problem::{Accuracy, Facts, Posed, Rest, Spelling, key};
-use gfmd_record::{At, NOT_SOLVED, OnFinerGrid, Record, STATISTICS};
+use gfmd_problem::{Accuracy, AnyState, Facts, Posed, Spelling, key};
+use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, STATISTICS, StateContext};
 use gfmd_run::accuracy;
 use gfmd_run::failure::{Failure, reached};
 use gfmd_run::json;
@@ -46,8 +46,8 @@ pub(crate) fn options() -> Vec<String> {
 
 /// Builds a law from its name, its parameters and the rows of its table.
 fn law_of(py: Python<'_>, name: &str, param: Vec<(String, f64)>, law_table: Vec<[f64; 2]>) -> PyResult<Box<dyn Law>> {
-    let law: Kind = name.parse().map_err(|error| refused(py, &error))?;
-    if law != Kind::Table && law_table.is_empty() {
+    let law: LawKind = name.parse().map_err(|error| refused(py, &error))?;
+    if law != LawKind::Table && law_table.is_empty() {
         return law.with(&param).map_err(|error| refused(py, &error));
     }
     LawArgs { law, param, law_table, coarse: false }.build().map_err(|error| unusable(py, error))
@@ -156,7 +156,7 @@ pub(crate) struct Problem {
 /// Solved load, which may serve as the start of the next one.
 #[pyclass(frozen, module = "gfmd._gfmd")]
 pub(crate) struct State {
-    rest: Rest,
+    rest: AnyState,
     facts: Facts,
     /// Lift of a moved base.
     lift: Option<Array2<f64>>,
@@ -239,12 +239,12 @@ impl Problem {
             });
             let finer = finer.collect::<Result<_, Failure>>()?;
             let at = prepared.at(&state, tolerance);
-            if let (None, Some(doubt)) = (&failure, prepared.doubt_of_edge(&state)) {
-                tracing::warn!("{doubt}");
+            if let (None, Some(warning)) = (&failure, prepared.edge_warning(&state)) {
+                tracing::warn!("{warning}");
             }
             let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
             let facts = Facts { approach: matches!(drive.load, Load::Approach(_)), ..prepared.facts };
-            let record = Record::of(&At { facts: &facts, stiffness, seconds, finer, ..at });
+            let record = Record::of(&StateContext { facts: &facts, stiffness, seconds, finer, ..at });
             Ok::<_, Failure>((state, record, failure))
         })?;
         let ((rest, record, failure), raised) = match (solved, raised) {
@@ -273,15 +273,15 @@ impl Problem {
     }
 
     /// Returns warnings about mixed-up units for loads up to `largest` with the key `control`.
-    fn doubts(&self, control: &str, largest: f64) -> Vec<String> {
-        let mut doubts = self.prepared.doubts(self.prepared.adhesion.as_ref());
+    fn unit_warnings(&self, control: &str, largest: f64) -> Vec<String> {
+        let mut warnings = self.prepared.unit_warnings(self.prepared.adhesion.as_ref());
         let p_star = match control {
             "pressure" => largest / self.prepared.unit_pressure(),
             "p_star" => largest,
             _ => 0.0,
         };
-        doubts.extend(self.prepared.doubt_of_load(p_star, control));
-        doubts.into_iter().map(|doubt| doubt.spelled(Spelling::Argument)).collect()
+        warnings.extend(self.prepared.load_warning(p_star, control));
+        warnings.into_iter().map(|doubt| doubt.spelled(Spelling::Argument)).collect()
     }
 
     /// Returns the numbers that statistics and flow add to a state, as JSON, and its patches, distributions and
@@ -368,7 +368,7 @@ impl Problem {
 
     /// Returns the warning about large strain at an approach; `None` if the strain is small.
     fn strain(&self, approach: f64) -> Option<String> {
-        self.prepared.doubt_of_strain(approach)
+        self.prepared.strain_warning(approach)
     }
 
     /// Returns the warning about steep slopes, with the largest pressure of the loads; `None` if they are small.
@@ -407,7 +407,7 @@ impl Problem {
 }
 
 impl Problem {
-    fn state(&self, rest: Rest, record: Option<Record>) -> State {
+    fn state(&self, rest: AnyState, record: Option<Record>) -> State {
         State { rest, record, facts: self.prepared.facts, lift: self.prepared.lift().cloned() }
     }
 }

@@ -7,7 +7,7 @@ use gfmd_files::{Output, Reader};
 use gfmd_record::{Record, arrays};
 use gfmd_run::failure::Failure;
 use gfmd_run::json;
-use gfmd_run::result::Kind;
+use gfmd_run::result::ResultKind;
 use gfmd_run::series::{Chosen, Prepared, StateFile};
 use gfmd_run::session::Session;
 use ndarray::{Array2, ArrayD, IxDyn};
@@ -104,16 +104,16 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
 }
 
 /// Returns the advice for a result of another kind than `contact`.
-fn other(kind: Kind) -> String {
+fn other(kind: ResultKind) -> String {
     let name = kind.name();
     let (function, group) = match kind {
-        Kind::Contact => ("contact", "loads"),
-        Kind::Path => ("path", "path"),
-        Kind::Slide => ("slide", "states"),
-        Kind::Wear => ("wear", "wear"),
-        Kind::Punch => ("punch", "punch"),
-        Kind::Body => ("interior", "fields"),
-        Kind::KappaSweep => ("kappa_sweep", "points"),
+        ResultKind::Contact => ("contact", "loads"),
+        ResultKind::Path => ("path", "path"),
+        ResultKind::Slide => ("slide", "states"),
+        ResultKind::Wear => ("wear", "wear"),
+        ResultKind::Punch => ("punch", "punch"),
+        ResultKind::Body => ("interior", "fields"),
+        ResultKind::KappaSweep => ("kappa_sweep", "points"),
     };
     format!(
         "it is a result of {name}, and load returns those of contact; gfmd.{function} returns one of {name}, \
@@ -126,8 +126,8 @@ fn other(kind: Kind) -> String {
 pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
     let read = quick(py, || {
         let reader = Reader::open(path)?;
-        match Kind::of(&reader) {
-            Some(kind) if kind != Kind::Contact => Err(Failure::input(path, other(kind))),
+        match ResultKind::of(&reader) {
+            Some(kind) if kind != ResultKind::Contact => Err(Failure::input(path, other(kind))),
             _ => configuration(&reader),
         }
     })?;

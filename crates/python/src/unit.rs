@@ -1,6 +1,6 @@
 //! Units: parsing of quantities, and numbers in readable units.
 
-use gfmd_law::Kind;
+use gfmd_law::LawKind;
 use gfmd_record::{ARRAYS, COLUMNS};
 use gfmd_unit::{Conversion, Quantity, Units};
 use numpy::{IntoPyArray, PyReadonlyArray2};
@@ -62,7 +62,7 @@ pub(crate) fn kinds() -> Vec<(&'static str, &'static str)> {
 /// Returns the kinds of quantity of the parameters of all laws, by name.
 #[pyfunction]
 pub(crate) fn law_kinds() -> Vec<(&'static str, &'static str)> {
-    let all = Kind::ALL.into_iter().flat_map(Kind::parameters);
+    let all = LawKind::ALL.into_iter().flat_map(LawKind::parameters);
     all.map(|parameter| (parameter.name, parameter.units)).collect()
 }
 

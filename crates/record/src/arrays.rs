@@ -1,7 +1,7 @@
 //! Fields of a state, each declared once.
 
 use gfmd_contact::Fields as _;
-use gfmd_problem::{Facts, Rest};
+use gfmd_problem::{AnyState, Facts};
 use ndarray::{Axis, CowArray, Ix2};
 
 use crate::column::{Meaning, meaning};
@@ -21,7 +21,7 @@ pub struct Array {
     /// Options that give a load the field; empty if every load has it, `None` if no load has it.
     pub of_loads: Option<&'static str>,
     /// Values in a state; `None` if it does not have the field.
-    pub value: for<'a> fn(&'a Rest, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
+    pub value: for<'a> fn(&'a AnyState, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
 }
 
 impl Array {
@@ -29,7 +29,7 @@ impl Array {
         name: &'static str,
         unit: &'static str,
         meanings: &'static [Meaning],
-        value: for<'a> fn(&'a Rest, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
+        value: for<'a> fn(&'a AnyState, &Facts) -> Option<CowArray<'a, f64, Ix2>>,
     ) -> Self {
         Self { name, unit, meanings, present: any, of_loads: Some(""), value }
     }
@@ -65,11 +65,11 @@ fn shear(facts: &Facts) -> bool {
     path(facts) && facts.moves_sideways()
 }
 
-fn axis_of<'a>(rest: &'a Rest, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
+fn axis_of<'a>(rest: &'a AnyState, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
     rest.lateral().get(axis).map(|field| field.view().into())
 }
 
-fn shear_of<'a>(rest: &'a Rest, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
+fn shear_of<'a>(rest: &'a AnyState, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
     rest.traction().map(|traction| traction.index_axis(Axis(0), axis).into())
 }
 

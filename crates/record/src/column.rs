@@ -95,7 +95,7 @@ pub trait Subject: Copy + Debug + 'static {
     /// Features of a problem that decide which columns its results have.
     type Facts: 'static;
     /// Input from which the values are computed.
-    type At<'a>;
+    type Context<'a>;
     /// All columns, in the order in which they are printed.
     const COLUMNS: &'static [Column<Self>];
     /// Name of the column that tells the rows of a table apart.
@@ -108,7 +108,7 @@ pub struct State;
 
 impl Subject for State {
     type Facts = Facts;
-    type At<'a> = crate::At<'a>;
+    type Context<'a> = crate::StateContext<'a>;
     const COLUMNS: &'static [Column] = COLUMNS;
     const KEY: &'static str = "p_star";
 }
@@ -138,7 +138,7 @@ pub struct Column<S: Subject = State> {
     /// The order, in the distance of the points, of the error of a limit on infinitely fine grids, if it is known.
     pub order: Option<f64>,
     /// The value.
-    pub value: for<'a, 'b> fn(&'a S::At<'b>) -> Cell,
+    pub value: for<'a, 'b> fn(&'a S::Context<'b>) -> Cell,
 }
 
 impl<S: Subject> Clone for Column<S> {
@@ -160,7 +160,7 @@ impl<S: Subject> Column<S> {
         name: &'static str,
         unit: &'static str,
         meanings: &'static [Meaning<S::Facts>],
-        value: fn(&S::At<'_>) -> Cell,
+        value: fn(&S::Context<'_>) -> Cell,
     ) -> Self {
         Self {
             name,
@@ -239,7 +239,7 @@ impl<S: Subject> Column<S> {
     }
 
     /// Computes the cell of a result.
-    pub(crate) fn cell(&self, facts: &S::Facts, at: &S::At<'_>) -> Cell {
+    pub(crate) fn cell(&self, facts: &S::Facts, at: &S::Context<'_>) -> Cell {
         match (self.undefined)(facts) {
             Some(reason) => Cell::undefined(reason),
             None => (self.value)(at),

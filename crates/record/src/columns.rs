@@ -20,9 +20,9 @@ use self::measured::MEASURED;
 use crate::column::{State, Subject};
 
 pub use self::limits::{FEWEST_WAVES, UNRESOLVED, not_calibrated};
-pub use self::punch::{Punch, PunchAt, PunchFacts};
-pub use self::sliding::{SLIDING_FIELDS, Sliding, SlidingAt, SlidingFacts, SlidingField};
-pub use self::surface::{Surface, SurfaceAt, SurfaceFacts};
+pub use self::punch::{Punch, PunchContext, PunchFacts};
+pub use self::sliding::{SLIDING_FIELDS, Sliding, SlidingContext, SlidingFacts, SlidingField};
+pub use self::surface::{Surface, SurfaceContext, SurfaceFacts};
 
 /// Column of a state.
 type Column = crate::Column<State>;

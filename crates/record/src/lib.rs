@@ -29,10 +29,10 @@
 //! ```
 
 mod arrays;
-mod at;
 mod cell;
 mod column;
 mod columns;
+mod context;
 mod digits;
 mod json;
 mod record;
@@ -41,13 +41,13 @@ mod table;
 mod when;
 
 pub use arrays::{ARRAYS, Array, arrays, repulsion};
-pub use at::{At, Measured, NOT_SOLVED, OnFinerGrid};
 pub use cell::Cell;
 pub use column::{Column, Form, Head, Meaning, Number, Origin, State, Subject, Table};
 pub use columns::{
-    COLUMNS, FEWEST_WAVES, Punch, PunchAt, PunchFacts, SLIDING_FIELDS, Sliding, SlidingAt, SlidingFacts, SlidingField,
-    Surface, SurfaceAt, SurfaceFacts, UNRESOLVED, columns, not_calibrated, page,
+    COLUMNS, FEWEST_WAVES, Punch, PunchContext, PunchFacts, SLIDING_FIELDS, Sliding, SlidingContext, SlidingFacts,
+    SlidingField, Surface, SurfaceContext, SurfaceFacts, UNRESOLVED, columns, not_calibrated, page,
 };
+pub use context::{Measured, NOT_SOLVED, OnFinerGrid, StateContext};
 pub use digits::with_limit;
 pub use json::{RecordError, by_reason, reason_for};
 pub use record::{ROUGH, Record, lines, reason_of, reasons};

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::column::{LIMIT, State, Subject};
 use crate::columns::columns;
 use crate::digits::with_limit;
-use crate::{At, Cell, Column, Origin};
+use crate::{Cell, Column, Origin, StateContext};
 
 /// The numbers of one result: the columns of its problem, and their values.
 #[derive(Clone, Debug)]
@@ -14,14 +14,14 @@ pub struct Record<S: Subject = State> {
 
 impl Record {
     /// Computes all columns of a state.
-    pub fn of(at: &At) -> Self {
+    pub fn of(at: &StateContext) -> Self {
         Self::compute(at.facts, at)
     }
 }
 
 impl<S: Subject> Record<S> {
     /// Computes all columns that a result of a problem with these `facts` has.
-    pub fn compute(facts: &S::Facts, at: &S::At<'_>) -> Self {
+    pub fn compute(facts: &S::Facts, at: &S::Context<'_>) -> Self {
         Self { cells: columns(facts).map(|column: &'static Column<S>| (column, column.cell(facts, at))).collect() }
     }
 

@@ -1,7 +1,7 @@
 use crate::column::{Column, Form, Head, Subject, Table};
 use crate::digits::with_limit;
 use crate::record::Record;
-use gfmd_unit::{Shown, Units};
+use gfmd_unit::{DisplayUnit, Units};
 
 /// Returns the columns of a table in order, with their places in it. Tables other than [`Table::State`] and
 /// [`Table::Energy`] begin with the key of the subject.
@@ -70,7 +70,7 @@ pub fn aligned(mut columns: Vec<Vec<String>>, width: Option<usize>) -> Vec<Strin
 
 /// Formats a number for a table; `-` without a value. A number with a grid error appears as its limit on fine grids
 /// with the certain digits, or as two digits and `~` if the limit is unknown.
-fn shown<S: Subject>(row: &Record<S>, name: &str, form: Form, unit: Option<&Shown>) -> String {
+fn shown<S: Subject>(row: &Record<S>, name: &str, form: Form, unit: Option<&DisplayUnit>) -> String {
     let Some(value) = row.value(name).filter(|value| !value.is_nan()) else { return "-".into() };
     let factor = unit.map_or(1.0, |unit| unit.factor);
     row.with_limit(name, factor).unwrap_or_else(|| match form {
@@ -87,7 +87,7 @@ fn shown<S: Subject>(row: &Record<S>, name: &str, form: Form, unit: Option<&Show
 }
 
 /// Returns a readable unit for a column; `None` if it has no unit, or the units of the problem are unknown.
-pub fn readable<S: Subject>(column: &Column<S>, rows: &[Record<S>], units: &Units) -> Option<Shown> {
+pub fn readable<S: Subject>(column: &Column<S>, rows: &[Record<S>], units: &Units) -> Option<DisplayUnit> {
     let values = rows.iter().filter_map(|row| row.value(column.name)).filter(|value| value.is_finite());
     units.shown(column.unit, values.fold(0.0, |largest: f64, value| largest.max(value.abs())))
 }

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use gfmd_field::Grid;
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, persson_area};
 use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series, TWO_COLUMNS};
-use gfmd_unit::{Shown as Readable, Units};
+use gfmd_unit::{DisplayUnit, Units};
 use ndarray::Array2;
 
 use gfmd_run::failure::Failure;
 
-pub use scene::{Face, Kind, Scene, Shown, rough};
+pub use scene::{Face, FigureKind, Scene, SceneFields, rough};
 
 /// Parses a prefix of figures. Its folder must exist.
 ///
@@ -135,13 +135,13 @@ impl Drawn<'_> {
 }
 
 /// Returns the readable unit for lengths up to `largest`; `length` if the unit is unknown.
-pub fn length(unit: &str, largest: f64) -> Readable {
+pub fn length(unit: &str, largest: f64) -> DisplayUnit {
     let known = Units::new(Some(unit), None).shown("length", largest);
-    known.unwrap_or_else(|| Readable { factor: 1.0, name: unit.into() })
+    known.unwrap_or_else(|| DisplayUnit { factor: 1.0, name: unit.into() })
 }
 
 /// Returns the readable unit for the sides of a cell.
-pub fn sides(grid: &Grid, unit: &str) -> Readable {
+pub fn sides(grid: &Grid, unit: &str) -> DisplayUnit {
     let [lx, ly] = grid.lengths();
     length(unit, if grid.is_line() { lx } else { lx.max(ly) })
 }
@@ -153,7 +153,7 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
 
 /// Passes the figure of the heights, with their unit, to `take`.
 pub fn heights<R>(grid: &Grid, values: &[f64], unit: &str, take: impl FnOnce(&Drawn) -> R) -> R {
-    let Readable { factor, name } = length(unit, largest(values));
+    let DisplayUnit { factor, name } = length(unit, largest(values));
     let scaled: Vec<f64> = values.iter().map(|height| height * factor).collect();
     take(&field(grid, &scaled, &format!("height *h* / {name}"), unit))
 }
@@ -161,7 +161,7 @@ pub fn heights<R>(grid: &Grid, values: &[f64], unit: &str, take: impl FnOnce(&Dr
 /// Returns the figure of a field on a grid with lengths in `unit`. A long profile is thinned to the largest of several
 /// neighbours.
 pub fn field<'a>(grid: &Grid, values: &'a [f64], label: &str, unit: &str) -> Drawn<'a> {
-    let Readable { factor, name: unit } = sides(grid, unit);
+    let DisplayUnit { factor, name: unit } = sides(grid, unit);
     let [lx, ly] = grid.lengths().map(|length| length * factor);
     if grid.is_line() {
         let step = values.len().div_ceil(MOST_POINTS);

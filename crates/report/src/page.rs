@@ -1,9 +1,9 @@
 //! Contents of a page about a result, section by section, and its HTML.
 
 mod about;
-mod parts;
 mod reading;
 mod said;
+mod sections;
 mod write;
 
 use std::collections::BTreeMap;

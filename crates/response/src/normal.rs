@@ -71,12 +71,12 @@ fn held(body: &Body, [x, y]: [f64; 2]) -> f64 {
 impl NormalResponse {
     /// Tabulates the response of `body` on `grid`, with free lateral displacement of the surface.
     pub fn new(grid: Grid, body: &Body) -> Self {
-        Self::over(grid, body, &grid.whole())
+        Self::distributed(grid, body, &grid.whole())
     }
 
     /// Tabulates the response of `body` on `grid` for the `share` of rows of this process, with free lateral
     /// displacement.
-    pub fn over(grid: Grid, body: &Body, share: &Share) -> Self {
+    pub fn distributed(grid: Grid, body: &Body, share: &Share) -> Self {
         Self::tabulated(grid, body, share, free)
     }
 
@@ -100,7 +100,7 @@ impl NormalResponse {
     }
 
     fn tabulated(grid: Grid, body: &Body, share: &Share, stiffness_of: StiffnessOf) -> Self {
-        let transform = Transform::over(grid, share);
+        let transform = Transform::distributed(grid, share);
         let mut compliance = stiffness_table(&grid, transform.lanes(), body, stiffness_of);
         // The uniform mode is identified by its index, the first, never by a small wavenumber.
         let first = usize::from(transform.lanes().contains(&0));

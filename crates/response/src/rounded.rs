@@ -24,7 +24,7 @@ impl Rounded {
         let unit = power_of_two(1.0 / softest);
         let stiffness = |g: f64| if g == 0.0 { 0.0 } else { (unit / g) as f32 };
         Self {
-            transform: Transform::over(grid, share),
+            transform: Transform::distributed(grid, share),
             compliance: table(&grid, compliance, is_even, |g| (g / unit) as f32),
             stiffness: table(&grid, compliance, is_even, stiffness),
             unit,

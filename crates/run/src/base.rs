@@ -36,7 +36,7 @@ pub struct BaseArgs {
 /// Moved base, with its effect on the surface.
 #[derive(Clone, Debug)]
 pub struct MovedBase {
-    kind: Kind,
+    kind: Prescribed,
     /// Field `[x, y, component]`; of several processes only the first one has it.
     field: ArrayD<f64>,
     /// u_z of the unloaded surface, rows of this process.
@@ -45,15 +45,15 @@ pub struct MovedBase {
 
 /// Prescribed quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum Prescribed {
     Displacement,
     Traction,
 }
 
 /// Datasets of a file, by kind, with their options.
-const STORED: [(Kind, &str, &str); 2] = [
-    (Kind::Displacement, "base_displacement", "/base/displacement"),
-    (Kind::Traction, "base_traction", "/base/traction"),
+const STORED: [(Prescribed, &str, &str); 2] = [
+    (Prescribed::Displacement, "base_displacement", "/base/displacement"),
+    (Prescribed::Traction, "base_traction", "/base/traction"),
 ];
 
 impl BaseArgs {
@@ -77,7 +77,7 @@ impl BaseArgs {
             return Ok(None);
         };
         let refuse = |reason: String| Failure::input(key(option), format!("{name}: {reason}"));
-        let quantity = if kind == Kind::Displacement { Quantity::Length(unit) } else { Quantity::Stress };
+        let quantity = if kind == Prescribed::Displacement { Quantity::Length(unit) } else { Quantity::Stress };
         let found = array::read(name, quantity).map_err(refuse)?;
         let [nx, ny] = grid.points();
         let (all, allowed) = if grid.is_line() { (2, "[n], [n, 1] or [n, 2]") } else { (3, "[nx, ny] or [nx, ny, 3]") };
@@ -101,8 +101,11 @@ impl BaseArgs {
             values[(if components == 1 { all - 1 } else { component }) * points + point] = *value;
         }
         let field = ArrayD::from_shape_fn(IxDyn(&[nx, ny, all]), |at| values[at[2] * points + at[0] * ny + at[1]]);
-        let base =
-            if kind == Kind::Displacement { BaseField::Displacement(values) } else { BaseField::Traction(values) };
+        let base = if kind == Prescribed::Displacement {
+            BaseField::Displacement(values)
+        } else {
+            BaseField::Traction(values)
+        };
         let lifted = base.surface_displacement(body, *grid).map_err(|error| Failure::input(key(option), error))?;
         let lift = Array2::from_shape_fn((nx, ny), |(i, j)| lifted[(all - 1) * points + i * ny + j]);
         Ok(Some(MovedBase { kind, field, lift }))
@@ -138,8 +141,8 @@ impl MovedBase {
         let component =
             Dimension::index("component", self.field.len_of(Axis(2)), "component: x, y, z, of a profile x, z");
         let (kind, long_name) = match self.kind {
-            Kind::Displacement => ("length", "displacement of the base"),
-            Kind::Traction => ("stress", "traction on the lower face"),
+            Prescribed::Displacement => ("length", "displacement of the base"),
+            Prescribed::Traction => ("stress", "traction on the lower face"),
         };
         let unit = &*units.name("length");
         let units = &*units.name(kind);
@@ -158,8 +161,11 @@ impl MovedBase {
     /// Distributes the rows of the base that the first process has read; the other processes give `None`.
     pub(crate) fn handed_out(base: Option<Self>, grid: &Grid, share: &Share) -> Self {
         let lift = rows::handed_out(share, base.as_ref().map(|base| &base.lift), grid.points()[1]);
-        let nothing =
-            || Self { kind: Kind::Displacement, field: ArrayD::zeros(IxDyn(&[0, 0, 0])), lift: Array2::zeros([0, 0]) };
+        let nothing = || Self {
+            kind: Prescribed::Displacement,
+            field: ArrayD::zeros(IxDyn(&[0, 0, 0])),
+            lift: Array2::zeros([0, 0]),
+        };
         Self { lift, ..base.unwrap_or_else(nothing) }
     }
 }

@@ -167,20 +167,20 @@ impl From<Refusal> for Failure {
             Refusal::MeanPressure { .. }
             | Refusal::NotPressed { what: "mean pressure", .. }
             | Refusal::NotFinite { what: "mean pressure", .. }
-            | Refusal::Hidden { .. }
-            | Refusal::Shallow { what: "mean pressure", .. }
-            | Refusal::Slight { what: "mean pressure", .. }
+            | Refusal::LoadBelowTractionRounding { .. }
+            | Refusal::LoadBelowRoughnessRounding { what: "mean pressure", .. }
+            | Refusal::LoadUnderflows { what: "mean pressure", .. }
             | Refusal::Unresolved { what: "mean pressure", .. }
             | Refusal::Rounding { what: "mean pressure", .. } => "pressure",
-            Refusal::Digits { .. } | Refusal::Unit { .. } => "young",
+            Refusal::UnitOutOfRange { .. } | Refusal::Unit { .. } => "young",
             Refusal::NotFinite { what: "lateral displacement", .. }
             | Refusal::Rounding { what: "shear traction", .. } => "lateral",
             Refusal::Approach { .. }
             | Refusal::NoApproach
             | Refusal::NotPressed { .. }
             | Refusal::NotFinite { what: "approach", .. }
-            | Refusal::Shallow { .. }
-            | Refusal::Slight { .. }
+            | Refusal::LoadBelowRoughnessRounding { .. }
+            | Refusal::LoadUnderflows { .. }
             | Refusal::Unresolved { .. }
             | Refusal::Rounding { .. } => "approach",
             Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "solver",

@@ -26,7 +26,7 @@ pub(crate) const RESIDUAL_OF_A_PATCH: f64 = 10.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the names of the commands")]
-pub enum Kind {
+pub enum ResultKind {
     Contact,
     Path,
     Slide,
@@ -36,7 +36,7 @@ pub enum Kind {
     KappaSweep,
 }
 
-impl Kind {
+impl ResultKind {
     /// Returns the kind of a file, from its groups; `None` if it is not a result.
     pub fn of(reader: &Reader) -> Option<Self> {
         let has = |group: &str| !reader.names(group).is_empty();

@@ -59,7 +59,7 @@ impl CheckpointArgs {
 const CENTURY: f64 = 3e9;
 
 /// Time between two writes divided by the time of a write.
-const PATIENCE: u32 = 20;
+const WRITE_INTERVAL_FACTOR: u32 = 20;
 
 /// Expected time of the first write.
 const FIRST_COST: Duration = Duration::from_millis(5);
@@ -68,7 +68,7 @@ const FIRST_COST: Duration = Duration::from_millis(5);
 const MOST_WAITING: usize = 1 << 26;
 
 /// Finished part: its scalars as text, and its fields for the output.
-pub struct Part<'a> {
+pub struct FinishedStep<'a> {
     /// Scalars.
     pub text: String,
     /// Fields, in the order of the output.
@@ -168,11 +168,11 @@ impl<'a> UnfinishedRun<'a> {
     ///
     /// # Errors
     /// Returns an error if a file cannot be read.
-    pub fn part(&self, index: usize) -> Result<Part<'static>, Failure> {
+    pub fn part(&self, index: usize) -> Result<FinishedStep<'static>, Failure> {
         let missing = || Failure::computation(format!("there is no part {index}"));
         let journal = self.journal.as_ref().ok_or_else(missing)?;
         let record = journal.read(index).map_err(refused)?;
-        Part::decode(&record).ok_or_else(|| refused(journal.unusable(index, "this is not a part of a run")))
+        FinishedStep::decode(&record).ok_or_else(|| refused(journal.unusable(index, "this is not a part of a run")))
     }
 
     /// Returns the error for a part with unusable text.
@@ -195,7 +195,7 @@ impl<'a> UnfinishedRun<'a> {
     }
 
     /// Adds a finished part; [`keep_state`](Self::keep_state) keeps its state.
-    pub fn add(&mut self, part: &Part) {
+    pub fn add(&mut self, part: &FinishedStep) {
         self.waiting.push(part.encode());
         self.done += 1;
     }
@@ -209,7 +209,7 @@ impl<'a> UnfinishedRun<'a> {
         state(&mut writer);
         self.latest = writer.finish().map_err(|error| Failure::computation(error.to_string()))?;
         let waiting: usize = self.waiting.iter().map(Vec::len).sum::<usize>() + self.latest.len();
-        if self.written.elapsed() >= PATIENCE * self.cost || waiting > MOST_WAITING {
+        if self.written.elapsed() >= WRITE_INTERVAL_FACTOR * self.cost || waiting > MOST_WAITING {
             self.flush()?;
         }
         Ok(())
@@ -242,7 +242,7 @@ impl<'a> UnfinishedRun<'a> {
     /// Returns true if it is time to copy the running solve.
     pub(crate) fn is_due(&self) -> bool {
         let elapsed = self.written.elapsed();
-        self.every.is_some_and(|every| elapsed >= every && elapsed >= PATIENCE * self.cost)
+        self.every.is_some_and(|every| elapsed >= every && elapsed >= WRITE_INTERVAL_FACTOR * self.cost)
     }
 
     /// Copies the running solve.
@@ -304,7 +304,7 @@ pub(crate) fn not_written(error: JournalError) -> Failure {
     Failure::computation(error.to_string())
 }
 
-impl Part<'_> {
+impl FinishedStep<'_> {
     fn encode(&self) -> Vec<u8> {
         let size = |field: &Cow<[f64]>| 8 + 8 * field.len();
         let mut bytes = Vec::with_capacity(8 + self.text.len() + self.fields.iter().map(size).sum::<usize>());
@@ -317,7 +317,7 @@ impl Part<'_> {
         bytes
     }
 
-    fn decode(mut bytes: &[u8]) -> Option<Part<'static>> {
+    fn decode(mut bytes: &[u8]) -> Option<FinishedStep<'static>> {
         let mut piece = || -> Option<&[u8]> {
             let (length, rest) = bytes.split_first_chunk::<8>()?;
             let (content, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
@@ -330,7 +330,7 @@ impl Part<'_> {
             rest.is_empty().then(|| numbers.iter().map(|number| f64::from_le_bytes(*number)).collect::<Vec<_>>().into())
         });
         let fields = fields.collect::<Option<Vec<Cow<[f64]>>>>()?;
-        bytes.is_empty().then_some(Part { text, fields })
+        bytes.is_empty().then_some(FinishedStep { text, fields })
     }
 }
 
@@ -348,15 +348,16 @@ mod tests {
 
     #[test]
     fn parts_are_read_back_and_others_refused() {
-        let part = Part { text: "kappa = nan\n".into(), fields: vec![vec![0.1, f64::NAN].into(), vec![].into()] };
+        let part =
+            FinishedStep { text: "kappa = nan\n".into(), fields: vec![vec![0.1, f64::NAN].into(), vec![].into()] };
         let bytes = part.encode();
-        let back = Part::decode(&bytes).unwrap();
+        let back = FinishedStep::decode(&bytes).unwrap();
         assert_eq!(back.text, part.text);
         assert_eq!(back.fields.len(), 2);
         assert_eq!(back.fields[0][0].to_bits(), 0.1_f64.to_bits());
         assert!(back.fields[0][1].is_nan());
         for length in 0..bytes.len() {
-            let shorter = Part::decode(&bytes[..length]);
+            let shorter = FinishedStep::decode(&bytes[..length]);
             assert!(shorter.is_none_or(|shorter| shorter.fields.len() < 2), "{length}");
         }
     }
@@ -366,7 +367,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
         let args = |resume| ResumeArgs { resume };
-        let part = |number: f64| Part { text: format!("{number}"), fields: vec![vec![number; 3].into()] };
+        let part = |number: f64| FinishedStep { text: format!("{number}"), fields: vec![vec![number; 3].into()] };
         let mut kept = UnfinishedRun::open(&output, "one".into(), 4, args(false), None).unwrap();
         assert_eq!(kept.finished(), 0);
         kept.add(&part(0.0));
@@ -427,7 +428,7 @@ mod tests {
         let output = Output::claim(inner.join("a.h5")).unwrap();
         let mut kept = UnfinishedRun::open(&output, "one".into(), 4, ResumeArgs { resume: false }, None).unwrap();
         assert!(kept.remark().is_empty());
-        kept.add(&Part { text: "0".into(), fields: vec![] });
+        kept.add(&FinishedStep { text: "0".into(), fields: vec![] });
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
         let remark = kept.remark().spelled(Spelling::Flag);
@@ -444,7 +445,7 @@ mod tests {
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
         let args = ResumeArgs { resume: true };
         let mut kept = UnfinishedRun::open(&output, "one".into(), 4, args, None).unwrap();
-        kept.add(&Part { text: "0".into(), fields: vec![] });
+        kept.add(&FinishedStep { text: "0".into(), fields: vec![] });
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
         drop(kept);

@@ -4,7 +4,7 @@ mod check;
 mod file;
 mod finer;
 mod head;
-mod parts;
+mod layout;
 mod prepared;
 mod pressed;
 mod slopes;
@@ -18,13 +18,13 @@ use std::time::Instant;
 use gfmd_contact::{Drive, Fields as _, Refusal, SolveError, Visit};
 use gfmd_files::{Output, contiguous};
 use gfmd_interface::{Path, Step};
-use gfmd_problem::{Posed, Rest, Task, Words};
-use gfmd_record::{At, Record};
+use gfmd_problem::{AnyState, Posed, Task, Words};
+use gfmd_record::{Record, StateContext};
 
 use crate::convergence::NotConverged;
 use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
-use crate::resume::{Part, UnfinishedRun};
+use crate::resume::{FinishedStep, UnfinishedRun};
 use crate::session::Session;
 use crate::trace::Tracer;
 
@@ -34,7 +34,7 @@ pub use file::{Field, fields};
 pub use finer::{Finer, beside, on_finer_grids, resolved};
 pub use head::is_normal;
 pub use head::{Head, Lower};
-pub use parts::Parts;
+pub use layout::SeriesLayout;
 pub use prepared::{Asked, Prepared, check_drive};
 pub use pressed::ContactArgs;
 pub use slopes::Slopes;
@@ -87,7 +87,7 @@ impl Places {
 }
 
 /// Receiver of the states of a series in a command.
-pub trait Outlet {
+pub trait StateHandler {
     /// Returns a recorder for the next search, if requested.
     fn tracer(&self) -> Result<Option<Tracer>, Failure> {
         Ok(None)
@@ -102,7 +102,7 @@ pub trait Outlet {
     }
 
     /// Makes the record of a state.
-    fn record(&mut self, reached: Reached<'_>) -> Result<Record, Failure>;
+    fn record(&mut self, solved: SolvedState<'_>) -> Result<Record, Failure>;
 
     /// Takes over the fields of a kept part.
     fn recall(&mut self, _fields: &[Cow<[f64]>]) -> Result<(), Failure> {
@@ -114,15 +114,15 @@ pub trait Outlet {
 }
 
 /// State that was reached.
-pub struct Reached<'a> {
+pub struct SolvedState<'a> {
     /// Number of its part.
     pub index: usize,
     /// State.
-    pub state: &'a Rest,
+    pub state: &'a AnyState,
     /// Step that led to the state.
     pub step: &'a Step,
     /// Numbers so far: without stiffness, measurements, step and time.
-    pub at: At<'a>,
+    pub at: StateContext<'a>,
     /// Start of the search.
     pub started: Instant,
     /// True if the search ended before the state was at rest.
@@ -131,7 +131,7 @@ pub struct Reached<'a> {
 
 /// End of a series.
 #[derive(Default)]
-pub struct Ended {
+pub struct SeriesOutcome {
     /// Records of the parts so far.
     pub records: Vec<Record>,
     /// Failure of the last part.
@@ -142,7 +142,7 @@ pub struct Ended {
     pub parted_at: Option<usize>,
 }
 
-impl Ended {
+impl SeriesOutcome {
     /// Returns true if the run can continue later from what is kept, and has no file yet.
     pub fn is_kept(&self, kept: Option<&UnfinishedRun>) -> bool {
         matches!(self.failure, Some(Failure::Interrupted(_))) && kept.is_some()
@@ -168,44 +168,44 @@ impl Series<'_> {
     pub fn run(
         &self,
         path: &mut Path<'_, Posed>,
-        first: impl FnOnce() -> Result<Option<Rest>, Failure>,
+        first: impl FnOnce() -> Result<Option<AnyState>, Failure>,
         (file, mut kept): (Option<&mut StateFile>, Option<&mut UnfinishedRun>),
         progress: &dyn Progress,
-        outlet: &mut dyn Outlet,
-    ) -> Result<Ended, Failure> {
+        handler: &mut dyn StateHandler,
+    ) -> Result<SeriesOutcome, Failure> {
         let Self { prepared, session, drives, tolerance, .. } = *self;
         let (facts, lift) = (&prepared.facts, prepared.lift());
-        let part = Parts::of(facts).name;
-        let (mut file, mut ended, mut is_edge_told) = (file, Ended::default(), false);
+        let part = SeriesLayout::of(facts).name;
+        let (mut file, mut outcome, mut is_edge_warned) = (file, SeriesOutcome::default(), false);
         if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
-            ended.records = self.recall(kept, file, path, progress, outlet)?;
+            outcome.records = self.recall(kept, file, path, progress, handler)?;
         }
-        if ended.records.is_empty() {
+        if outcome.records.is_empty() {
             path.start_from(first()?);
         }
-        for (index, drive) in drives.iter().enumerate().skip(ended.records.len()) {
+        for (index, drive) in drives.iter().enumerate().skip(outcome.records.len()) {
             let started = Instant::now();
             // Only a part with a single solve can continue in its middle.
             let copies = if facts.task == Task::Loads { kept.as_deref_mut() } else { None };
             let place = format!("{part} {index}");
-            let mut watch = Watching::new(place.clone(), progress, session).with(outlet.tracer()?, copies);
+            let mut watch = Watching::new(place.clone(), progress, session).with(handler.tracer()?, copies);
             let reached = path.step(*drive, &mut watch);
             let Watching { history, tracer, failed, .. } = watch;
             failed.map_or(Ok(()), Err)?;
             if let Some(tracer) = tracer {
-                outlet.traced(tracer);
+                handler.traced(tracer);
             }
             let mut why = None;
             let (step, cut, stopped) = match reached {
                 Ok(step) => (step, None, None),
-                Err(SolveError::Refused(refusal)) if index == 0 => return Err(outlet.refused(refusal)),
+                Err(SolveError::Refused(refusal)) if index == 0 => return Err(handler.refused(refusal)),
                 // Numbers of this part alone are too large; earlier parts stay.
                 Err(SolveError::Refused(refusal)) => {
-                    ended.failure = Some(Failure::computation(refusal.to_string()).at(&place));
+                    outcome.failure = Some(Failure::computation(refusal.to_string()).at(&place));
                     break;
                 }
                 Err(SolveError::Detached { .. }) if facts.task == Task::Path => {
-                    ended.parted_at = Some(index);
+                    outcome.parted_at = Some(index);
                     break;
                 }
                 Err(SolveError::Interrupted { state }) => {
@@ -223,18 +223,18 @@ impl Series<'_> {
             let effort = if stopped.is_some() { state.effort() } else { step.effort };
             let step = Step { effort, ..step };
             let at = prepared.at(state, tolerance);
-            if let (false, Some(doubt)) = (is_edge_told || stopped.is_some(), prepared.doubt_of_edge(state)) {
-                session.warn("patch-edge", format!("{place}: {doubt}"));
-                is_edge_told = true;
+            if let (false, Some(warning)) = (is_edge_warned || stopped.is_some(), prepared.edge_warning(state)) {
+                session.warn("patch-edge", format!("{place}: {warning}"));
+                is_edge_warned = true;
             }
             let record =
-                outlet.record(Reached { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
+                handler.record(SolvedState { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
             progress.advance(1.0, &progress_line(&record));
             check_range(&place, &record)?;
             if let Some(why) = why {
                 let unmet = NotConverged::new(index, state, tolerance, &why, history, session.spelling());
                 unmet.tell(part);
-                ended.not_converged = Some(unmet);
+                outcome.not_converged = Some(unmet);
             }
             let place_in_file = self.places.of(index);
             if let (Some(file), Some(place)) = (&mut file, place_in_file) {
@@ -243,19 +243,19 @@ impl Series<'_> {
             if let (Some(kept), None, false) = (&mut kept, &stopped, index + 1 == drives.len() && self.ends_with_file) {
                 let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, lift) } else { Vec::new() };
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
-                kept.add(&Part { text, fields: fields.iter().map(|field| contiguous(field)).collect() });
+                kept.add(&FinishedStep { text, fields: fields.iter().map(|field| contiguous(field)).collect() });
                 kept.keep_state(|visitor| {
                     path.keep(visitor);
-                    outlet.visit(visitor, false);
+                    handler.visit(visitor, false);
                 })?;
             }
-            ended.records.push(record);
+            outcome.records.push(record);
             if let Some(stopped) = stopped {
-                ended.failure = Some(stopped.at(&place));
+                outcome.failure = Some(stopped.at(&place));
                 break;
             }
         }
-        Ok(ended)
+        Ok(outcome)
     }
 
     /// Takes over the kept parts, and continues the path from the last one.
@@ -265,15 +265,15 @@ impl Series<'_> {
         file: &mut StateFile,
         path: &mut Path<'_, Posed>,
         progress: &dyn Progress,
-        outlet: &mut dyn Outlet,
+        handler: &mut dyn StateHandler,
     ) -> Result<Vec<Record>, Failure> {
         let mut records = Vec::new();
         for index in 0..kept.finished() {
-            let Part { text, fields } = kept.part(index)?;
+            let FinishedStep { text, fields } = kept.part(index)?;
             let record = Record::from_line(&self.prepared.facts, &text);
             records.push(record.map_err(|error| kept.unusable(index, error.to_string()))?);
             if let Some(place) = self.places.of(index) {
-                outlet.recall(&fields).map_err(|failure| match failure {
+                handler.recall(&fields).map_err(|failure| match failure {
                     Failure::Input(reason) => kept.unusable(index, reason),
                     other => other,
                 })?;
@@ -286,7 +286,7 @@ impl Series<'_> {
         };
         stored.restore(|visitor| {
             path.resume(self.drives[last], visitor)?;
-            outlet.visit(visitor, true);
+            handler.visit(visitor, true);
             Ok::<_, Refusal>(())
         })?;
         Ok(records)
@@ -310,7 +310,7 @@ fn check_range(place: &str, record: &Record) -> Result<(), Failure> {
 
 /// Runs a command that keeps its parts beside its output. After an interruption or an error, the kept parts are flushed
 /// and named in the message. After the end of a run, only its output remains, as returned by `out`.
-pub fn keeping<R>(
+pub fn run_with_journal<R>(
     mut kept: Option<UnfinishedRun>,
     run: impl FnOnce(Option<&mut UnfinishedRun>) -> Result<Outcome<R>, Failure>,
     out: impl FnOnce(&R) -> Option<&PathBuf>,

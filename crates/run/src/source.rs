@@ -341,7 +341,7 @@ impl Surface {
     /// # Errors
     /// Returns an error if the heights have no statistics.
     pub fn displaced(self, lift: &Array2<f64>) -> Result<Self, SurfaceError> {
-        let statistics = Statistics::over(&(&self.heights + lift), &self.grid, &self.share)?;
+        let statistics = Statistics::distributed(&(&self.heights + lift), &self.grid, &self.share)?;
         Ok(Self { statistics, ..self })
     }
 
@@ -431,7 +431,8 @@ impl SourceArgs {
                 words!["as-is with ", setting("boundary", "free")],
             ));
         }
-        let Made { heights, grid, share, mut description, scan, origin, second } = self.made(boundary, session)?;
+        let LoadedHeights { heights, grid, share, mut description, scan, origin, second } =
+            self.made(boundary, session)?;
         for scan in scan.iter().chain(second.as_ref().map(|second| &second.second_scan)) {
             for text in &scan.warnings {
                 session.warn("doubtful-file", format!("{}: {text}", scan.file));
@@ -439,7 +440,8 @@ impl SourceArgs {
         }
         let name = self.name();
         self.check_sizes(&grid, &heights, &share)?;
-        let statistics = Statistics::over(&heights, &grid, &share).map_err(|error| Failure::input(&name, error))?;
+        let statistics =
+            Statistics::distributed(&heights, &grid, &share).map_err(|error| Failure::input(&name, error))?;
         if (scan.is_some() || second.is_some()) && boundary == Boundary::Periodic {
             let ratio = statistics.seam.ratio().into_iter().flatten().fold(0.0, f64::max);
             description += &format!("; steps across the periodic seam are {ratio:.2} times those inside");
@@ -462,14 +464,19 @@ impl SourceArgs {
 
     /// Makes the heights of the rows of this process. With several processes, each makes its own if the generator can;
     /// otherwise the first one makes or reads all heights, and distributes them.
-    fn made(&self, boundary: Boundary, session: &Session) -> Result<Made, Failure> {
+    fn made(&self, boundary: Boundary, session: &Session) -> Result<LoadedHeights, Failure> {
         let Some(ranks) = session.ranks() else { return self.whole(boundary) };
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
         if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
             // Another machine may have less memory.
             let grid = session.agree(generated_grid(&self.generator, &self.size, session.processes()))?;
             let share = shared(&grid)?;
-            return Ok(Made::generated(self.generator.heights_shared(&grid, &share)?, grid, share, &self.generator));
+            return Ok(LoadedHeights::generated(
+                self.generator.heights_shared(&grid, &share)?,
+                grid,
+                share,
+                &self.generator,
+            ));
         }
         let made = if session.is_first() { self.whole(boundary).map(Some) } else { Ok(None) };
         let mut made = session.agree(made)?;
@@ -487,13 +494,13 @@ impl SourceArgs {
             made.heights = Array2::zeros([0, 0]);
         }
         Ok(match made {
-            Some(made) => Made { heights, share, ..made },
-            None => Made::generated(heights, grid, share, &self.generator),
+            Some(made) => LoadedHeights { heights, share, ..made },
+            None => LoadedHeights::generated(heights, grid, share, &self.generator),
         })
     }
 
     /// Makes all heights.
-    fn whole(&self, boundary: Boundary) -> Result<Made, Failure> {
+    fn whole(&self, boundary: Boundary) -> Result<LoadedHeights, Failure> {
         let (mut heights, mut grid, mut description, scan, origin) = match &self.surface {
             Some(given) => {
                 let PeriodicScan { heights, grid, description, scan, checksum } = self.prepare(given, None)?;
@@ -522,7 +529,7 @@ impl SourceArgs {
             (heights, grid) = found.map_err(|error| Failure::input(key("refine"), error))?;
             description += &format!("; {times} times as many points along each side");
         }
-        Ok(Made { heights, grid, share: grid.whole(), description, scan, origin, second })
+        Ok(LoadedHeights { heights, grid, share: grid.whole(), description, scan, origin, second })
     }
 
     /// Returns this source with `times` as many points along each side, interpolated by `how` between the points of a
@@ -594,7 +601,7 @@ impl SourceArgs {
 }
 
 /// Heights of the rows of this process, with their origin.
-struct Made {
+struct LoadedHeights {
     heights: Array2<f64>,
     grid: Grid,
     share: Share,
@@ -604,7 +611,7 @@ struct Made {
     second: Option<Second>,
 }
 
-impl Made {
+impl LoadedHeights {
     fn generated(heights: Array2<f64>, grid: Grid, share: Share, generator: &GeneratorArgs) -> Self {
         let (scan, origin, second) = (None, None, None);
         Self { heights, grid, share, description: generator.to_string(), scan, origin, second }

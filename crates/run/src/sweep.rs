@@ -6,7 +6,7 @@ use gfmd_contact::{Contact, Load};
 use gfmd_files::Reader;
 use gfmd_measure::Summary;
 use gfmd_problem::Facts;
-use gfmd_record::{At, COLUMNS, Column, Origin, Record};
+use gfmd_record::{COLUMNS, Column, Origin, Record, StateContext};
 use gfmd_sweep::{Example, Plan, Pressed};
 use ndarray::Array2;
 
@@ -27,11 +27,11 @@ pub fn columns() -> impl Iterator<Item = &'static Column> {
 /// Returns the record of a load, as in files of `contact`. A load that does not converge ends a sweep, so that all
 /// loads of a sweep have converged.
 pub fn record(load: &Pressed) -> Record {
-    Record::of(&At {
+    Record::of(&StateContext {
         approach: load.approach,
         effort: load.effort,
         residuals: load.residual.parts().into(),
-        ..At::of_summary(&Facts::default(), load.summary)
+        ..StateContext::of_summary(&Facts::default(), load.summary)
     })
 }
 

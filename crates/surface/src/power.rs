@@ -181,7 +181,7 @@ impl Moments {
     ///
     /// # Errors
     /// A number of heights that differs from the rows of this process.
-    pub fn over(heights: &[f64], grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
+    pub fn distributed(heights: &[f64], grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
         power_over(heights, grid, share).map(|(_, moments)| moments)
     }
 }
@@ -189,7 +189,7 @@ impl Moments {
 /// Returns the power of the modes of this process and the moments of all modes for distributed heights: each process
 /// passes the rows of its `share`.
 pub(crate) fn power_over(heights: &[f64], grid: &Grid, share: &Share) -> Result<(Vec<f64>, Moments), SurfaceError> {
-    let transform = Transform::over(*grid, share);
+    let transform = Transform::distributed(*grid, share);
     let own = own_modes(grid, transform.lanes());
     let mut spectrum = vec![Complex64::ZERO; own.len()];
     transform.forward(heights, &mut spectrum, &mut transform.workspace())?;

@@ -59,7 +59,7 @@ impl Statistics {
     /// Heights that do not have the shape of the grid or are not finite.
     pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let [nx, ny] = grid.points();
-        Self::over(heights, grid, &Share::whole(nx, ny))
+        Self::distributed(heights, grid, &Share::whole(nx, ny))
     }
 
     /// Computes the statistics of distributed heights: each process passes the rows of its `share`. All processes get
@@ -67,9 +67,9 @@ impl Statistics {
     ///
     /// # Errors
     /// The same errors as [`of`](Self::of), on all processes.
-    pub fn over(heights: &Array2<f64>, grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
+    pub fn distributed(heights: &Array2<f64>, grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
         let heights = checked_over(heights, grid, share)?;
-        let moments = Moments::over(&heights, grid, share)?;
+        let moments = Moments::distributed(&heights, grid, share)?;
         let rows = rows(&heights, grid, share);
         let [nx, ny] = grid.points().map(|points| points as f64);
         let sum = |rows: &[Row], which: usize| rows.iter().map(|row| row.sums[which]).sum::<f64>();

@@ -29,7 +29,7 @@ impl SelfAffine {
     /// # Errors
     /// The same errors as [`heights`](Self::heights), on all processes.
     pub fn heights_over(&self, grid: &Grid, seed: u64, share: &Share) -> Result<Array2<f64>, SurfaceError> {
-        let transform = Transform::over(*grid, share);
+        let transform = Transform::distributed(*grid, share);
         let spectrum = self.spectrum_over(grid, seed, &transform, share)?;
         let [_, ny] = grid.points();
         let mut heights = vec![0.0; share.own().len()];

@@ -63,4 +63,4 @@ pub use protocol::{Arm, Curve, Estimated, Protocol};
 pub use run::{Example, Keep, run, run_one, run_shard};
 pub use shard::{Shard, ShardError};
 pub use study::Study;
-pub use target::Reached;
+pub use target::SweepPrecision;

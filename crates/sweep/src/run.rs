@@ -31,9 +31,9 @@ pub trait Keep: Sync {
     }
 
     /// Announces a round of further surfaces, with the plan that contains them and the error so far
-    /// ([`Reached::relative`]).
+    /// ([`SweepPrecision::relative`]).
     ///
-    /// [`Reached::relative`]: crate::Reached::relative
+    /// [`SweepPrecision::relative`]: crate::SweepPrecision::relative
     fn more(&self, _plan: &Plan, _reached: f64) {}
 
     /// Returns true if the sweep must end now.
@@ -232,7 +232,8 @@ impl<'a> Bench<'a> {
     }
 
     fn contact(&self, run: &Run, heights: &Array2<f64>) -> Result<Contact, SweepError> {
-        Contact::on(Arc::clone(&self.response), heights).map_err(|refusal| self.failed(run, None, refusal.into()))
+        Contact::with_response(Arc::clone(&self.response), heights)
+            .map_err(|refusal| self.failed(run, None, refusal.into()))
     }
 
     fn failed(&self, run: &Run, p_star: Option<f64>, error: SolveError<Solution>) -> SweepError {

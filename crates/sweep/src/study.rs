@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::sync::{Mutex, PoisonError};
 
-use crate::{Analysis, Example, Keep, Plan, Pressed, Reached, Run, SweepError, run};
+use crate::{Analysis, Example, Keep, Plan, Pressed, Run, SweepError, SweepPrecision, run};
 
 /// Results of a sweep.
 #[derive(Clone, Debug)]
@@ -41,7 +41,9 @@ impl Study {
 /// Returns the plan of the next round, if there must be one.
 fn next_round(plan: &Plan, analysis: &Analysis, keep: &dyn Keep) -> Result<Option<Plan>, SweepError> {
     let target = plan.config.statistics.target;
-    let Some(reached) = (target > 0.0).then(|| Reached::new(plan, analysis, target)).flatten() else { return Ok(None) };
+    let Some(reached) = (target > 0.0).then(|| SweepPrecision::new(plan, analysis, target)).flatten() else {
+        return Ok(None);
+    };
     let next = plan.with_surfaces(reached.surfaces)?;
     if next.runs.len() == plan.runs.len() {
         return Ok(None);

@@ -16,7 +16,7 @@ const AIM: f64 = 0.95;
 
 /// Statistical error of the result of a sweep, relative to kappa_TFC, and the surfaces that lower it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reached {
+pub struct SweepPrecision {
     /// Half of the 95 % interval divided by kappa_TFC at the load of the result, the largest of all Hurst exponents.
     pub relative: f64,
     /// Number of surfaces of each point for the next round, none smaller than the current one. They equal the current
@@ -24,7 +24,7 @@ pub struct Reached {
     pub surfaces: Vec<u64>,
 }
 
-impl Reached {
+impl SweepPrecision {
     /// Returns the error of an analysis of a plan, and the surfaces that reduce it to `target` with the least work;
     /// `None` if a fit has no interval.
     ///

@@ -15,7 +15,7 @@ pub(crate) const FORMAT: Format = Format { name: "Alicona AL3D", sniff, open, fi
 const MAGIC: &[u8] = b"AliconaImaging\0\r\n";
 
 /// Relative deviation from the value of undefined points that counts as rounding of its text.
-const ROUNDING: f32 = 1.5e-7;
+const ROUNDING_OF_TEXT: f32 = 1.5e-7;
 
 /// Tags listed in the details, and their names there.
 const DETAILS: [(&str, &str); 4] = [
@@ -66,7 +66,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let details = DETAILS.iter().filter_map(|(key, name)| Some(((*name).to_owned(), tags.get(key)?.to_owned())));
     let details: Vec<(String, String)> = details.filter(|(_, value)| !value.is_empty()).collect();
     let read = move || {
-        let is_invalid = |height: f32| (height - invalid).abs() < ROUNDING * invalid.abs() || height == invalid;
+        let is_invalid = |height: f32| (height - invalid).abs() < ROUNDING_OF_TEXT * invalid.abs() || height == invalid;
         let heights = grid.decode(Lines { data, line, used: 4 * nx, at: 0 }, |height| {
             #[expect(clippy::cast_possible_truncation, reason = "the heights have single precision")]
             let single = height as f32;

@@ -16,7 +16,7 @@ pub(crate) const FORMAT: Format =
 const HEADER: usize = 81;
 
 /// Length of the two numbers that some instruments add to the header.
-const SURPLUS: usize = 8;
+const EXTRA_HEADER: usize = 8;
 
 fn sniff(file: &File) -> bool {
     matches!(file.head(), [b'a' | b'b', b'I', b'S', b'O', b'-', ..] | [b'a' | b'b', b'B', b'C', b'R', b'-', ..])
@@ -101,7 +101,8 @@ fn open_binary(bytes: &[u8]) -> Result<Channel<'_>, String> {
     let grid =
         Grid { points: header.points, sample, order: Order::Little, layout: Layout::Lines, backwards: [false; 2] };
     let data = &bytes[HEADER..];
-    let surplus = if bytes.starts_with(b"bISO") && data.len() == grid.bytes()? + SURPLUS { SURPLUS } else { 0 };
+    let surplus =
+        if bytes.starts_with(b"bISO") && data.len() == grid.bytes()? + EXTRA_HEADER { EXTRA_HEADER } else { 0 };
     let scale = header.scale[2];
     let points = header.points;
     let read = move || {

@@ -22,7 +22,7 @@ pub use number::Number;
 const LARGEST_RATIO: usize = 1032;
 
 /// Number of bytes to which a small file may expand.
-const SMALL: usize = 1 << 20;
+const SMALL_FILE_EXPANSION: usize = 1 << 20;
 
 /// Largest number of datasets listed, of groups searched, and of nested groups.
 const MOST_DATASETS: usize = 1000;
@@ -53,10 +53,12 @@ impl Hdf5 {
 
     /// Opens a file of `bytes` bytes. Nothing is allocated based on a declared shape alone.
     fn limited(bytes: usize, open: impl FnOnce(OpenOptions) -> Result<Hdf5File, Error>) -> Result<Self, String> {
-        let most = bytes.saturating_mul(LARGEST_RATIO).max(SMALL);
+        let most = bytes.saturating_mul(LARGEST_RATIO).max(SMALL_FILE_EXPANSION);
         let options = OpenOptions::default().with_chunk_cache_bytes(0);
-        let options =
-            options.with_max_read_bytes(most).with_max_chunk_bytes(most).with_max_object_header_bytes(4 * SMALL);
+        let options = options
+            .with_max_read_bytes(most)
+            .with_max_chunk_bytes(most)
+            .with_max_object_header_bytes(4 * SMALL_FILE_EXPANSION);
         open(options).map(|file| Self { file, most }).map_err(text)
     }
 

@@ -19,13 +19,13 @@
 //! Units of files are read by `topography`, flags by `problem`.
 
 mod dimension;
+mod display_unit;
 mod length;
 mod quantity;
-mod shown;
 mod units;
 
 pub use dimension::Dimension;
+pub use display_unit::DisplayUnit;
 pub use length::{Conversion, canonical, convert_lengths, is_length};
 pub use quantity::{Quantity, UnknownUnit};
-pub use shown::Shown;
 pub use units::{NoValue, Units};

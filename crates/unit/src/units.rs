@@ -1,7 +1,7 @@
 //! Units of a problem.
 
+use crate::display_unit::{self, DisplayUnit};
 use crate::quantity::Unit;
-use crate::shown::{self, Shown};
 use crate::{Dimension, Quantity};
 
 /// Units of length and stress of a problem, as far as they are known. All numbers of the problem are in these units; an
@@ -119,7 +119,7 @@ impl Units {
     }
 
     /// Returns the readable unit for numbers of a kind up to `largest`, or `None` without one or if a unit is unknown.
-    pub fn shown(&self, kind: &str, largest: f64) -> Option<Shown> {
+    pub fn shown(&self, kind: &str, largest: f64) -> Option<DisplayUnit> {
         let dimension = Dimension::of(kind)?;
         let mut size = Unit::ONE;
         if dimension.stress != 0 {
@@ -132,7 +132,7 @@ impl Units {
         if dimension.time != 0 || dimension.temperature != 0 {
             self.metres()?;
         }
-        shown::of(dimension, size.size(), largest)
+        display_unit::of(dimension, size.size(), largest)
     }
 }
 

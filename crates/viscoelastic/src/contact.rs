@@ -41,7 +41,7 @@ struct Begun<C> {
 }
 
 /// Relative rounding error below which an approach counts as zero.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const ROUNDING_OF_APPROACH: f64 = 8.0 * f64::EPSILON;
 
 impl<C: ElasticContact> ViscoelasticContact<C> {
     /// Creates the contact of `body`, relaxing by a Prony series. `contact` has its long-term moduli.
@@ -130,25 +130,26 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
     /// Prepares a step of the given `duration`.
     fn begin(&self, history: &History, duration: f64) -> Result<Begun<C>, Refusal> {
         let surface = self.contact.surface();
-        let (stiffening, hollow, factor) = match (history, &*self.spectrum) {
+        let (stiffening, residual_indentation, factor) = match (history, &*self.spectrum) {
             (History::Points { lengths, .. }, Spectrum::Common(branches)) => {
                 let step = PointStep::new(branches, duration);
-                let mut hollow = vec![0.0; surface.clearance().len()];
-                step.fill(lengths, &mut hollow);
-                (Stiffening::All(step.stiffening), hollow, step.stiffening)
+                let mut residual_indentation = vec![0.0; surface.clearance().len()];
+                step.fill(lengths, &mut residual_indentation);
+                (Stiffening::All(step.stiffening), residual_indentation, step.stiffening)
             }
             (History::Waves(fields), Spectrum::Waves(waves)) => {
-                let (factors, spectrum) = waves.hollow(fields, duration);
+                let (factors, spectrum) = waves.residual_indentation(fields, duration);
                 (Stiffening::Waves(factors), self.inverse(&spectrum), 1.0)
             }
             _ => return Err(Refusal::OtherKind),
         };
         let lowest = |range: std::ops::Range<usize>| {
-            range.fold(f64::INFINITY, |least, i| lower(least, surface.clearance()[i] + hollow[i]))
+            range.fold(f64::INFINITY, |least, i| lower(least, surface.clearance()[i] + residual_indentation[i]))
         };
-        let touch = reduce(hollow.len(), &lowest, &lower);
-        let depth = self.field(hollow.iter().map(|hollow| hollow - touch).collect());
-        let frame = StepFrame { hollow: self.field(hollow), touch, factor };
+        let touch = reduce(residual_indentation.len(), &lowest, &lower);
+        let depth =
+            self.field(residual_indentation.iter().map(|residual_indentation| residual_indentation - touch).collect());
+        let frame = StepFrame { residual_indentation: self.field(residual_indentation), touch, factor };
         Ok(Begun { contact: self.contact.of_step(&stiffening, &depth)?, frame, duration })
     }
 
@@ -162,7 +163,12 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
     ) -> Result<ViscoelasticState<C::State>, Refusal> {
         let Begun { frame, duration, .. } = begun;
         let displacement = solution.displacement_z();
-        let indentation: Vec<f64> = frame.hollow.iter().zip(displacement).map(|(hollow, u)| hollow - u).collect();
+        let indentation: Vec<f64> = frame
+            .residual_indentation
+            .iter()
+            .zip(displacement)
+            .map(|(residual_indentation, u)| residual_indentation - u)
+            .collect();
         let (history, energies) = match (history, &*self.spectrum) {
             (History::Points { lengths, stresses }, Spectrum::Common(branches)) => {
                 let pressure = solution.pressure();
@@ -176,7 +182,7 @@ impl<C: ElasticContact> ViscoelasticContact<C> {
             }
             _ => return Err(Refusal::OtherKind),
         };
-        let solution = C::left(solution, frame);
+        let solution = C::from_step_frame(solution, frame);
         let [mean_pressure, approach] = [solution.mean_pressure(), solution.approach()];
         let numbers = |state: &ViscoelasticState<C::State>| {
             let solution = &state.solution;
@@ -339,15 +345,18 @@ impl<C: ElasticContact> Equilibrium for ViscoelasticContact<C> {
             Load::MeanPressure(mean) => Load::MeanPressure(mean / factor),
             Load::Approach(approach) => {
                 let size = approach.abs().max(touch.abs()).max(self.contact.surface().rms_height());
-                let apart =
-                    if approach - touch <= ROUNDING * size { begun.contact.apart(approach - touch) } else { None };
-                if let Some(solution) = apart {
+                let separated = if approach - touch <= ROUNDING_OF_APPROACH * size {
+                    begun.contact.separated_state(approach - touch)
+                } else {
+                    None
+                };
+                if let Some(solution) = separated {
                     return Ok(with_approach(self.end(&begun, solution?, (start, &history), drive.time)?));
                 }
                 Load::Approach(approach - touch)
             }
         };
-        let warm = start.and_then(|start| C::entered(&start.solution, &begun.frame));
+        let warm = start.and_then(|start| C::to_step_frame(&start.solution, &begun.frame));
         let (mut reached, mut failed) = (None, None);
         match begun.contact.equilibrate(load.into(), solver, budget, warm.as_ref(), watch) {
             Ok(solution) => reached = Some(solution),
@@ -371,7 +380,7 @@ impl<C: ElasticContact> Resumable for ViscoelasticContact<C> {
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Self::State, Refusal> {
         self.check(drive)?;
         let mut state = ViscoelasticState {
-            solution: self.contact.unfilled()?,
+            solution: self.contact.empty_state()?,
             time: 0.0,
             elastic_energy: 0.0,
             dissipated: 0.0,

@@ -32,20 +32,20 @@ pub trait ElasticContact: Resumable + Clone {
     fn of_step(&self, stiffening: &Stiffening, depth: &Array2<f64>) -> Result<Self, Refusal>;
 
     /// Converts an equilibrium state to the step contact, to start its search; `None` if it does not help.
-    fn entered(state: &Self::State, frame: &StepFrame) -> Option<Self::State>;
+    fn to_step_frame(state: &Self::State, frame: &StepFrame) -> Option<Self::State>;
 
     /// Converts a state of the step contact back from the step frame. The elastic energy is not set.
-    fn left(state: Self::State, frame: &StepFrame) -> Self::State;
+    fn from_step_frame(state: Self::State, frame: &StepFrame) -> Self::State;
 
     /// Returns the state at `approach` if the surfaces are so far apart that no solve is needed. `approach` exceeds
     /// first touch by no more than rounding.
-    fn apart(&self, approach: f64) -> Option<Result<Self::State, Refusal>>;
+    fn separated_state(&self, approach: f64) -> Option<Result<Self::State, Refusal>>;
 
     /// Returns a state without forces, to be filled in.
     ///
     /// # Errors
     /// Returns no error for a valid contact.
-    fn unfilled(&self) -> Result<Self::State, Refusal>;
+    fn empty_state(&self) -> Result<Self::State, Refusal>;
 
     /// Visits all variables of a state.
     fn visit(state: &mut Self::State, visitor: &mut dyn Visit);
@@ -73,7 +73,7 @@ pub enum Stiffening {
 #[derive(Clone, Debug)]
 pub struct StepFrame {
     /// Residual indentation H at zero pressure, `[x, y]`, length.
-    pub hollow: Array2<f64>,
+    pub residual_indentation: Array2<f64>,
     /// First touch of the surface indented by H: the origin of the approach in the step contact.
     pub touch: f64,
     /// Pressure divided by the pressure in the step contact.
@@ -98,12 +98,12 @@ impl ElasticContact for Contact {
     /// Ignores a common factor: a wall has no scale, so that the factor scales only the pressures.
     fn of_step(&self, stiffening: &Stiffening, depth: &Array2<f64>) -> Result<Self, Refusal> {
         match stiffening {
-            Stiffening::All(_) => self.indented(depth),
-            Stiffening::Waves(factors) => self.stiffened(factors).indented(depth),
+            Stiffening::All(_) => self.with_indentation(depth),
+            Stiffening::Waves(factors) => self.stiffened(factors).with_indentation(depth),
         }
     }
 
-    fn entered(state: &Solution, frame: &StepFrame) -> Option<Solution> {
+    fn to_step_frame(state: &Solution, frame: &StepFrame) -> Option<Solution> {
         (state.mean_pressure > 0.0).then(|| {
             let mut state = state.clone();
             state.pressure.mapv_inplace(|p| p / frame.factor);
@@ -111,8 +111,8 @@ impl ElasticContact for Contact {
         })
     }
 
-    fn left(mut state: Solution, StepFrame { hollow, touch, factor }: &StepFrame) -> Solution {
-        state.displacement -= hollow;
+    fn from_step_frame(mut state: Solution, StepFrame { residual_indentation, touch, factor }: &StepFrame) -> Solution {
+        state.displacement -= residual_indentation;
         if *factor != 1.0 {
             with_contiguous(&mut state.pressure, |pressure| {
                 for_each([pressure], &|_, [pressure]| pressure.iter_mut().for_each(|p| *p *= factor));
@@ -123,12 +123,12 @@ impl ElasticContact for Contact {
         state
     }
 
-    fn apart(&self, approach: f64) -> Option<Result<Solution, Refusal>> {
+    fn separated_state(&self, approach: f64) -> Option<Result<Solution, Refusal>> {
         let none = Array2::zeros(self.surface().grid().points());
         Some(self.certify(&none, Load::Approach(approach.min(0.0))))
     }
 
-    fn unfilled(&self) -> Result<Solution, Refusal> {
+    fn empty_state(&self) -> Result<Solution, Refusal> {
         self.certify(&Array2::zeros(self.surface().grid().points()), Load::Approach(0.0))
     }
 
@@ -176,31 +176,31 @@ impl ElasticContact for Interface {
             Stiffening::All(factor) => self.weakened(*factor),
             Stiffening::Waves(factors) => self.stiffened(factors)?,
         }
-        .indented(depth)
+        .with_indentation(depth)
     }
 
-    fn entered(state: &State, StepFrame { hollow, touch, factor }: &StepFrame) -> Option<State> {
+    fn to_step_frame(state: &State, StepFrame { residual_indentation, touch, factor }: &StepFrame) -> Option<State> {
         let mut state = state.clone().times(1.0, 1.0 / factor);
         let mut displacement = state.displacement.index_axis_mut(Axis(0), 0);
-        displacement += hollow;
+        displacement += residual_indentation;
         state.approach -= touch;
         Some(state)
     }
 
-    fn left(state: State, StepFrame { hollow, touch, factor }: &StepFrame) -> State {
+    fn from_step_frame(state: State, StepFrame { residual_indentation, touch, factor }: &StepFrame) -> State {
         let mut state = state.times(1.0, *factor);
         let mut displacement = state.displacement.index_axis_mut(Axis(0), 0);
-        displacement -= hollow;
+        displacement -= residual_indentation;
         state.approach += touch;
         state
     }
 
     /// Returns `None`: the law acts at all distances.
-    fn apart(&self, _: f64) -> Option<Result<State, Refusal>> {
+    fn separated_state(&self, _: f64) -> Option<Result<State, Refusal>> {
         None
     }
 
-    fn unfilled(&self) -> Result<State, Refusal> {
+    fn empty_state(&self) -> Result<State, Refusal> {
         let none = Array2::zeros(self.surface().grid().points());
         self.certify(&none, &none, Load::Approach(0.0).into())
     }

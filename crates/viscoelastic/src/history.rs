@@ -76,7 +76,7 @@ impl PointStep {
     }
 
     /// Returns H at point `i`: (1/m) Σ c (γ d − e x), from lengths or stresses.
-    fn hollow(&self, fields: &[Vec<f64>], i: usize) -> f64 {
+    fn residual_indentation(&self, fields: &[Vec<f64>], i: usize) -> f64 {
         let Some((first, others)) = fields.split_first() else { return 0.0 };
         let terms = self.decays.iter().zip(others);
         let sum: f64 = terms.map(|(decay, x)| decay.weight * (decay.taken * first[i] - decay.left * x[i])).sum();
@@ -84,9 +84,11 @@ impl PointStep {
     }
 
     /// Computes the residual indentation H at zero pressure.
-    pub(crate) fn fill(&self, lengths: &[Vec<f64>], hollow: &mut [f64]) {
-        for_each([hollow], &|start, [hollow]| {
-            hollow.iter_mut().enumerate().for_each(|(k, hollow)| *hollow = self.hollow(lengths, start + k));
+    pub(crate) fn fill(&self, lengths: &[Vec<f64>], residual_indentation: &mut [f64]) {
+        for_each([residual_indentation], &|start, [residual_indentation]| {
+            residual_indentation.iter_mut().enumerate().for_each(|(k, residual_indentation)| {
+                *residual_indentation = self.residual_indentation(lengths, start + k)
+            });
         });
     }
 
@@ -101,7 +103,7 @@ impl PointStep {
         let mut stress = vec![0.0; points];
         for_each([&mut stress[..]], &|start, [stress]| {
             for (k, stress) in stress.iter_mut().enumerate() {
-                *stress = self.hollow(stresses, start + k) + pressure[start + k];
+                *stress = self.residual_indentation(stresses, start + k) + pressure[start + k];
             }
         });
         let half = |a: &[f64], b: &[f64]| 0.5 * gfmd_vector::dot(a, b);
@@ -146,7 +148,7 @@ impl PointStep {
 
 impl Waves {
     /// Computes the stiffening of each mode in a step, and the spectrum of H.
-    pub(crate) fn hollow(&self, fields: &[Vec<Complex64>], duration: f64) -> (Vec<f64>, Vec<Complex64>) {
+    pub(crate) fn residual_indentation(&self, fields: &[Vec<Complex64>], duration: f64) -> (Vec<f64>, Vec<Complex64>) {
         let of_mode = |mode: usize| {
             let decays = || self.of(mode).map(|branch| Decay::new(branch, duration));
             let stiffening = stiffening(decays());
@@ -156,9 +158,9 @@ impl Waves {
             (stiffening, terms.sum::<Complex64>() / stiffening)
         };
         let mut out = (vec![0.0; self.stiffness.len()], vec![Complex64::ZERO; self.stiffness.len()]);
-        for_each((&mut out.0[..], &mut out.1[..]), &|start, (factors, hollow)| {
-            for (k, (factor, hollow)) in factors.iter_mut().zip(hollow).enumerate() {
-                (*factor, *hollow) = of_mode(start + k);
+        for_each((&mut out.0[..], &mut out.1[..]), &|start, (factors, residual_indentation)| {
+            for (k, (factor, residual_indentation)) in factors.iter_mut().zip(residual_indentation).enumerate() {
+                (*factor, *residual_indentation) = of_mode(start + k);
             }
         });
         out
@@ -268,9 +270,10 @@ mod tests {
                 let stresses: Vec<Vec<f64>> = lengths.iter().map(|field| times(field)).collect();
                 let step = PointStep::new(prony.branches(), duration);
                 let reached = numbers.field(n);
-                let mut hollow = vec![0.0; n];
-                step.fill(&lengths, &mut hollow);
-                let pressure: Vec<f64> = (0..n).map(|i| stiffness[i] * (reached[i] - hollow[i])).collect();
+                let mut residual_indentation = vec![0.0; n];
+                step.fill(&lengths, &mut residual_indentation);
+                let pressure: Vec<f64> =
+                    (0..n).map(|i| stiffness[i] * (reached[i] - residual_indentation[i])).collect();
                 let (after, energies) = step.advance((&lengths, &stresses), (reached, &pressure));
                 let History::Points { lengths: after, .. } = after else { unreachable!("points stay points") };
                 let of = |i: usize| {

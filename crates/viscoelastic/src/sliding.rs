@@ -71,11 +71,11 @@ pub enum SlidingError {
 /// Number of images mixed in a step.
 const DEPTH: usize = 8;
 /// Tolerance of the first inner contact, and upper limit for the later ones.
-const FIRST: f64 = 1e-3;
+const FIRST_INNER_TOLERANCE: f64 = 1e-3;
 /// Tolerance of an inner contact divided by the last certified residual, at least this fraction of the tolerance.
-const INNER: f64 = 0.1;
+const INNER_TOLERANCE_FACTOR: f64 = 0.1;
 /// Number of steps within which the residual must halve.
-const PATIENCE: u32 = 200;
+const STEPS_TO_HALVE: u32 = 200;
 
 /// Stiffness of all modes at one velocity.
 struct Moving {
@@ -388,7 +388,7 @@ impl<'a> Search<'a> {
         let touch = reduce(added.len(), &least, &lower);
         let points = surface.grid().points();
         let depth = Array2::from_shape_vec(points, added.iter().map(|added| added - touch).collect());
-        let contact = self.storing.indented(&depth.expect("every field has the size of the grid"))?;
+        let contact = self.storing.with_indentation(&depth.expect("every field has the size of the grid"))?;
         let none = || Array2::zeros(points);
         let load = match load {
             Load::Approach(approach) if approach <= touch => {
@@ -427,7 +427,8 @@ impl<'a> Search<'a> {
         let mut mixing = Anderson::new(DEPTH);
         // An elastic contact needs a single solve.
         let is_elastic = self.rest.iter().all(|rest| *rest == Complex64::ZERO);
-        let mut inner = if is_elastic { INNER * tolerance } else { FIRST.max(tolerance) };
+        let mut inner =
+            if is_elastic { INNER_TOLERANCE_FACTOR * tolerance } else { FIRST_INNER_TOLERANCE.max(tolerance) };
         let mut best: Option<Solution> = None;
         // Image with the smallest difference from its argument so far, and this difference.
         let mut safe: Option<(Vec<f64>, f64)> = None;
@@ -455,10 +456,11 @@ impl<'a> Search<'a> {
             since += 1;
             if worst <= 0.5 * halved {
                 (halved, since) = (worst, 0);
-            } else if since > PATIENCE {
+            } else if since > STEPS_TO_HALVE {
                 return Ok((reached, Ending::GaveUp(Why::Certificate)));
             }
-            inner = (INNER * worst).clamp(INNER * tolerance, FIRST.max(tolerance));
+            inner = (INNER_TOLERANCE_FACTOR * worst)
+                .clamp(INNER_TOLERANCE_FACTOR * tolerance, FIRST_INNER_TOLERANCE.max(tolerance));
             let apart: f64 = gfmd_vector::sum(x.len(), &|range| range.map(|i| (image[i] - x[i]).powi(2)).sum());
             match &safe {
                 // The mixed step is worse than the last image; restart from that image with a plain step.

@@ -30,12 +30,12 @@ struct Worn {
 }
 
 /// Relative rounding error below which an approach counts as zero.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const ROUNDING_OF_APPROACH: f64 = 8.0 * f64::EPSILON;
 
 /// Returns the approach beyond first touch, or `None` if the surfaces are apart.
 fn beyond(approach: f64, touch: f64) -> Option<f64> {
     let beyond = approach - touch;
-    (beyond > ROUNDING * approach.max(touch)).then_some(beyond)
+    (beyond > ROUNDING_OF_APPROACH * approach.max(touch)).then_some(beyond)
 }
 
 impl WearContact {
@@ -75,7 +75,7 @@ impl WearContact {
         depth: &ArrayRef2<f64>,
         drive: Drive,
     ) -> Result<WearState, Refusal> {
-        let Worn { contact, touch } = self.worn(depth)?;
+        let Worn { contact, touch } = self.after_wear(depth)?;
         let load = match drive.load {
             Load::Approach(approach) => {
                 Load::Approach(beyond(approach, touch).unwrap_or_else(|| (approach - touch).min(0.0)))
@@ -102,7 +102,7 @@ impl WearContact {
     }
 
     /// Returns the contact after the loss of `depth`.
-    fn worn(&self, depth: &ArrayRef2<f64>) -> Result<Worn, Refusal> {
+    fn after_wear(&self, depth: &ArrayRef2<f64>) -> Result<Worn, Refusal> {
         let (clearance, values) = (self.contact.surface().clearance(), &*contiguous(depth));
         if clearance.len() != values.len() {
             return Err(Refusal::Start { found: values.len(), expected: clearance.len() });
@@ -112,7 +112,7 @@ impl WearContact {
         };
         let touch = reduce(values.len(), &lowest, &lower);
         // Without the subtraction, endless wear would leave no digits of the roughness.
-        Ok(Worn { contact: self.contact.worn(&depth.mapv(|w| w - touch))?, touch })
+        Ok(Worn { contact: self.contact.with_wear_depth(&depth.mapv(|w| w - touch))?, touch })
     }
 
     fn check_distance(distance: f64, start: Option<&WearState>) -> Result<f64, Refusal> {
@@ -181,7 +181,7 @@ impl Equilibrium for WearContact {
         self.check(drive)?;
         let moved = Self::check_distance(drive.distance, start)?;
         let before = start.map_or_else(|| self.zeros(), |start| start.depth.clone());
-        let Worn { contact, touch } = self.worn(&before)?;
+        let Worn { contact, touch } = self.after_wear(&before)?;
         let load = match drive.load {
             Load::Approach(approach) => match beyond(approach, touch) {
                 Some(beyond) => Load::Approach(beyond),

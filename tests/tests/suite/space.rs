@@ -18,7 +18,7 @@ use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveErro
 use gfmd_field::Grid;
 use gfmd_green::Complex64;
 use gfmd_interface::{FrictionState, FrictionalContact, Interface, State};
-use gfmd_law::{Kind, Law, LawError, Limit, Tabulated};
+use gfmd_law::{Law, LawError, LawKind, Limit, Tabulated};
 use gfmd_mixed::{Method, MixedError, MixedProblem, Prescribed};
 use gfmd_relax::Budget;
 use gfmd_response::Components;
@@ -56,12 +56,12 @@ fn refused(refusal: &Refusal) -> Verdict {
     Ok(match refusal {
         Refusal::Flat => "refused: flat",
         Refusal::Approach { .. } => "refused: beyond full contact",
-        Refusal::Slight { .. } => "refused: slight",
+        Refusal::LoadUnderflows { .. } => "refused: slight",
         Refusal::Rounding { .. } => "refused: rounding",
-        Refusal::Hidden { .. } => "refused: hidden by the tractions",
+        Refusal::LoadBelowTractionRounding { .. } => "refused: hidden by the tractions",
         Refusal::Unresolved { found, least, .. } if found < least => "refused: not resolved by the tolerance",
-        Refusal::Shallow { .. } => "refused: below the rounding of the heights",
-        Refusal::Digits { .. } | Refusal::Unit { .. } => "refused: units",
+        Refusal::LoadBelowRoughnessRounding { .. } => "refused: below the rounding of the heights",
+        Refusal::UnitOutOfRange { .. } | Refusal::Unit { .. } => "refused: units",
         Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "refused: solver",
         Refusal::Search(_) => "refused: search",
         Refusal::Overflow => "refused: overflow",
@@ -169,8 +169,8 @@ fn table(case: &Case, random: &mut Random) -> Result<Box<dyn Law>, LawError> {
 }
 
 fn law(case: &Case, random: &mut Random) -> Result<Box<dyn Law>, String> {
-    let kind = random.one_of(&Kind::ALL);
-    if kind == Kind::Table {
+    let kind = random.one_of(&LawKind::ALL);
+    if kind == LawKind::Table {
         return table(case, random).map_err(|error| format!("{}: {error}", kind.name()));
     }
     let energy = |random: &mut Random| case.stress * case.length * random.decade(-5.0, 1.0);

@@ -42,7 +42,7 @@ const APART: u64 = 1_000_000;
 /// Kind of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Kind {
+pub(super) enum CaseKind {
     /// Periodic self-affine surface.
     Rough,
     /// Rough sphere with free boundaries.
@@ -58,7 +58,7 @@ pub(super) enum Kind {
 /// Surface and method of solution of its contact.
 #[derive(Serialize)]
 pub(super) struct Case {
-    pub kind: Kind,
+    pub kind: CaseKind,
     pub seed: u64,
     /// Hurst exponent; NaN for a surface that is not rough.
     pub hurst: f64,
@@ -72,18 +72,18 @@ pub(super) struct Case {
 
 impl Case {
     /// Makes surface `number` of this kind.
-    pub(super) fn new(kind: Kind, number: u64, first_seed: u64) -> Self {
+    pub(super) fn new(kind: CaseKind, number: u64, first_seed: u64) -> Self {
         let seed = first_seed + APART * kind as u64 + number;
         let mut source = Pcg64::seed_from_u64(seed);
         let random = std::array::from_fn(|_| source.random());
         let place = number as usize;
         let points_per_wave = POINTS_PER_WAVE[place / HURST.len() % POINTS_PER_WAVE.len()];
         let (hurst, points_per_wave, n) = match kind {
-            Kind::Rough => (HURST[place % HURST.len()], points_per_wave, WAVES * points_per_wave),
-            Kind::Patch => (HURST[place % HURST.len()], points_per_wave, WAVES_OF_A_PATCH * points_per_wave),
-            Kind::Sphere => (f64::NAN, 0, [32, 64][place % 2]),
-            Kind::Waves => (f64::NAN, 0, [32, 48, 64][place % 3]),
-            Kind::Adhesive => (f64::NAN, 0, 64 + 32 * (place / 2 % 2)),
+            CaseKind::Rough => (HURST[place % HURST.len()], points_per_wave, WAVES * points_per_wave),
+            CaseKind::Patch => (HURST[place % HURST.len()], points_per_wave, WAVES_OF_A_PATCH * points_per_wave),
+            CaseKind::Sphere => (f64::NAN, 0, [32, 64][place % 2]),
+            CaseKind::Waves => (f64::NAN, 0, [32, 48, 64][place % 3]),
+            CaseKind::Adhesive => (f64::NAN, 0, 64 + 32 * (place / 2 % 2)),
         };
         Self { kind, seed, hurst, n, points_per_wave, random }
     }
@@ -91,33 +91,33 @@ impl Case {
     /// Returns the groups of the surface in words, without its load.
     pub(super) fn groups(&self) -> Vec<String> {
         match self.kind {
-            Kind::Rough | Kind::Patch => {
+            CaseKind::Rough | CaseKind::Patch => {
                 vec![format!("H = {}", self.hurst), format!("{} points a wave", self.points_per_wave)]
             }
-            Kind::Sphere | Kind::Waves => vec![format!("{} points", self.n)],
-            Kind::Adhesive => vec![self.law().to_owned()],
+            CaseKind::Sphere | CaseKind::Waves => vec![format!("{} points", self.n)],
+            CaseKind::Adhesive => vec![self.law().to_owned()],
         }
     }
 
     /// Returns the compared modes of `--grid-error` with their names.
     pub(super) fn modes(&self) -> &'static [(&'static str, &'static str)] {
         match self.kind {
-            Kind::Rough => &[("estimate", "estimate"), ("refine", "refine")],
+            CaseKind::Rough => &[("estimate", "estimate"), ("refine", "refine")],
             // A patch has no finer grid.
-            Kind::Patch => &[("free", "estimate")],
-            Kind::Sphere => &[("Hertz", "estimate")],
-            Kind::Waves => &[("waves", "estimate"), ("waves refine", "refine")],
-            Kind::Adhesive => &[("adhesion refine", "refine")],
+            CaseKind::Patch => &[("free", "estimate")],
+            CaseKind::Sphere => &[("Hertz", "estimate")],
+            CaseKind::Waves => &[("waves", "estimate"), ("waves refine", "refine")],
+            CaseKind::Adhesive => &[("adhesion refine", "refine")],
         }
     }
 
     /// Returns the loads and the flag for them.
     pub(super) fn drives(&self) -> (&'static str, [f64; 4]) {
         match self.kind {
-            Kind::Rough | Kind::Waves => ("p-star", LOADS),
-            Kind::Patch => ("pressure", LOADS_OF_A_PATCH),
-            Kind::Sphere => ("pressure", self.radii().map(|radius| 4.0 * radius.powi(3) / 3.0)),
-            Kind::Adhesive => {
+            CaseKind::Rough | CaseKind::Waves => ("p-star", LOADS),
+            CaseKind::Patch => ("pressure", LOADS_OF_A_PATCH),
+            CaseKind::Sphere => ("pressure", self.radii().map(|radius| 4.0 * radius.powi(3) / 3.0)),
+            CaseKind::Adhesive => {
                 let Adhesive { pull_off, .. } = self.adhesive();
                 ("pressure", [4.0, 1.0, 0.0, -0.5].map(|part| part * pull_off))
             }
@@ -127,10 +127,10 @@ impl Case {
     /// Returns the loads in words, equal for all surfaces of a kind.
     pub(super) fn loads(&self) -> [String; 4] {
         match self.kind {
-            Kind::Rough | Kind::Waves => LOADS.map(|load| format!("p* = {load}")),
-            Kind::Patch => LOADS_OF_A_PATCH.map(|load| format!("p/E* = {load}")),
-            Kind::Sphere => ["first", "second", "third", "fourth"].map(|nth| format!("{nth} load")),
-            Kind::Adhesive => [4.0, 1.0, 0.0, -0.5].map(|part| format!("{part} pull-off forces")),
+            CaseKind::Rough | CaseKind::Waves => LOADS.map(|load| format!("p* = {load}")),
+            CaseKind::Patch => LOADS_OF_A_PATCH.map(|load| format!("p/E* = {load}")),
+            CaseKind::Sphere => ["first", "second", "third", "fourth"].map(|nth| format!("{nth} load")),
+            CaseKind::Adhesive => [4.0, 1.0, 0.0, -0.5].map(|part| format!("{part} pull-off forces")),
         }
     }
 
@@ -143,7 +143,7 @@ impl Case {
 
     /// Returns the closed form of a contact quantity by its name; `None` without one.
     pub(super) fn closed_form(&self, load: usize, name: &str) -> Option<f64> {
-        let radius = (self.kind == Kind::Sphere).then(|| self.radii()[load])?;
+        let radius = (self.kind == CaseKind::Sphere).then(|| self.radii()[load])?;
         let (force, area, most) = (4.0 * radius.powi(3) / 3.0, PI * radius * radius, 2.0 * radius / PI);
         let square = 0.5 * area * most * most;
         match name {
@@ -188,13 +188,13 @@ impl Case {
         };
         let at = |i: usize, axis: usize| i as f64 / n as f64 - self.random[axis];
         match self.kind {
-            Kind::Rough => {
+            CaseKind::Rough => {
                 let Self { hurst, seed, .. } = self;
                 let shortest = WAVES / 2;
                 Ok(format!("--n {n} --eps-t-inv 2 --eps-f-inv {shortest} --hurst {hurst} --seed {seed} --flow"))
             }
-            Kind::Patch => Ok(format!("{} --boundary free", written(self.rough_sphere(n)?)?)),
-            Kind::Sphere => {
+            CaseKind::Patch => Ok(format!("{} --boundary free", written(self.rough_sphere(n)?)?)),
+            CaseKind::Sphere => {
                 // The centre lies within two points of the middle, anywhere between the points.
                 let from_centre =
                     |i: usize, axis: usize| i as f64 / n as f64 - 0.5 - 4.0 * (self.random[axis] - 0.5) / self.n as f64;
@@ -203,7 +203,7 @@ impl Case {
                 });
                 Ok(format!("{} --boundary free --young 1 --poisson 0", written(heights)?))
             }
-            Kind::Waves => {
+            CaseKind::Waves => {
                 let wave = |x: f64| (TAU * x).cos();
                 let k = [2.0_f64, 3.0, 4.0][(3.0 * self.random[2]) as usize % 3];
                 let kind = (3.0 * self.random[3]) as usize;
@@ -219,7 +219,7 @@ impl Case {
                 });
                 written(heights)
             }
-            Kind::Adhesive => {
+            CaseKind::Adhesive => {
                 let Adhesive { amplitude, energy, range, .. } = self.adhesive();
                 let wave = |x: f64| amplitude * (TAU * x).cos();
                 let heights = Array2::from_shape_fn((n, n), |(i, j)| wave(at(i, 0)) + wave(at(j, 1)));

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::contestant::Problem;
-use super::process::{Ended, output};
+use super::process::{ProgramFailure, output};
 use super::python::{Environment, LONG, Script};
 use super::table::{Table, write_beside};
 use super::{Args, Peer, RMS_GRADIENT, problems};
@@ -29,7 +29,7 @@ const SLOPE: f64 = 0.3;
 /// Tolerances of Tamaas divided by the residual bound, tried in turn until the residual is within the bound.
 const TOLERANCES: [f64; 4] = [1e3, 1e2, 10.0, 3.0];
 /// Largest number of iterations of Tamaas for a load.
-const MOST: u64 = 100_000;
+const MAX_PEER_ITERATIONS: u64 = 100_000;
 
 /// Result of `bench-peers --adhesion`.
 #[derive(Clone, Debug, Serialize)]
@@ -150,7 +150,9 @@ impl Trial<'_> {
         for over in TOLERANCES {
             let course = match self.theirs(over * self.args.tolerance) {
                 Ok(course) => course,
-                Err(Ended::Interrupted) => return Err(Ended::Interrupted.failure("adhesion by Tamaas")),
+                Err(ProgramFailure::Interrupted) => {
+                    return Err(ProgramFailure::Interrupted.failure("adhesion by Tamaas"));
+                }
                 Err(ended) => {
                     said = Some(ended.in_words());
                     break;
@@ -190,7 +192,7 @@ impl Trial<'_> {
         })
     }
 
-    fn theirs(&self, tolerance: f64) -> Result<Course, Ended> {
+    fn theirs(&self, tolerance: f64) -> Result<Course, ProgramFailure> {
         let [work, range] = self.law();
         let task = json!({
             "heights": self.problem.heights,
@@ -199,7 +201,7 @@ impl Trial<'_> {
             "threads": self.threads,
             "gamma": work,
             "range": range,
-            "most": MOST,
+            "most": MAX_PEER_ITERATIONS,
             "fftw": self.environment.preloaded(),
         });
         let limit = Duration::from_secs_f64(self.args.patience());

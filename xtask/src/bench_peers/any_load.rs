@@ -18,7 +18,7 @@ use serde_json::Value;
 
 use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
-use super::process::Ended;
+use super::process::ProgramFailure;
 use super::python::Environment;
 use super::solve::Solve;
 use super::table::{Table, median, write_beside};
@@ -48,7 +48,7 @@ const LEAST: f64 = 1e-3;
 
 /// Kind of contact.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Kind {
+pub struct ContactVariant {
     /// Name in tables.
     pub name: &'static str,
     /// Boundary, "periodic" or "free".
@@ -59,13 +59,13 @@ pub struct Kind {
 }
 
 /// Kinds of contact. The hardness is E* times the rms gradient, so that p* = 1 is the largest load.
-const KINDS: [Kind; 3] = [
-    Kind { name: "periodic", boundary: Boundary::Periodic, hardness: None },
-    Kind { name: "free", boundary: Boundary::Free, hardness: None },
-    Kind { name: "hardness", boundary: Boundary::Periodic, hardness: Some(RMS_GRADIENT) },
+const KINDS: [ContactVariant; 3] = [
+    ContactVariant { name: "periodic", boundary: Boundary::Periodic, hardness: None },
+    ContactVariant { name: "free", boundary: Boundary::Free, hardness: None },
+    ContactVariant { name: "hardness", boundary: Boundary::Periodic, hardness: Some(RMS_GRADIENT) },
 ];
 
-impl Kind {
+impl ContactVariant {
     /// Returns true if the table of this kind has the load.
     fn has(&self, p_star: f64) -> bool {
         match self.hardness {
@@ -109,7 +109,7 @@ pub struct AnyLoad {
 #[derive(Clone, Debug, Serialize)]
 pub struct Block {
     /// Kind of contact.
-    pub kind: Kind,
+    pub kind: ContactVariant,
     /// Hurst exponent.
     pub hurst: f64,
     /// Contestants that solve such contacts.
@@ -134,7 +134,7 @@ struct Resumed {
 }
 
 impl Resumed {
-    fn is_of(&self, kind: &Kind, hurst: f64, contestants: &[String]) -> bool {
+    fn is_of(&self, kind: &ContactVariant, hurst: f64, contestants: &[String]) -> bool {
         self.kind["name"] == kind.name && self.hurst == hurst && self.contestants == contestants
     }
 }
@@ -250,7 +250,7 @@ impl Trial<'_> {
     }
 
     /// Returns the best result of a contestant in up to [`TRIALS`] solves. The first solve requests the bound itself.
-    fn cell(&self, contestant: &Contestant, reference: &Contestant) -> Result<Cell, Ended> {
+    fn cell(&self, contestant: &Contestant, reference: &Contestant) -> Result<Cell, ProgramFailure> {
         let Self { args, problem, .. } = self;
         let mut best = Cell::default();
         let mut tolerance = args.tolerance;
@@ -280,7 +280,7 @@ impl Trial<'_> {
     }
 
     /// Performs one solve and judges it. Only an interruption is an error.
-    fn solve(&self, contestant: &Contestant, reference: &Contestant, tolerance: f64) -> Result<Cell, Ended> {
+    fn solve(&self, contestant: &Contestant, reference: &Contestant, tolerance: f64) -> Result<Cell, ProgramFailure> {
         let Self { args, environment, session, problem } = *self;
         let threads = self.threads(contestant);
         let file = contestant.pressure_file(environment.scratch(), threads);
@@ -288,14 +288,14 @@ impl Trial<'_> {
         let _ = std::fs::remove_file(&file);
         let failed = |said: String| Ok(Cell { tolerance, said: Some(said), ..Cell::default() });
         let solve = match contestant.solve(problem, tolerance, threads, Some(&file), self.place()) {
-            Err(Ended::Interrupted) => return Err(Ended::Interrupted),
+            Err(ProgramFailure::Interrupted) => return Err(ProgramFailure::Interrupted),
             Err(ended) => return failed(ended.in_words()),
             Ok(solve) => solve,
         };
         let own = reference.pressure_file(environment.scratch(), threads);
         let fields = BTreeMap::from([(reference.to_string(), own), (contestant.to_string(), file)]);
         let verdict = match judge(problem, &fields, &reference.to_string(), environment, session) {
-            Err(Ended::Interrupted) => return Err(Ended::Interrupted),
+            Err(ProgramFailure::Interrupted) => return Err(ProgramFailure::Interrupted),
             Err(ended) => return failed(ended.in_words()),
             Ok(mut verdicts) => verdicts.remove(&contestant.to_string()),
         };

@@ -9,7 +9,7 @@ use gfmd_contact::{Boundary, Solver};
 use gfmd_run::session::Session;
 use serde_json::json;
 
-use super::process::{Ended, output};
+use super::process::{ProgramFailure, output};
 use super::python::{Environment, LONG, Script};
 use super::solve::Solve;
 use super::{Peer, TamaasFftw};
@@ -105,7 +105,7 @@ impl Contestant {
         threads: usize,
         out: Option<&Path>,
         place: Place,
-    ) -> Result<Solve, Ended> {
+    ) -> Result<Solve, ProgramFailure> {
         let task = |more: serde_json::Value| {
             let mut task = json!({
                 "heights": problem.heights,
@@ -157,8 +157,8 @@ pub(super) fn own(
     threads: usize,
     out: Option<&Path>,
     session: &Session,
-) -> Result<Solve, Ended> {
-    let program = std::env::current_exe().map_err(|error| Ended::Failed(error.to_string()))?;
+) -> Result<Solve, ProgramFailure> {
+    let program = std::env::current_exe().map_err(|error| ProgramFailure::Failed(error.to_string()))?;
     let mut command = Command::new(program);
     command.args([
         "bench-solve",
@@ -180,5 +180,5 @@ pub(super) fn own(
         command.arg("--out").arg(out);
     }
     let printed = output(&mut command, LONG, session)?;
-    serde_json::from_str(&printed).map_err(|error| Ended::Failed(format!("its output has {error}")))
+    serde_json::from_str(&printed).map_err(|error| ProgramFailure::Failed(format!("its output has {error}")))
 }

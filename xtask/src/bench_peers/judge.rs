@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::contestant::Problem;
-use super::process::Ended;
+use super::process::ProgramFailure;
 use super::python::{Environment, Script};
 
 /// Result of peers/certify.py for one pressure. Lengths are in units of the rms height, energies in units of mean
@@ -77,7 +77,7 @@ pub(super) fn judge(
     reference: &str,
     environment: &Environment,
     session: &Session,
-) -> Result<BTreeMap<String, Verdict>, Ended> {
+) -> Result<BTreeMap<String, Verdict>, ProgramFailure> {
     let task = json!({
         "heights": problem.heights, "mean_pressure": problem.mean_pressure, "boundary": problem.boundary.name(),
         "hardness": problem.hardness, "fields": fields, "reference": reference,

@@ -10,7 +10,7 @@ use gfmd_run::session::Session;
 use super::Args;
 use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
-use super::process::Ended;
+use super::process::ProgramFailure;
 use super::python::{Environment, Yardstick};
 use super::report::{Case, Entry, Timing};
 use super::solve::Solve;
@@ -42,7 +42,7 @@ struct Known {
 }
 
 /// Key of surface and load without the grid: the bits of Hurst exponent and reduced pressure.
-type Kind = [u64; 2];
+type LoadKey = [u64; 2];
 
 pub(super) struct Bench<'a> {
     args: &'a Args,
@@ -50,7 +50,7 @@ pub(super) struct Bench<'a> {
     environment: &'a Environment,
     session: &'a Session,
     contestants: Vec<Contestant>,
-    known: HashMap<(String, Kind), Known>,
+    known: HashMap<(String, LoadKey), Known>,
     /// Cases of an interrupted run.
     resumed: Vec<Case>,
 }
@@ -101,7 +101,7 @@ impl<'a> Bench<'a> {
                 Contestant::Own(_) => starters.push(self.own(contestant, problem)?),
                 Contestant::Peer(_) => match self.peer(&contestant, problem) {
                     Ok(starter) => starters.push(starter),
-                    Err(Ended::Interrupted) => return Err(Ended::Interrupted.failure(&name)),
+                    Err(ProgramFailure::Interrupted) => return Err(ProgramFailure::Interrupted.failure(&name)),
                     Err(ended) => {
                         let note = format!("{contestant} is left out at {name}: {}", ended.in_words());
                         tracing::warn!("{note}");
@@ -134,13 +134,13 @@ impl<'a> Bench<'a> {
     }
 
     /// Finds the loosest tolerance for which the result of a peer is certified.
-    fn peer(&mut self, contestant: &Contestant, problem: &Problem) -> Result<Starter, Ended> {
+    fn peer(&mut self, contestant: &Contestant, problem: &Problem) -> Result<Starter, ProgramFailure> {
         let key = (contestant.to_string(), [problem.hurst.to_bits(), problem.p_star.to_bits()]);
         let known = self.known.get(&key).copied();
         if let Some(known) = known {
             let expected = known.seconds * (problem.points as f64 / known.points as f64).powf(GROWTH);
             if expected > self.args.patience() {
-                return Err(Ended::TooLong(Duration::from_secs_f64(self.args.patience())));
+                return Err(ProgramFailure::TooLong(Duration::from_secs_f64(self.args.patience())));
             }
         }
         let threads = if contestant.is_threaded(self.environment) { self.threads[0] } else { 1 };
@@ -167,7 +167,10 @@ impl<'a> Bench<'a> {
             },
         )?;
         let Some(found) = found else {
-            return Err(Ended::Failed(format!("it does not reach a certified residual of {:e}", self.args.tolerance)));
+            return Err(ProgramFailure::Failed(format!(
+                "it does not reach a certified residual of {:e}",
+                self.args.tolerance
+            )));
         };
         let seconds = found.solve.seconds;
         self.known.insert(key, Known { points: problem.points, tolerance: found.tolerance, seconds });

@@ -10,7 +10,7 @@ use gfmd_run::session::Session;
 
 /// Reason why a program gave no result.
 #[derive(Debug)]
-pub(super) enum Ended {
+pub(super) enum ProgramFailure {
     /// The program was stopped after this time.
     TooLong(Duration),
     /// The user interrupted the run.
@@ -19,7 +19,7 @@ pub(super) enum Ended {
     Failed(String),
 }
 
-impl Ended {
+impl ProgramFailure {
     /// Returns the failure of a program that the command cannot do without.
     pub(super) fn failure(self, what: &str) -> Failure {
         match self {
@@ -41,39 +41,39 @@ impl Ended {
 const PAUSE: Duration = Duration::from_millis(5);
 
 /// Runs `command` and returns its stdout.
-pub(super) fn output(command: &mut Command, limit: Duration, session: &Session) -> Result<String, Ended> {
-    let failed = |error: std::io::Error| Ended::Failed(error.to_string());
+pub(super) fn output(command: &mut Command, limit: Duration, session: &Session) -> Result<String, ProgramFailure> {
+    let failed = |error: std::io::Error| ProgramFailure::Failed(error.to_string());
     // Files instead of pipes, since a full pipe would block the program.
     let [mut stdout, mut stderr] = [tempfile::tempfile().map_err(failed)?, tempfile::tempfile().map_err(failed)?];
     let handles = [stdout.try_clone().map_err(failed)?, stderr.try_clone().map_err(failed)?];
     let [to_stdout, to_stderr] = handles.map(Stdio::from);
     let program = command.get_program().to_string_lossy().into_owned();
     let started = command.stdin(Stdio::null()).stdout(to_stdout).stderr(to_stderr).spawn();
-    let mut child = started.map_err(|error| Ended::Failed(format!("cannot start {program}: {error}")))?;
+    let mut child = started.map_err(|error| ProgramFailure::Failed(format!("cannot start {program}: {error}")))?;
     let deadline = Instant::now() + limit;
     let status = loop {
         match child.try_wait().map_err(failed)? {
             Some(status) => break status,
-            None if session.is_interrupted() => return Err(stopped(&mut child, Ended::Interrupted)),
-            None if Instant::now() >= deadline => return Err(stopped(&mut child, Ended::TooLong(limit))),
+            None if session.is_interrupted() => return Err(stopped(&mut child, ProgramFailure::Interrupted)),
+            None if Instant::now() >= deadline => return Err(stopped(&mut child, ProgramFailure::TooLong(limit))),
             None => std::thread::sleep(PAUSE),
         }
     };
     if session.is_interrupted() {
-        return Err(Ended::Interrupted);
+        return Err(ProgramFailure::Interrupted);
     }
     if !status.success() {
         let said = text(&mut stderr).map_err(failed)?;
         let last = said.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it printed no message");
-        return Err(Ended::Failed(format!("{status}: {}", last.trim())));
+        return Err(ProgramFailure::Failed(format!("{status}: {}", last.trim())));
     }
     text(&mut stdout).map_err(failed)
 }
 
-fn stopped(child: &mut Child, why: Ended) -> Ended {
+fn stopped(child: &mut Child, why: ProgramFailure) -> ProgramFailure {
     match child.kill().and_then(|()| child.wait()) {
         Ok(_) => why,
-        Err(error) => Ended::Failed(format!("it cannot be stopped: {error}")),
+        Err(error) => ProgramFailure::Failed(format!("it cannot be stopped: {error}")),
     }
 }
 

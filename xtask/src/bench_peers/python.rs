@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tempfile::TempDir;
 
-use super::process::{Ended, output};
+use super::process::{ProgramFailure, output};
 use super::{Args, Peer, TamaasFftw};
 
 const REQUIREMENTS: &str = include_str!("../../peers/requirements.txt");
@@ -238,7 +238,7 @@ impl Environment {
         script: Script,
         task: &serde_json::Value,
         session: &Session,
-    ) -> Result<T, Ended> {
+    ) -> Result<T, ProgramFailure> {
         self.run_within(script, task, LONG, session)
     }
 
@@ -249,7 +249,7 @@ impl Environment {
         task: &serde_json::Value,
         limit: Duration,
         session: &Session,
-    ) -> Result<T, Ended> {
+    ) -> Result<T, ProgramFailure> {
         let threads = task["threads"].as_u64().unwrap_or(1).to_string();
         let mut settings = vec![("OMP_NUM_THREADS", threads.clone()), ("OPENBLAS_NUM_THREADS", threads)];
         if let (Script::Adhesion | Script::Tamaas | Script::Creep, Some(fftw)) = (script, self.preloaded()) {
@@ -269,14 +269,14 @@ fn run<T: DeserializeOwned>(
     settings: &[(&str, String)],
     limit: Duration,
     session: &Session,
-) -> Result<T, Ended> {
+) -> Result<T, ProgramFailure> {
     let mut command = Command::new(python);
     // Isolates the script from the packages and settings of the user.
     command.args(["-E", "-s"]).arg(scratch.join(script.name())).args(task.map(ToString::to_string));
     command.current_dir(scratch).envs(settings.iter().map(|(name, value)| (name, value)));
     let printed = output(&mut command, limit, session)?;
     serde_json::from_str(&printed)
-        .map_err(|error| Ended::Failed(format!("the output of {} is no valid JSON: {error}", script.name())))
+        .map_err(|error| ProgramFailure::Failed(format!("the output of {} is no valid JSON: {error}", script.name())))
 }
 
 /// Returns the Python of the environment in `venv`, with all packages that could be installed, and remarks on others.
@@ -290,7 +290,7 @@ fn install(program: &Path, venv: &Path, session: &Session) -> Result<(PathBuf, V
     tracing::info!("installing the peers in {}", venv.display());
     let made = output(Command::new(program).arg("-m").arg("venv").arg(venv), LONG, session);
     made.map_err(|ended| match ended {
-        Ended::Interrupted => ended.failure("the Python environment"),
+        ProgramFailure::Interrupted => ended.failure("the Python environment"),
         other => Failure::input("--python, --venv", other.in_words()),
     })?;
     let packages: Vec<&str> = REQUIREMENTS.lines().collect();

@@ -15,7 +15,7 @@ use ndarray::Array2;
 use ndarray_npy::{read_npy, write_npy};
 use serde::{Deserialize, Serialize};
 
-use super::process::Ended;
+use super::process::ProgramFailure;
 
 /// Flags of `bench-solve`: a contact of a half-space, E* = 1, cell length 1.
 #[derive(ClapArgs, Clone, Debug)]
@@ -63,9 +63,9 @@ pub struct Solve {
 
 impl Solve {
     /// Returns this solve, unless the program reports that it has not reached its tolerance.
-    pub(super) fn converged(self) -> Result<Self, Ended> {
+    pub(super) fn converged(self) -> Result<Self, ProgramFailure> {
         match self.failure {
-            Some(failure) => Err(Ended::Failed(failure)),
+            Some(failure) => Err(ProgramFailure::Failed(failure)),
             None => Ok(self),
         }
     }
@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Result<Solve, Failure> {
     let refused = |error: &dyn fmt::Display| Failure::input("--surface", error);
     let grid = Grid::new([nx, ny], [1.0, ny as f64 / nx as f64]).map_err(|error| refused(&error))?;
     let material = Material::from_contact_modulus(1.0, 0.0).map_err(|error| refused(&error))?;
-    let mut contact = Contact::bounded(args.boundary, &Body::half_space(material), &grid, &heights)?;
+    let mut contact = Contact::with_boundary(args.boundary, &Body::half_space(material), &grid, &heights)?;
     if let Some(hardness) = args.hardness {
         contact = contact.with_hardness(hardness)?;
     }

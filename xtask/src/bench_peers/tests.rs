@@ -7,10 +7,10 @@ use gfmd_contact::{Boundary, Solver};
 use gfmd_run::session::Session;
 use proptest::prelude::*;
 
-use super::any_load::{AnyLoad, Block, Cell, Kind, LOADS, Row};
+use super::any_load::{AnyLoad, Block, Cell, ContactVariant, LOADS, Row};
 use super::contestant::Contestant;
 use super::judge::{Difference, Verdict};
-use super::process::{Ended, output};
+use super::process::{ProgramFailure, output};
 use super::report::{Case, Entry, Interrupted, Report, Timing};
 use super::table::median;
 use super::tolerance::{Found, loosest};
@@ -274,8 +274,8 @@ fn any_load() -> AnyLoad {
     let close = Cell { verdict: Some(verdict(2e-8, 1e-7, 0)), certified: false, said, ..good.clone() };
     let late = Cell { said: Some("it takes longer than 60 s".into()), ..Cell::default() };
     let row = |p_star, cells: [&Cell; 3]| Row { p_star, contact: Some(0.25), cells: cells.map(Cell::clone).into() };
-    let kind = Kind { name: "free", boundary: Boundary::Free, hardness: None };
-    let hard = Kind { name: "hardness", boundary: Boundary::Periodic, hardness: Some(0.1) };
+    let kind = ContactVariant { name: "free", boundary: Boundary::Free, hardness: None };
+    let hard = ContactVariant { name: "hardness", boundary: Boundary::Periodic, hardness: Some(0.1) };
     let names = ["gfmd", "A", "B"].map(str::to_owned).to_vec();
     let rows = vec![row(0.01, [&good, &counted, &wrong]), row(1.0, [&good, &close, &late])];
     let hard_row = Row { cells: vec![good.clone(), good.clone()], ..row(0.1, [&late; 3]) };
@@ -369,7 +369,7 @@ fn programs_are_read_stopped_and_quoted() {
     let said = shell("echo reason >&2; exit 3", long).unwrap_err().in_words();
     assert!(said.contains("exit status: 3") && said.ends_with("reason"), "{said}");
     let started = Instant::now();
-    assert!(matches!(shell("exec sleep 20", Duration::from_millis(50)), Err(Ended::TooLong(_))));
+    assert!(matches!(shell("exec sleep 20", Duration::from_millis(50)), Err(ProgramFailure::TooLong(_))));
     assert!(started.elapsed() < Duration::from_secs(10));
     let missing = output(&mut Command::new("no-such-program-here"), long, &session()).unwrap_err().in_words();
     assert!(missing.contains("cannot start no-such-program-here"), "{missing}");

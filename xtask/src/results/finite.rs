@@ -6,7 +6,7 @@ use gfmd_measure::SelfAffineArea;
 use gfmd_run::failure::Failure;
 
 use super::summary::Summaries;
-use crate::finite::{Kind, Known, Numbers, PRESSURES};
+use crate::finite::{Known, Numbers, PRESSURES, SurfaceKind};
 
 /// Formats a value with its error, to the second digit of the error.
 fn with_error(known: Option<Known>) -> String {
@@ -95,7 +95,7 @@ pub(super) fn percolation(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
         "| H | 1/ε_f | surfaces | h_rms/(λ_l ḡ) | p\\* at percolation | area fraction |\n|---|---|---|---|---|---|\n",
     );
-    for Kind { hurst, eps_f_inv, surfaces, height, percolation, .. } in &summaries.finite()?.kinds {
+    for SurfaceKind { hurst, eps_f_inv, surfaces, height, percolation, .. } in &summaries.finite()?.kinds {
         let [height, load, area] = [*height, percolation[0], percolation[1]].map(|known| with_error(Some(known)));
         let _ = writeln!(text, "| {hurst} | {eps_f_inv} | {surfaces} | {height} | {load} | {area} |");
     }

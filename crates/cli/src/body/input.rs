@@ -16,7 +16,7 @@ use gfmd_unit::Units;
 
 /// Field stored in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum StoredField {
     /// Displacement x, y, z, or x, z on a line.
     Full,
     /// Displacement z alone, of a frictionless surface.
@@ -32,7 +32,7 @@ pub(super) enum Kind {
 #[derive(Debug)]
 pub(super) struct Surface {
     pub(super) grid: Grid,
-    pub(super) kind: Kind,
+    pub(super) kind: StoredField,
     /// Values, component after component.
     pub(super) values: Vec<f64>,
     /// Mean traction xz, yz, zz, if the file has it.
@@ -69,7 +69,7 @@ const NORMAL: &str = "/fields/displacement_z";
 struct Found {
     shape: Vec<usize>,
     values: Vec<f64>,
-    kind: Kind,
+    kind: StoredField,
     mean_traction: Option<[f64; 3]>,
     lengths: Option<[f64; 2]>,
     unit: Option<String>,
@@ -102,9 +102,9 @@ impl Surface {
         }
         let allowed = "it must be [nx, ny, 3], or [n, 2] for a line";
         let (points, components) = match (found.kind, &found.shape[..]) {
-            (Kind::Normal | Kind::Pressure, &[nx, ny]) => ([nx, ny], 1),
-            (Kind::Full | Kind::Traction, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
-            (Kind::Full | Kind::Traction, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
+            (StoredField::Normal | StoredField::Pressure, &[nx, ny]) => ([nx, ny], 1),
+            (StoredField::Full | StoredField::Traction, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
+            (StoredField::Full | StoredField::Traction, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
             (_, shape) => return Err(refuse(format!("the shape is {shape:?}; {allowed}"))),
         };
         let lengths = cell(length, found.lengths, points);
@@ -113,14 +113,16 @@ impl Surface {
             grid.map_err(|error| Failure::input(if length.is_empty() { name.into() } else { key("size") }, error))?;
         let values = (0..components).flat_map(|c| found.values.iter().skip(c).step_by(components).copied()).collect();
         let description = match (found.load, found.kind) {
-            (Some(load), Kind::Normal) => {
+            (Some(load), StoredField::Normal) => {
                 format!("{name}, load {load}, with the lateral displacement of a frictionless surface")
             }
-            (Some(load), Kind::Full) => format!("{name}, load {load}, with its own lateral displacement"),
-            (Some(load), Kind::Pressure) => format!("{name}, load {load}, below its pressure"),
-            (Some(load), Kind::Traction) => format!("{name}, waypoint {load}, below its pressure and shear traction"),
-            (None, Kind::Normal) => format!("{name}, with the lateral displacement of a frictionless surface"),
-            (None, Kind::Full | Kind::Traction | Kind::Pressure) => name.into(),
+            (Some(load), StoredField::Full) => format!("{name}, load {load}, with its own lateral displacement"),
+            (Some(load), StoredField::Pressure) => format!("{name}, load {load}, below its pressure"),
+            (Some(load), StoredField::Traction) => {
+                format!("{name}, waypoint {load}, below its pressure and shear traction")
+            }
+            (None, StoredField::Normal) => format!("{name}, with the lateral displacement of a frictionless surface"),
+            (None, StoredField::Full | StoredField::Traction | StoredField::Pressure) => name.into(),
         };
         let description = match &found.scan {
             Some(scan) => format!("{description}; pressed by {scan}"),
@@ -157,7 +159,7 @@ impl Surface {
         let words: Vec<String> = waves.iter().map(Wave::to_string).collect();
         Ok(Self {
             grid,
-            kind: Kind::Full,
+            kind: StoredField::Full,
             values: wave::displacement(waves, &grid)?,
             mean_traction: None,
             record: toml::Table::new(),
@@ -197,7 +199,7 @@ impl Found {
         Self {
             shape: shape.to_vec(),
             values,
-            kind: Kind::Full,
+            kind: StoredField::Full,
             mean_traction: None,
             lengths: None,
             unit: None,
@@ -222,7 +224,7 @@ impl Found {
         if relaxes(&self.record) {
             let values = pressure.ok_or("pressure is missing; the file must have it")?;
             let mean_traction = Some([0.0, 0.0, -mean(&values)]);
-            return Ok(Self { kind: Kind::Pressure, mean_traction, values, ..self });
+            return Ok(Self { kind: StoredField::Pressure, mean_traction, values, ..self });
         }
         let shears: Option<Vec<Vec<f64>>> = lateral(["shear_x", "shear_y"])?;
         if let (None, Some(friction)) = (&shears, FRICTION.iter().find(|key| self.record.contains_key(**key))) {
@@ -246,10 +248,10 @@ impl Found {
         };
         let (columns, kind) = match (shears, pressure, lateral) {
             (Some(shears), Some(pressure), _) => {
-                ([shears, vec![pressure.iter().map(|p| -p).collect()]].concat(), Kind::Traction)
+                ([shears, vec![pressure.iter().map(|p| -p).collect()]].concat(), StoredField::Traction)
             }
-            (_, _, Some(lateral)) => ([lateral, vec![self.values]].concat(), Kind::Full),
-            _ => return Ok(Self { kind: Kind::Normal, mean_traction, ..self }),
+            (_, _, Some(lateral)) => ([lateral, vec![self.values]].concat(), StoredField::Full),
+            _ => return Ok(Self { kind: StoredField::Normal, mean_traction, ..self }),
         };
         let values = (0..columns[0].len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
         Ok(Self { shape: vec![nx, ny, columns.len()], values, kind, mean_traction, ..self })

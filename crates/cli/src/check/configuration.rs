@@ -2,7 +2,7 @@
 
 use gfmd_contact::Boundary;
 use gfmd_problem::options::flags::{self, keys as keys_of};
-use gfmd_run::result::{Configuration, FILES, Kind};
+use gfmd_run::result::{Configuration, FILES, ResultKind};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
@@ -14,7 +14,7 @@ fn a_configuration_is_a_problem_and_flags() {
                   height = inf\nparam = [[\"gamma\", 1e-4], [\"range\", 0.003]]\nplots = \"p\"\n\
                   surface = \"/dev/zero\"\nhardness = \"h.npy\"\nhistory_mode = [[1, -2, \"z\"]]\n\
                   boundary = \"free\"\n";
-    let found = Configuration::read::<contact::Args>(Kind::Contact, config).unwrap();
+    let found = Configuration::read::<contact::Args>(ResultKind::Contact, config).unwrap();
     let wanted = [
         "--boundary=free",
         "--detrend=none",
@@ -73,12 +73,12 @@ fn other_keys_and_other_types_are_refused_in_one_line() {
         ("flip = \"yes\"", "flip is \"yes\": invalid type"),
         ("[young]\nx = 1", "young is "),
     ] {
-        let message = Configuration::read::<contact::Args>(Kind::Contact, config).unwrap_err().to_string();
+        let message = Configuration::read::<contact::Args>(ResultKind::Contact, config).unwrap_err().to_string();
         assert!(message.contains(words) && message.starts_with("config of the file: "), "{config}: {message}");
         assert!(!message.contains('\n') && message.len() < 700, "{message}");
     }
     let long = format!("law = \"{}\"", "a".repeat(10_000));
-    assert!(Configuration::read::<contact::Args>(Kind::Contact, &long).unwrap_err().to_string().len() < 700);
+    assert!(Configuration::read::<contact::Args>(ResultKind::Contact, &long).unwrap_err().to_string().len() < 700);
 }
 
 #[test]

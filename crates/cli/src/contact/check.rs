@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use gfmd_contact::{Fields as _, Load};
-use gfmd_law::Kind;
-use gfmd_record::{At, NOT_SOLVED, Record, Statistics, repulsion};
+use gfmd_law::LawKind;
+use gfmd_record::{NOT_SOLVED, Record, StateContext, Statistics, repulsion};
 use ndarray::{Array2, ArrayView2};
 
 use super::statistics::Findings;
@@ -25,7 +25,7 @@ impl Checked for Args {
         loads.prepared.take_units(reader);
         let Prepared { facts, surface, base, lower, .. } = &loads.prepared;
         let others =
-            [(args.problem.law.law != Kind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
+            [(args.problem.law.law != LawKind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
         let others = others.into_iter().filter_map(|(needed, field)| needed.then_some(field));
         let mut needed = ["/fields/pressure"].into_iter().chain(others);
         if let (Some(missing), true) = (needed.find(|needed| !reader.contains(needed)), args.fields.is_some()) {
@@ -82,7 +82,7 @@ fn compare(
         let tolerance = args.problem.stiffness_tolerance;
         let stiffness =
             if at.has_converged() { stiffness(stored.contact, &state, tolerance, |_| {}) } else { Err(NOT_SOLVED) };
-        let at = At { stiffness: stiffness.map_err(Into::into), ..at };
+        let at = StateContext { stiffness: stiffness.map_err(Into::into), ..at };
         // Use the fields of the file: a number moved to another bin by rounding would be a difference.
         let field = |name: &str, made: ArrayView2<f64>| -> Result<Array2<f64>, Failure> {
             let is_stored = reader.contains(&format!("/fields/{name}"));
@@ -97,7 +97,7 @@ fn compare(
             &at,
             |_, _| {},
         )?;
-        let record = Record::of(&At { measured: findings.borrowed(), ..at });
+        let record = Record::of(&StateContext { measured: findings.borrowed(), ..at });
         measured.extend(findings.arrays);
         stored.compare_record(index, (&record, &state), comparison);
         if let Load::Approach(asked) = drive.load {

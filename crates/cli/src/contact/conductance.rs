@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Conductor, Height};
-use gfmd_law::Kind;
+use gfmd_law::LawKind;
 use gfmd_problem::{Unknown, key, words};
 use ndarray::ArrayRef2;
 
@@ -15,7 +15,7 @@ use gfmd_run::source::Surface;
 
 /// Source of the conductance of the loads of a contact.
 pub(super) struct Conducting {
-    way: Way,
+    method: ConductanceMethod,
     boundary: Boundary,
     grid: Grid,
     height: Height,
@@ -24,7 +24,7 @@ pub(super) struct Conducting {
 }
 
 /// Method for the conductance.
-enum Way {
+enum ConductanceMethod {
     /// From the stiffness of the same points, times this factor: their resistance is proportional to the compliance.
     OfStiffness(f64),
     /// By a separate solve.
@@ -56,27 +56,27 @@ impl Conducting {
         let refuse = |error: &dyn std::fmt::Display| Failure::input(key("conductor_height"), error);
         Conductor::new(height).map_err(|error| refuse(&error))?;
         let is_endless = |body: &Body| body.height() == Height::Infinite;
-        let are_alike = args.problem.law.law == Kind::HardWall
+        let are_alike = args.problem.law.law == LawKind::HardWall
             && args.problem.hardness.is_none()
             && args.problem.components == Unknown::Normal
             && body.tabulated_wavenumbers().is_none()
             && [height, body.height()] == [Height::Infinite; 2]
             && body.second().is_none_or(is_endless);
-        let way = if args.problem.finite_slope {
-            Way::Undefined("with finite slopes the points in contact have moved sideways")
+        let method = if args.problem.finite_slope {
+            ConductanceMethod::Undefined("with finite slopes the points in contact have moved sideways")
         } else if *boundary == Boundary::Free && grid.is_line() && height == Height::Infinite {
-            Way::Undefined(
+            ConductanceMethod::Undefined(
                 "below a profile with free boundaries the potential of half-spaces is known up to a constant; \
                  electrodes (--conductor-height) fix it",
             )
         } else if are_alike {
-            Way::OfStiffness(2.0 / body.contact_modulus())
+            ConductanceMethod::OfStiffness(2.0 / body.contact_modulus())
         } else {
-            Way::Solved
+            ConductanceMethod::Solved
         };
-        let conducting = Self { way, boundary: *boundary, grid: *grid, height, conductors: OnceLock::new() };
-        if let (true, Way::Solved, Boundary::Free, Height::Finite(_)) =
-            (args.statistics, &conducting.way, boundary, height)
+        let conducting = Self { method, boundary: *boundary, grid: *grid, height, conductors: OnceLock::new() };
+        if let (true, ConductanceMethod::Solved, Boundary::Free, Height::Finite(_)) =
+            (args.statistics, &conducting.method, boundary, height)
         {
             // Refuse an electrode that is not deep enough before the first load.
             conducting.conductors().map_err(|error| refuse(&error))?;
@@ -96,11 +96,11 @@ impl Conducting {
         stiffness: Option<f64>,
     ) -> Result<(Result<f64, &'static str>, Option<String>), Failure> {
         let mut warning = None;
-        let value = match self.way {
+        let value = match self.method {
             _ if !converged => return Ok((Err(NOT_CONVERGED), None)),
-            Way::Undefined(reason) => return Ok((Err(reason), None)),
-            Way::OfStiffness(factor) => stiffness.map_or(f64::NAN, |stiffness| factor * stiffness),
-            Way::Solved => {
+            ConductanceMethod::Undefined(reason) => return Ok((Err(reason), None)),
+            ConductanceMethod::OfStiffness(factor) => stiffness.map_or(f64::NAN, |stiffness| factor * stiffness),
+            ConductanceMethod::Solved => {
                 let failed = |error: &dyn std::fmt::Display| Failure::computation(format!("the conductance: {error}"));
                 let conductors = self.conductors().map_err(|error| failed(&error))?;
                 let Conductance { value, .. } = match &conductors.conductance(repulsion) {

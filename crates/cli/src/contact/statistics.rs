@@ -4,8 +4,8 @@ use gfmd_contact::Fields as _;
 use gfmd_flow::Flow;
 use gfmd_green::Height;
 use gfmd_measure::Patches;
-use gfmd_problem::{MemoryNeed, Posed, Rest};
-use gfmd_record::{At, Record, Statistics};
+use gfmd_problem::{AnyState, MemoryNeed, Posed};
+use gfmd_record::{Record, StateContext, Statistics};
 use ndarray::ArrayView2;
 
 use super::{Args, Conducting, stiffness};
@@ -45,7 +45,7 @@ pub fn measure(
     args: &Args,
     prepared: &Prepared,
     contact: &Posed,
-    state: &Rest,
+    state: &AnyState,
     mut warn: impl FnMut(String),
 ) -> Result<(Record, Option<Statistics>), Failure> {
     let facts = args.facts(prepared.surface.grid.is_line());
@@ -55,11 +55,11 @@ pub fn measure(
     }
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
     let stiffness = stiffness(contact, state, args.problem.stiffness_tolerance, &mut warn).map_err(Into::into);
-    let at = At { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tolerance) };
+    let at = StateContext { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tolerance) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
     let findings = Findings::of(args, (&prepared.surface, &conducting), [repulsion, gap], &at, |_, text| warn(text))?;
-    let record = Record::of(&At { measured: findings.borrowed(), ..at });
+    let record = Record::of(&StateContext { measured: findings.borrowed(), ..at });
     Ok((record, findings.arrays))
 }
 
@@ -83,7 +83,7 @@ impl Findings {
         args: &Args,
         (surface, conducting): (&Surface, &Conducting),
         [repulsion, gap]: [ArrayView2<f64>; 2],
-        at: &At,
+        at: &StateContext,
         mut warn: impl FnMut(&'static str, String),
     ) -> Result<Self, Failure> {
         let mut found = Self::default();

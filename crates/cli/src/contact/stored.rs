@@ -6,7 +6,7 @@ use gfmd_record::Record;
 
 use super::Args;
 use gfmd_run::failure::Failure;
-use gfmd_run::result::{Configuration, Kind};
+use gfmd_run::result::{Configuration, ResultKind};
 use gfmd_run::series::records_of;
 
 /// Reads the configuration of a contact result.
@@ -15,7 +15,7 @@ use gfmd_run::series::records_of;
 /// Returns an error if the file cannot be read, a key does not belong to such results, or a value has another type.
 pub fn configuration(reader: &Reader) -> Result<toml::Table, Failure> {
     let text = reader.text("/", "config").map_err(|error| Failure::refused(error.to_string()))?;
-    Configuration::read::<Args>(Kind::Contact, &text).map(Configuration::into_table)
+    Configuration::read::<Args>(ResultKind::Contact, &text).map(Configuration::into_table)
 }
 
 /// Reads the facts of the contact in a file, and the records of all its loads. A number missing in the file is NaN.
@@ -26,6 +26,6 @@ pub fn records(reader: &Reader) -> Result<(Facts, Vec<Record>), Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::refused(error.to_string());
     let config = reader.text("/", "config").map_err(refuse)?;
     let line = reader.shape("/surface/height").map_err(refuse)?.get(1) == Some(&1);
-    let facts = Configuration::read::<Args>(Kind::Contact, &config)?.as_named::<Args>()?.facts(line);
+    let facts = Configuration::read::<Args>(ResultKind::Contact, &config)?.as_named::<Args>()?.facts(line);
     Ok((facts, records_of(reader, &facts)?))
 }

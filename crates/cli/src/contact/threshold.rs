@@ -3,8 +3,8 @@
 use gfmd_contact::{Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_measure::Patches;
-use gfmd_problem::{Facts, Posed, Rest, key};
-use gfmd_record::{At, COLUMNS, Column, Record};
+use gfmd_problem::{AnyState, Facts, Posed, key};
+use gfmd_record::{COLUMNS, Column, Record, StateContext};
 use gfmd_unit::Units;
 use serde::{Serialize, Serializer};
 
@@ -120,7 +120,7 @@ impl Loads {
         (contact, args): (&Posed, &Args),
         session: &Session,
         progress: &Progress,
-        last: &mut Option<Rest>,
+        last: &mut Option<AnyState>,
     ) -> Result<Sample, Failure> {
         let Prepared { facts, surface, .. } = &self.prepared;
         let load = if facts.approach { Load::Approach(asked) } else { Load::MeanPressure(asked) };
@@ -134,7 +134,7 @@ impl Loads {
         }
         // The samples need neither statistics nor flow.
         let plain = Facts { statistics: false, flow: false, ..*facts };
-        let record = Record::of(&At { facts: &plain, ..self.prepared.at(&state, budget.tolerance) });
+        let record = Record::of(&StateContext { facts: &plain, ..self.prepared.at(&state, budget.tolerance) });
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
         let open = Patches::of(conducting.view(), surface.boundary).percolate();

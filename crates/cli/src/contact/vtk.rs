@@ -8,7 +8,7 @@ use gfmd_files::{Output, PointArray, contiguous};
 use gfmd_problem::key;
 use ndarray::Array2;
 
-use gfmd_report::figures::Shown;
+use gfmd_report::figures::SceneFields;
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Field;
 use gfmd_run::source::Surface;
@@ -16,11 +16,11 @@ use gfmd_run::source::Surface;
 /// VTK file to write.
 pub(super) struct VtkFile {
     output: Output,
-    kind: Kind,
+    kind: VtkKind,
 }
 
 /// Kinds of files.
-enum Kind {
+enum VtkKind {
     /// Points of the undeformed surface.
     Image,
     /// Deformed surface.
@@ -37,8 +37,8 @@ impl VtkFile {
     pub(super) fn claim(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
         let kind = match extension.as_ref().and_then(|extension| extension.to_str()) {
-            Some("vti") => Kind::Image,
-            Some("vtp") => Kind::Polygons,
+            Some("vti") => VtkKind::Image,
+            Some("vtp") => VtkKind::Polygons,
             _ => return Err(Failure::value(key(OPTION), path.display(), "NAME.vti or NAME.vtp")),
         };
         let output = Output::claim(path).map_err(|error| Failure::input(key(OPTION), error))?;
@@ -53,7 +53,7 @@ impl VtkFile {
     pub(super) fn write(
         &self,
         surface: &Surface,
-        shown: &Shown,
+        shown: &SceneFields,
         fields: &[Field],
         lateral: &[Array2<f64>],
     ) -> Result<PathBuf, Failure> {
@@ -68,7 +68,7 @@ impl VtkFile {
         arrays.push((scalar("contact", "1"), contact.into()));
         let ([nx, ny], [dx, dy]) = (surface.grid.points(), surface.grid.spacing());
         match self.kind {
-            Kind::Image => {
+            VtkKind::Image => {
                 let lattice = Lattice { points: [nx, ny, 1], origin: [0.0; 3], spacing: [dx, dy, dx] };
                 let declared: Vec<PointArray> = arrays.iter().map(|(array, _)| *array).collect();
                 let mut image = Image::create(&self.output, lattice, &declared)?;
@@ -77,7 +77,7 @@ impl VtkFile {
                 }
                 Ok(image.finish()?)
             }
-            Kind::Polygons => {
+            VtkKind::Polygons => {
                 let moved = |axis: usize, i, j| lateral.get(axis).map_or(0.0, |u| u[[i, j]]);
                 let position = |i: usize, j: usize| {
                     [i as f64 * dx + moved(0, i, j), j as f64 * dy + moved(1, i, j), shown.level[i * ny + j]]

@@ -4,7 +4,7 @@ use gfmd_contact::Hardness;
 use gfmd_field::Share;
 use ndarray::{Array2, ArrayView2};
 
-use gfmd_report::figures::Shown;
+use gfmd_report::figures::SceneFields;
 use gfmd_run::rows;
 use gfmd_run::series::{Field, Prepared};
 use gfmd_run::source::Surface;
@@ -13,13 +13,13 @@ use gfmd_run::source::Surface;
 pub(super) struct Whole<'a> {
     pub(super) surface: Cow<'a, Surface>,
     pub(super) hardness: Option<Cow<'a, Hardness>>,
-    pub(super) shown: Shown,
+    pub(super) shown: SceneFields,
     pub(super) fields: Vec<Field<'a>>,
 }
 
 impl<'a> Whole<'a> {
     /// Gathers the fields; `None` on all processes but the first. All processes must call it.
-    pub(super) fn of(prepared: &'a Prepared, shown: Shown, fields: Vec<Field<'a>>) -> Option<Self> {
+    pub(super) fn of(prepared: &'a Prepared, shown: SceneFields, fields: Vec<Field<'a>>) -> Option<Self> {
         let Prepared { surface, hardness, .. } = prepared;
         let share = &surface.share;
         if share.is_whole() {
@@ -27,7 +27,7 @@ impl<'a> Whole<'a> {
             return Some(Self { surface: Cow::Borrowed(surface), hardness, shown, fields });
         }
         let columns = surface.grid.points()[1];
-        let Shown { pressure, repulsion, gap, level } = shown;
+        let SceneFields { pressure, repulsion, gap, level } = shown;
         let [pressure, repulsion, gap, level] =
             [pressure, repulsion, gap, level].map(|own| gathered(share, own, columns));
         let gathered = fields.into_iter().map(|Field { name, units, values }| {
@@ -41,7 +41,7 @@ impl<'a> Whole<'a> {
             uniform => Some(uniform.clone()),
         });
         let surface = Cow::Owned(surface.gathered()?);
-        let shown = Shown { pressure: pressure?, repulsion: repulsion?, gap: gap?, level: level? };
+        let shown = SceneFields { pressure: pressure?, repulsion: repulsion?, gap: gap?, level: level? };
         let hardness = hardness.flatten().map(Cow::Owned);
         Some(Self { surface, hardness, shown, fields: fields.into_iter().flatten().collect() })
     }

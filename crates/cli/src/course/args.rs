@@ -15,7 +15,7 @@ use crate::search::SearchArgs;
 /// Flags of the surroundings of a path, and of the numbers of its steps.
 #[derive(ClapArgs, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct AroundArgs {
+pub(crate) struct PathOptions {
     /// The surroundings of the surface; free: a patch that does not repeat
     #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
@@ -31,13 +31,13 @@ pub(crate) struct AroundArgs {
     flow: bool,
 }
 
-gfmd_problem::defaults_of_flags!(AroundArgs);
+gfmd_problem::defaults_of_flags!(PathOptions);
 
 fn is_periodic(boundary: &Boundary) -> bool {
     *boundary == Boundary::Periodic
 }
 
-impl AroundArgs {
+impl PathOptions {
     /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
     pub(crate) fn of(self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
         let Self { boundary, grid_error, flow } = self;

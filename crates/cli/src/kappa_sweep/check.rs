@@ -9,7 +9,7 @@ use gfmd_sweep::{Analysis, Config, Plan, Pressed, Study, run_one};
 
 use super::file;
 use gfmd_run::failure::Failure;
-use gfmd_run::result::{Against, Comparison, Folder, Kind, Pair};
+use gfmd_run::result::{Against, Comparison, Folder, Pair, ResultKind};
 use gfmd_run::session::Session;
 use gfmd_run::sweep::{columns, example, record, runs};
 
@@ -59,7 +59,8 @@ pub(crate) fn check(
     let output = Output::claim(folder.file())?;
     let path = file::write(&output, &study, &session.provenance(String::new()), f64::NAN)?;
     let second = Reader::open(path)?;
-    Pair { kind: Kind::KappaSweep, first: reader, second: &second, against: Against::Values }.compare(comparison)?;
+    Pair { kind: ResultKind::KappaSweep, first: reader, second: &second, against: Against::Values }
+        .compare(comparison)?;
     if rerun {
         again(&study, sample, comparison, session)?;
     }

@@ -2,8 +2,8 @@
 
 use gfmd_contact::Boundary;
 use gfmd_law::Limit;
-use gfmd_problem::Rest;
-use gfmd_record::At;
+use gfmd_problem::AnyState;
+use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
@@ -23,18 +23,18 @@ impl Checked for Args {
     fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
         let Checking { reader, session, .. } = checking;
         let args: Self = checking.problem(|args: &Self| args.around.boundary, comparison)?;
-        let mut way = super::course(&args, session)?;
-        way.prepared.take_units(reader);
-        let prepared = &way.prepared;
-        let waypoints = way.places.count(way.drives.len());
+        let mut input = super::path_input(&args, session)?;
+        input.prepared.take_units(reader);
+        let prepared = &input.prepared;
+        let waypoints = input.places.count(input.drives.len());
         checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |mut file| {
             memory::lay_out(&mut file, prepared)?;
-            file.finish(&[], way.drives.len(), None)
+            file.finish(&[], input.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
         let stored = Stored::new(reader, prepared, &contact, args.steps.search.tolerance)?;
         let check = StepCheck { args: &args, stored: &stored };
-        for (index, drive) in way.drives.iter().enumerate() {
+        for (index, drive) in input.drives.iter().enumerate() {
             if !stored.compare_step(index, *drive, comparison) {
                 continue;
             }
@@ -45,16 +45,16 @@ impl Checked for Args {
             if prepared.prony.is_some() {
                 comparison.number("/path/time", number("time"), drive.time, 0.0);
             }
-            let Some(waypoint) = way.places.of(index) else { continue };
+            let Some(waypoint) = input.places.of(index) else { continue };
             if prepared.prony.is_some() || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
             }
             if prepared.prony.is_some() {
-                check.relaxing((waypoint, index), index + 1 == way.drives.len(), comparison)?;
+                check.relaxing((waypoint, index), index + 1 == input.drives.len(), comparison)?;
             } else if prepared.facts.moves_sideways() {
                 check.tractions(waypoint, index, comparison)?;
             } else {
-                let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+                let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
                 stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
             }
         }
@@ -98,13 +98,14 @@ impl StepCheck<'_> {
         }
         let before = |name: &str| self.stored.number(name, step - 1);
         let [mut work, mut spread, mut floor] = [0.0_f64; 3];
-        for (force, way) in
+        for (force, coordinate) in
             [("mean_pressure", "approach"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
         {
-            let moved = now(way) - before(way);
+            let moved = now(coordinate) - before(coordinate);
             work += 0.5 * (now(force) + before(force)) * moved;
             spread += 0.5 * ((now(force) - before(force)) * moved).abs();
-            floor += 0.5 * (now(force).abs() + before(force).abs()) * now(way).abs().max(before(way).abs());
+            floor +=
+                0.5 * (now(force).abs() + before(force).abs()) * now(coordinate).abs().max(before(coordinate).abs());
         }
         let energy = |at: &dyn Fn(&str) -> f64| at("elastic_energy") + at("interface_energy");
         let missing = work - (energy(&now) - energy(&before));

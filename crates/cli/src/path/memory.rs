@@ -13,7 +13,7 @@ const DISPLACEMENT: &str = "/history/displacement";
 const BRANCH: &str = "/history/branch";
 
 /// Rounding error of a displacement recomputed from the pressure, relative to the largest displacement.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING_OF_DISPLACEMENT: f64 = 1e-9;
 
 /// Writes the memory of the last state.
 pub(super) fn write(file: &mut StateFile, surface: &Surface, memory: &[Array2<f64>]) -> Result<(), Failure> {
@@ -56,7 +56,7 @@ fn define(archive: &mut Archive, surface: &Surface, branches: usize) -> Result<(
 /// Returns the contact of a viscoelastic body; `None` for an elastic one.
 fn contact_of(prepared: &Prepared) -> Result<Option<ViscoelasticContact>, Failure> {
     let Prepared { facts, surface, body, prony: Some(prony), .. } = prepared else { return Ok(None) };
-    let elastic = Contact::bounded(facts.boundary, body, &surface.grid, &surface.heights);
+    let elastic = Contact::with_boundary(facts.boundary, body, &surface.grid, &surface.heights);
     let relaxes = facts.relaxes.unwrap_or_default();
     let contact = elastic.and_then(|elastic| ViscoelasticContact::new(elastic, body, prony, relaxes));
     contact.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
@@ -83,12 +83,12 @@ pub(super) fn check(
     }
     let apart = contact.consistency(pressure, &memory);
     let apart = apart.map_err(|refusal| Failure::input("/history", refusal))?;
-    comparison.at_most(BRANCH, apart, tolerance.max(ROUNDING));
+    comparison.at_most(BRANCH, apart, tolerance.max(ROUNDING_OF_DISPLACEMENT));
     let energy = contact.elastic_energy(&prepared.body, &memory);
     if let Some(energy) = energy.map_err(|refusal| Failure::input("/history", refusal))? {
         let apart = (energy - stored).abs() / energy.max(stored);
         let apart = if energy == stored { 0.0 } else { apart };
-        comparison.at_most("/path/elastic_energy (of the last step)", apart, tolerance.max(ROUNDING));
+        comparison.at_most("/path/elastic_energy (of the last step)", apart, tolerance.max(ROUNDING_OF_DISPLACEMENT));
     }
     Ok(())
 }

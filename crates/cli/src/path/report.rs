@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use gfmd_measure::GridLimit;
 use gfmd_record::{Record, lines, with_limit};
-use gfmd_unit::Shown;
+use gfmd_unit::DisplayUnit;
 use serde::Serialize;
 
 use crate::course::{error_of_losses, print_flow, print_steps};
@@ -108,7 +108,8 @@ impl Report {
         let of = |end: &str| self.limits.get(&format!("{name}_{end}")).copied();
         let (limit, error) = of("limit").zip(of("limit_error"))?;
         let read = self.head.units().shown(kind, limit.abs().max(error));
-        let (factor, unit) = read.map_or((1.0, String::new()), |Shown { factor, name }| (factor, format!(" {name}")));
+        let (factor, unit) =
+            read.map_or((1.0, String::new()), |DisplayUnit { factor, name }| (factor, format!(" {name}")));
         let text = with_limit(limit * factor, limit * factor, error * factor);
         Some(format!("{} {text}{unit}", name.replace('_', " ")))
     }
@@ -191,7 +192,7 @@ impl fmt::Display for Report {
             (Some(lost), Some(error)) => {
                 let digits = |factor: f64| with_limit(lost * factor, lost * factor, error * factor);
                 match self.head.units().shown("stress*length", lost.abs().max(error)) {
-                    Some(Shown { factor, name }) => write!(f, "\ndissipated {} {name}", digits(factor))?,
+                    Some(DisplayUnit { factor, name }) => write!(f, "\ndissipated {} {name}", digits(factor))?,
                     None => write!(f, "\ndissipated {} per area", digits(1.0))?,
                 }
                 let none = if error >= lost.abs() { "none within its error, " } else { "" };

@@ -10,7 +10,7 @@ use gfmd_run::result::Comparison;
 use gfmd_run::session::Session;
 
 use super::file::{StatesFile, fields};
-use super::{Args, Way};
+use super::{Args, SlideInput};
 use crate::checking::{Checked, Checking};
 
 impl Checked for Args {
@@ -18,30 +18,30 @@ impl Checked for Args {
     fn check(checking: Checking, comparison: &mut Comparison) -> Result<(), Failure> {
         let Checking { reader, session, .. } = checking;
         let args: Self = checking.problem(|_: &Self| Boundary::Periodic, comparison)?;
-        let mut way = Way::new(&args, session)?;
-        way.prepared.take_units(reader);
-        let (way, count) = (&way, way.states().count());
+        let mut input = SlideInput::new(&args, session)?;
+        input.prepared.take_units(reader);
+        let (input, count) = (&input, input.states().count());
         checking.layout(comparison, |output| {
             let provenance = session.provenance(String::new());
-            StatesFile::new(output, &provenance, &way.prepared, way.facts(), count)?.finish(&[], count)
+            StatesFile::new(output, &provenance, &input.prepared, input.facts(), count)?.finish(&[], count)
         })?;
-        let height = way.sliding.contact().surface().rms_height();
-        for (index, at) in way.states().enumerate() {
+        let height = input.sliding.contact().surface().rms_height();
+        for (index, at) in input.states().enumerate() {
             let slab =
                 |name: &str| -> Result<Vec<f64>, Failure> { Ok(reader.slab(&format!("/fields/{name}"), index)?) };
             let pressure = slab("pressure")?;
             if pressure.iter().any(|p| !p.is_finite()) {
                 continue;
             }
-            let is_shared = way.heat.is_some_and(|heat| heat.is_shared());
-            let reached = way.certify(at, pressure, is_shared.then(|| slab("heat_flux")).transpose()?)?;
-            for name in fields(way.facts()).map(|field| field.name) {
+            let is_shared = input.heat.is_some_and(|heat| heat.is_shared());
+            let reached = input.certify(at, pressure, is_shared.then(|| slab("heat_flux")).transpose()?)?;
+            for name in fields(input.facts()).map(|field| field.name) {
                 // The gap of full contact is what rounding leaves.
                 let floor = if name == "gap" { height } else { 0.0 };
                 comparison.values(&format!("/fields/{name}"), &slab(name)?, &reached.field(name), floor);
             }
-            let record = way.record(at, &reached, args.search.tolerance, f64::NAN);
-            for (column, cell) in record.cells().filter(|(column, _)| (column.in_file)(&way.facts())) {
+            let record = input.record(at, &reached, args.search.tolerance, f64::NAN);
+            for (column, cell) in record.cells().filter(|(column, _)| (column.in_file)(&input.facts())) {
                 if matches!(column.origin, Origin::Way | Origin::Clock) {
                     continue;
                 }

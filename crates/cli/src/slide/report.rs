@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use gfmd_files::contiguous;
 use gfmd_record::{ROUGH, Record, Sliding, Table, table_of};
-use gfmd_report::figures::{Scene, Shown, named};
+use gfmd_report::figures::{Scene, SceneFields, named};
 use gfmd_report::slide::{chart, rises, temperature};
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Head;
 use gfmd_run::source::Surface;
 use serde::Serialize;
 
-use super::reached::Reached;
+use super::steady_state::SteadyState;
 use crate::session::list_files;
 
 /// The result, as printed.
@@ -37,7 +37,7 @@ impl Report {
         &self,
         prefix: &Path,
         (velocities, is_viscoelastic): (usize, bool),
-        (surface, last): (&Surface, &Reached),
+        (surface, last): (&Surface, &SteadyState),
     ) -> Result<Vec<PathBuf>, Failure> {
         let (states, units) = (&self.states, &surface.units());
         let mut files = Vec::new();
@@ -50,7 +50,7 @@ impl Report {
             let map = temperature(&surface.grid, &values, surface.unit(), units);
             files.extend(map.save(&named(prefix, "temperature"))?);
         }
-        let shown = Shown::of(&last.state, None, None);
+        let shown = SceneFields::of(&last.state, None, None);
         files.extend(Scene::upper(surface, &shown, self.head.e_star, None).draw(prefix)?);
         Ok(files)
     }

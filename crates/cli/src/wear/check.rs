@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use gfmd_problem::Rest;
-use gfmd_record::At;
+use gfmd_problem::AnyState;
+use gfmd_record::StateContext;
 use gfmd_run::failure::Failure;
 use gfmd_run::result::Comparison;
 use gfmd_run::series::{Chosen, Stored};
@@ -20,17 +20,17 @@ impl Checked for Args {
         let Checking { reader, session, .. } = checking;
         let args: Self = checking.problem(|args: &Self| args.around.boundary, comparison)?;
         let coefficient = args.coefficient()?;
-        let mut course = super::course(&args, session)?;
-        course.prepared.take_units(reader);
-        let prepared = &course.prepared;
-        let waypoints = course.places.count(course.drives.len());
+        let mut input = super::path_input(&args, session)?;
+        input.prepared.take_units(reader);
+        let prepared = &input.prepared;
+        let waypoints = input.places.count(input.drives.len());
         checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |file| {
-            file.finish(&[], course.drives.len(), None)
+            file.finish(&[], input.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
         let stored = Stored::new(reader, prepared, &contact, args.steps.search.tolerance)?;
         let (mut volume, mut before) = (0.0, [0.0; 4]);
-        for (index, drive) in course.drives.iter().enumerate() {
+        for (index, drive) in input.drives.iter().enumerate() {
             let number = |name: &str| stored.number(name, index);
             if !stored.compare_step(index, *drive, comparison) {
                 continue;
@@ -50,8 +50,8 @@ impl Checked for Args {
                 comparison.number("/wear/dissipated_error", number("dissipated_error"), 0.0, scale);
             }
             before = [pressure, approach, energy, drive.distance];
-            let Some(waypoint) = course.places.of(index) else { continue };
-            let flow = |state: &Rest, at: &At| leak(prepared, state, at, |_| {});
+            let Some(waypoint) = input.places.of(index) else { continue };
+            let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
             if stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?.is_some() {
                 let field = stored.field("pressure", waypoint)?;
                 let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;

@@ -22,7 +22,7 @@ use serde_json::{Value, json as value};
 const TOLERANCE: f64 = 1e-6;
 
 /// Numbers up to this size are rounding errors of larger ones.
-const ROUNDING: f64 = 1e-15;
+const LARGEST_ROUNDING_ERROR: f64 = 1e-15;
 
 /// Keys of numbers that differ between identical runs: time, memory, threads.
 const VOLATILE: [&str; 3] = ["seconds", "peak_bytes", "threads"];
@@ -259,7 +259,7 @@ fn check(folder: &Path, case: &str, arguments: &str) {
         } else if !EFFORT.iter().any(|effort| place.contains(effort)) {
             let expected: Vec<f64> = summary.as_array().unwrap().iter().map(|s| s.as_f64().unwrap()).collect();
             // A number that is zero up to rounding has no relative deviation.
-            let scale = expected[2].max(ROUNDING / TOLERANCE);
+            let scale = expected[2].max(LARGEST_ROUNDING_ERROR / TOLERANCE);
             let apart = array.summary().iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             if apart > largest.0 * scale {
                 largest = (apart / scale, place.clone());

@@ -8,14 +8,14 @@ use std::time::{Duration, Instant};
 
 use crate::common::{SWEEP, gfmd, long};
 use gfmd_files::{Attribute, Reader};
-use gfmd_run::result::Kind;
-use gfmd_run::result::trust::{Way, page, row_of};
+use gfmd_run::result::ResultKind;
+use gfmd_run::result::trust::{Coverage, page, row_of};
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Location};
 use ndarray::{Array2, ArrayD};
 
 /// Longest duration of a command here.
-const PATIENCE: Duration = Duration::from_secs(120);
+const MAX_COMMAND_TIME: Duration = Duration::from_secs(120);
 
 /// Run with its status, stderr and stdout.
 struct Ran {
@@ -38,7 +38,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Ran {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if started.elapsed() > PATIENCE {
+        if started.elapsed() > MAX_COMMAND_TIME {
             child.kill().unwrap();
             panic!("{arguments:?} did not end");
         }
@@ -276,42 +276,50 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
 }
 
 /// Files with parts to forge, and their kinds.
-const FORGED: [(&str, Kind, &str); 14] = [
+const FORGED: [(&str, ResultKind, &str); 14] = [
     (
         "wall.h5",
-        Kind::Contact,
+        ResultKind::Contact,
         "contact --n 24 --eps-f-inv 6 --p-star 0.02,0.1 --height 0.4 --poisson 0.3 --statistics --flow",
     ),
-    ("one.h5", Kind::Contact, "contact --n 16 --eps-f-inv 4 --p-star 0.05 --history"),
-    ("scan.h5", Kind::Contact, "contact --surface h.npy --size 2 --p-star 0.05 --detrend plane --boundary free"),
+    ("one.h5", ResultKind::Contact, "contact --n 16 --eps-f-inv 4 --p-star 0.05 --history"),
+    ("scan.h5", ResultKind::Contact, "contact --surface h.npy --size 2 --p-star 0.05 --detrend plane --boundary free"),
     (
         "squeezed.h5",
-        Kind::Contact,
+        ResultKind::Contact,
         "contact --n 24 --eps-f-inv 6 --p-star 0.05 --height 0.4 --poisson 0.3 --lower-seed 2",
     ),
     (
         "law.h5",
-        Kind::Contact,
+        ResultKind::Contact,
         "contact --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=6e-3 --p-star 0.05,0.02",
     ),
     (
         "loop.h5",
-        Kind::Path,
+        ResultKind::Path,
         "path --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=6e-3 --approach=0.004,0.001 \
          --steps 3",
     ),
-    ("slip.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
-    ("creep.h5", Kind::Path, "path --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --time 0,1 --steps 1"),
-    ("slide.h5", Kind::Slide, "slide --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --velocity 0.1,1"),
-    ("wear.h5", Kind::Wear, "wear --n 16 --eps-f-inv 4 --p-star 0.05,0.1 --coefficient 1 --distance 0,0.2 --steps 2"),
+    ("slip.h5", ResultKind::Path, "path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
+    (
+        "creep.h5",
+        ResultKind::Path,
+        "path --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --time 0,1 --steps 1",
+    ),
+    ("slide.h5", ResultKind::Slide, "slide --n 16 --eps-f-inv 4 --prony 0.5:0.4,20:0.3 --p-star 0.05 --velocity 0.1,1"),
+    (
+        "wear.h5",
+        ResultKind::Wear,
+        "wear --n 16 --eps-f-inv 4 --p-star 0.05,0.1 --coefficient 1 --distance 0,0.2 --steps 2",
+    ),
     (
         "warm.h5",
-        Kind::Slide,
+        ResultKind::Slide,
         "slide --n 16 --eps-f-inv 4 --heat 1,0.1,0.3,0.2 --friction 0.3 --p-star 0.05 --velocity 1,10",
     ),
-    ("punch.h5", Kind::Punch, "punch --n 16"),
-    ("body.h5", Kind::Body, "body --surface press.h5 --levels 3"),
-    ("sweep.h5", Kind::KappaSweep, "kappa-sweep --config sweep.toml"),
+    ("punch.h5", ResultKind::Punch, "punch --n 16"),
+    ("body.h5", ResultKind::Body, "body --surface press.h5 --levels 3"),
+    ("sweep.h5", ResultKind::KappaSweep, "kappa-sweep --config sweep.toml"),
 ];
 
 /// Returns the variables and attributes of a file; variables without an `@`.
@@ -403,8 +411,8 @@ fn every_part_is_verified_as_the_page_says() {
             let is_coordinate = Reader::open(&path).unwrap().is_coordinate(&part);
             let row = row_of(kind, &part);
             let (plain, rerun) = match row {
-                row if is_coordinate && row.is_none_or(|row| row.plain != Way::Checksum) => {
-                    (Way::Verified, Way::Verified)
+                row if is_coordinate && row.is_none_or(|row| row.plain != Coverage::Checksum) => {
+                    (Coverage::Verified, Coverage::Verified)
                 }
                 Some(row) => (row.plain, row.rerun),
                 None => {
@@ -419,20 +427,23 @@ fn every_part_is_verified_as_the_page_says() {
                     continue;
                 }
             }
-            if part == "@content_sha256" || plain == Way::InPart && rerun == Way::InPart || !forge_part(&path, &part) {
+            if part == "@content_sha256"
+                || plain == Coverage::InPart && rerun == Coverage::InPart
+                || !forge_part(&path, &part)
+            {
                 continue;
             }
-            if plain != Way::InPart {
+            if plain != Coverage::InPart {
                 let is_noticed = run(folder, &["check", name, "--json"]).status != Some(0);
-                if is_noticed != (plain == Way::Verified) {
+                if is_noticed != (plain == Coverage::Verified) {
                     wrong.push(format!("{name}: {part} is {plain:?}; noticed: {is_noticed}"));
                 }
                 *(if is_noticed { &mut verified } else { &mut unnoticed }) += 1;
             }
             // A change noticed without a second run is noticed with one.
-            if plain != Way::Verified && kind != Kind::KappaSweep && rerun != Way::InPart {
+            if plain != Coverage::Verified && kind != ResultKind::KappaSweep && rerun != Coverage::InPart {
                 let is_noticed = run(folder, &["check", name, "--json", "--rerun"]).status != Some(0);
-                if is_noticed != (rerun == Way::Verified) {
+                if is_noticed != (rerun == Coverage::Verified) {
                     wrong.push(format!("{name}: {part} is {rerun:?} with --rerun; noticed: {is_noticed}"));
                 }
             }

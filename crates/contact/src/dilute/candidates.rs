@@ -10,10 +10,10 @@ use gfmd_vector::{contiguous, lower, pass_by};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-use super::constants::{MOST, NEARLY, SURPLUS};
+use super::constants::{JOIN_GAP_PER_PENETRATION, MAX_BLOCK_FRACTION, PRECONDITIONER_FACTOR};
 use super::overlap::Overlap;
 use super::points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
-use crate::attempt::{Attempt, Ended, Reached};
+use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::compliance::Compliance;
 use crate::{Contact, Effort, Load, Solution};
 
@@ -330,8 +330,8 @@ impl<'a> Candidates<'a> {
         };
         let (least, mut found) = survey(margin);
         let least = share.each(least).into_iter().fold(f64::INFINITY, lower);
-        if -NEARLY * least > margin {
-            margin = -NEARLY * least;
+        if -JOIN_GAP_PER_PENETRATION * least > margin {
+            margin = -JOIN_GAP_PER_PENETRATION * least;
             found = survey(margin).1;
         }
         let inside = self.lanes.iter().zip(&self.linear).map(|(u, c)| u + c).fold(f64::INFINITY, lower);
@@ -359,7 +359,7 @@ impl<'a> Candidates<'a> {
         blocks.extend(survey.found.iter().map(|place| (*place, [0.0; LANES])));
         blocks.sort_unstable_by_key(|(place, _)| *place);
         let (places, values): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
-        if !are_few(&places, MOST, self.contact.share.total()) {
+        if !are_few(&places, MAX_BLOCK_FRACTION, self.contact.share.total()) {
             return false;
         }
         self.points.move_to(self.contact, places);
@@ -379,14 +379,14 @@ impl<'a> Candidates<'a> {
         pressure
     }
 
-    pub(super) fn ended(self, attempt: &Attempt, x: &[f64], ending: Ending) -> Ended {
+    pub(super) fn ended(self, attempt: &Attempt, x: &[f64], ending: Ending) -> SolverResult {
         let mut effort = attempt.effort;
         effort.transform_pairs += self.transforms.pairs() + self.points.pairs();
         let reached = match self.certificate {
-            Some(certificate) => Reached::Certified(certificate.into()),
-            None => Reached::Pressure(self.whole(x)),
+            Some(certificate) => FoundPressure::Certified(certificate.into()),
+            None => FoundPressure::Pressure(self.whole(x)),
         };
-        Ended { reached, effort, ending }
+        SolverResult { reached, effort, ending }
     }
 }
 
@@ -452,7 +452,7 @@ impl Preconditioned for Candidates<'_> {
         let (x, gradient) = (x.as_chunks::<LANES>().0, gradient.as_chunks::<LANES>().0);
         let gaps = |block: usize| Gaps {
             touches: x[block].map(|x| x > 0.0),
-            gap: gradient[block].map(|g| SURPLUS * (g - level)),
+            gap: gradient[block].map(|g| PRECONDITIONER_FACTOR * (g - level)),
         };
         self.points.press(gaps, out);
     }

@@ -50,7 +50,7 @@ impl Level {
 
     /// Shares the rows like the rows of the points; a row stands for 2^`height` rows of points. If `is_last`, every
     /// process computes its part of this level, and holds all of it and of the levels above.
-    pub(super) fn over(&mut self, share: &Share, height: u32, is_last: bool) {
+    pub(super) fn distribute(&mut self, share: &Share, height: u32, is_last: bool) {
         let part = |rows: &Range<usize>| rows.start >> height..rows.end.div_ceil(1 << height);
         let parts: Vec<Range<usize>> = share.all_rows().iter().map(part).collect();
         self.own = parts[share.ranks().rank()].clone();
@@ -65,21 +65,21 @@ impl Level {
     }
 
     /// Receives the known weights computed by other processes: all of them, or the rows beside the own ones.
-    pub(super) fn learn_known(&mut self, share: &Share) {
+    pub(super) fn exchange_known(&mut self, share: &Share) {
         let width = self.cells[1];
-        learn(&self.own, &self.parts, width, &mut self.known, &mut self.known_beside, share);
+        exchange(&self.own, &self.parts, width, &mut self.known, &mut self.known_beside, share);
     }
 
     /// Receives the values computed by other processes.
-    pub(super) fn learn_value(&mut self, share: &Share) {
+    pub(super) fn exchange_values(&mut self, share: &Share) {
         let width = self.cells[1];
-        learn(&self.own, &self.parts, width, &mut self.value, &mut self.value_beside, share);
+        exchange(&self.own, &self.parts, width, &mut self.value, &mut self.value_beside, share);
     }
 
     /// Receives the values beside the own rows, after a step on all rows held.
-    pub(super) fn learn_beside(&mut self, share: &Share) {
+    pub(super) fn exchange_halo(&mut self, share: &Share) {
         if self.parts.is_empty() {
-            self.learn_value(share);
+            self.exchange_values(share);
         }
     }
 
@@ -230,7 +230,7 @@ pub(super) fn held_row<'a, T>(
 
 /// Completes a field after every process has computed its `own` rows: by all `parts` of a level that all processes
 /// hold, otherwise by the rows beside.
-fn learn(
+fn exchange(
     own: &Range<usize>,
     parts: &[Range<usize>],
     width: usize,

@@ -14,7 +14,13 @@ pub(super) type Points<'a> = (&'a [f64], &'a [f32], Ceiling<'a>);
 /// Writes the weights of known points and their values times the weights. Sets a flag for each word of bits with a
 /// point that is not zero.
 #[multiversion(targets = "simd")]
-pub(super) fn see(points: Points<'_>, level: f32, above: &[AtomicBool], weights: &mut [f32], values: &mut [f32]) {
+pub(super) fn weigh_points(
+    points: Points<'_>,
+    level: f32,
+    above: &[AtomicBool],
+    weights: &mut [f32],
+    values: &mut [f32],
+) {
     let (x, gradient, upper) = points;
     let points = x.chunks(BITS).zip(gradient.chunks(BITS)).zip(above);
     let out = weights.chunks_mut(BITS).zip(values.chunks_mut(BITS));
@@ -122,7 +128,7 @@ pub(super) fn keep(points: Points<'_>, level: f32, above: &[AtomicBool], kept: &
 
 /// Adds `part` times the entries of points that did not keep their value to `line`.
 #[multiversion(targets = "simd")]
-pub(super) fn hand_on(t: &[f32], kept: &[AtomicU64], part: f32, line: &mut [f32]) {
+pub(super) fn accumulate_points(t: &[f32], kept: &[AtomicU64], part: f32, line: &mut [f32]) {
     for ((line, t), kept) in line.chunks_mut(BITS).zip(t.chunks(BITS)).zip(kept) {
         let kept = kept.load(Ordering::Relaxed);
         for (j, (line, t)) in line.iter_mut().zip(t).enumerate() {
@@ -133,7 +139,7 @@ pub(super) fn hand_on(t: &[f32], kept: &[AtomicU64], part: f32, line: &mut [f32]
 
 /// Adds to `line` `part` times the values that cells with these images pass to the level above.
 #[multiversion(targets = "simd")]
-pub(super) fn hand_up(full: f32, cells: (&[f32], &[f32]), part: f32, line: &mut [f32]) {
+pub(super) fn accumulate_cells(full: f32, cells: (&[f32], &[f32]), part: f32, line: &mut [f32]) {
     let (known, images) = cells;
     for (line, (image, known)) in line.iter_mut().zip(images.iter().zip(known)) {
         *line += part * (1.0 - weight(*known, full)) * image;
@@ -158,7 +164,7 @@ pub(super) fn receive(full: f32, known: &[f32], shares: &[f32], images: &mut [f3
 
 /// Adds the shares of known points to `t`, and sets points that did not keep their value to zero.
 #[multiversion(targets = "simd")]
-pub(super) fn end(x: &[f64], upper: Ceiling<'_>, kept: &[AtomicU64], shares: &[f32], t: &mut [f32]) {
+pub(super) fn finish(x: &[f64], upper: Ceiling<'_>, kept: &[AtomicU64], shares: &[f32], t: &mut [f32]) {
     let points = shares.chunks(BITS).zip(x.chunks(BITS));
     for (chunk, ((t, (shares, x)), kept)) in t.chunks_mut(BITS).zip(points).zip(kept).enumerate() {
         let kept = kept.load(Ordering::Relaxed);

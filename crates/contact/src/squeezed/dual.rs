@@ -13,7 +13,7 @@ use crate::pull_push::{Edges, Known, PullPush};
 use crate::{Effort, Load};
 
 /// Result of a search. Only the pressures are trusted.
-pub(super) struct Ended {
+pub(super) struct DualResult {
     pub(super) pressure: Vec<f64>,
     pub(super) effort: Effort,
     pub(super) ending: Ending,
@@ -26,7 +26,7 @@ pub(super) fn solve(
     budget: &Budget,
     start: Option<Vec<f64>>,
     watch: &mut dyn Watch,
-) -> Result<Ended, RelaxError> {
+) -> Result<DualResult, RelaxError> {
     let mean = if let Load::MeanPressure(mean) = load { Some(mean) } else { None };
     let mut dual = Dual::new(contact, load, length_scale);
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); dual.linear.len()]);
@@ -34,7 +34,7 @@ pub(super) fn solve(
     let target = Target { mean, gradient_scale: length_scale, budget: within };
     let minimum = PreconditionedCg.minimise_pair(&mut dual, &mut pressure, &target, watch)?;
     let effort = Effort { iterations: minimum.reached.iteration, transform_pairs: dual.transforms.pairs() };
-    Ok(Ended { pressure, effort, ending: minimum.ending })
+    Ok(DualResult { pressure, effort, ending: minimum.ending })
 }
 
 /// Quadratic function minimised by the pressures.

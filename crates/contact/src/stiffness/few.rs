@@ -7,7 +7,7 @@ use crate::dilute::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 use crate::{Contact, Effort};
 
 /// Largest fraction of points in blocks with which this takes less time than transforms of the whole surface.
-const MOST: f64 = 0.15;
+const MAX_BLOCK_FRACTION: f64 = 0.15;
 
 /// Least square of the residual after one correction, relative to the start. Images between the points have errors of
 /// 4e-4.
@@ -42,7 +42,7 @@ impl Few {
         let touches = |(_, values): &(usize, &[f64; LANES])| values.iter().any(|p| *p > 0.0);
         let own = pressure.as_chunks().0.iter().enumerate().filter(touches).map(|(place, _)| first + place);
         let places = gathered(&share, own.collect::<Vec<_>>());
-        if !are_few(&places, MOST, share.total()) {
+        if !are_few(&places, MAX_BLOCK_FRACTION, share.total()) {
             return None;
         }
         let mut points = Points::new(contact, scattered, true, places);

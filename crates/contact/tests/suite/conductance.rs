@@ -188,7 +188,7 @@ fn a_patch_has_the_conductance_of_a_dense_solution() {
     let electrodes = [Height::Infinite, Height::Finite(0.5), Height::Finite(0.1), Height::Finite(0.03)];
     let tables = electrodes.map(|height| (height, free_table([12, 10], lengths, height)));
     for (hardness, mean) in [(1e6, 0.002), (1e6, 0.02), (0.05, 0.02), (1e6, 5.0)] {
-        let contact = Contact::bounded(Boundary::Free, &half_space(), &grid, &heights).unwrap();
+        let contact = Contact::with_boundary(Boundary::Free, &half_space(), &grid, &heights).unwrap();
         let contact = contact.with_hardness(hardness).unwrap();
         let state = contact.press(Load::MeanPressure(mean)).tolerance(1e-10).solve().unwrap();
         for (height, table) in &tables {
@@ -220,7 +220,8 @@ fn profiles_have_the_conductance_of_a_dense_solution() {
     let heights =
         Array2::from_shape_fn((40, 1), |(i, _)| 0.01 * (0.7 * i as f64).sin() + 0.008 * (TAU * i as f64 / 40.0).cos());
     let contact = Contact::new(&half_space(), &grid, &heights).unwrap();
-    let free = Contact::bounded(Boundary::Free, &Body::slab(material(0.3), 0.2).unwrap(), &grid, &heights).unwrap();
+    let free =
+        Contact::with_boundary(Boundary::Free, &Body::slab(material(0.3), 0.2).unwrap(), &grid, &heights).unwrap();
     for mean in [0.003, 0.02] {
         let state = contact.press(Load::MeanPressure(mean)).tolerance(1e-10).solve().unwrap();
         for height in HEIGHTS {
@@ -258,7 +259,7 @@ fn on_elastic_half_spaces_it_is_twice_the_stiffness_over_the_modulus() {
     for (boundary, body) in
         [(Boundary::Periodic, half_space()), (Boundary::Periodic, pair), (Boundary::Free, half_space())]
     {
-        let contact = Contact::bounded(boundary, &body, &grid, &rough([48, 64])).unwrap();
+        let contact = Contact::with_boundary(boundary, &body, &grid, &rough([48, 64])).unwrap();
         let conductors = Conductors::new(boundary, &grid, Height::Infinite).unwrap();
         for mean in [1e-4, 0.003, 0.05] {
             let state = contact.press(Load::MeanPressure(mean)).solve().unwrap();

@@ -178,7 +178,7 @@ fn the_pressure_on_a_flat_top_is_the_load_times_a_fixed_field() {
     ] {
         let body = height.map_or_else(|| Body::half_space(material()), |h| Body::slab(material(), h).unwrap());
         let g = matrix(boundary, [N; 2], [1.0; 2], height);
-        let contact = Contact::bounded(boundary, &body, &grid, &heights).unwrap();
+        let contact = Contact::with_boundary(boundary, &body, &grid, &heights).unwrap();
         for hardness in [f64::INFINITY, 5.0] {
             let (fixed, _) = exact(&g, &clearance, &vec![hardness * 1e-6; N * N], Load::MeanPressure(1e-6));
             let plastic = fixed.iter().filter(|p| **p == hardness * 1e-6).count();
@@ -285,9 +285,9 @@ fn loads_below_the_rounding_of_the_heights_are_refused() {
     assert!(contact.press(Load::MeanPressure(1e-9)).solve().is_ok());
     for load in [1e-14, 1e-20].map(Load::MeanPressure).into_iter().chain([1e-14, 1e-20].map(Load::Approach)) {
         match contact.press(load).solve() {
-            Err(SolveError::Refused(Refusal::Shallow { found, least, .. })) => {
+            Err(SolveError::Refused(Refusal::LoadBelowRoughnessRounding { found, least, .. })) => {
                 assert!(found < least && least < 1e-9, "{found:e} {least:e}");
-                let message = Refusal::Shallow { what: "mean pressure", found, least }.to_string();
+                let message = Refusal::LoadBelowRoughnessRounding { what: "mean pressure", found, least }.to_string();
                 assert!(message.contains("must be at least") && !message.contains('\n'), "{message}");
             }
             other => panic!("{load:?}: {:?}", other.map(|solution| solution.residual)),

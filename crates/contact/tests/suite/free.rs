@@ -18,7 +18,7 @@ fn rough([nx, ny]: [usize; 2]) -> Array2<f64> {
 }
 
 fn press(grid: &Grid, heights: &Array2<f64>, load: Load) -> Solution {
-    let contact = Contact::bounded(Boundary::Free, &half_space(), grid, heights).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &half_space(), grid, heights).unwrap();
     contact.press(load).tolerance(1e-11).solve().unwrap()
 }
 
@@ -27,7 +27,7 @@ fn load_and_approach_find_one_state_and_every_solver_does() {
     for points in [[24, 24], [17, 30], [40, 1], [1, 33]] {
         let grid = Grid::new(points, [1.0, 1.3]).unwrap();
         let heights = rough(points);
-        let contact = Contact::bounded(Boundary::Free, &half_space(), &grid, &heights).unwrap();
+        let contact = Contact::with_boundary(Boundary::Free, &half_space(), &grid, &heights).unwrap();
         for mean in [1e-4, 0.01, 0.3] {
             let first = press(&grid, &heights, Load::MeanPressure(mean));
             let mut others = vec![];
@@ -103,7 +103,7 @@ fn units_do_not_matter() {
     let small = press(&Grid::square(16, 1.0).unwrap(), &heights, Load::MeanPressure(0.01));
     let body = Body::half_space(Material::from_contact_modulus(1e30, 0.0).unwrap());
     let grid = Grid::square(16, 1e-40).unwrap();
-    let contact = Contact::bounded(Boundary::Free, &body, &grid, &(&heights * 1e-40)).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &body, &grid, &(&heights * 1e-40)).unwrap();
     let other = contact.press(Load::MeanPressure(1e28)).tolerance(1e-11).solve().unwrap();
     assert!((other.approach / (small.approach * 1e-40) - 1.0).abs() < 1e-9);
     assert!((other.summary().area_fraction - small.summary().area_fraction).abs() < 1e-15);
@@ -115,16 +115,16 @@ fn what_cannot_be_done_is_refused() {
     let grid = Grid::square(16, 1.0).unwrap();
     let slab = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.5).unwrap();
     let plate = slab.on(gfmd_green::Base::FREE).unwrap();
-    let refused = Contact::bounded(Boundary::Free, &plate, &grid, &rough([16, 16])).unwrap_err();
+    let refused = Contact::with_boundary(Boundary::Free, &plate, &grid, &rough([16, 16])).unwrap_err();
     assert!(refused.to_string().starts_with("nothing holds the plate"), "{refused}");
-    let contact = Contact::bounded(Boundary::Free, &half_space(), &grid, &rough([16, 16])).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &half_space(), &grid, &rough([16, 16])).unwrap();
     for solver in [Solver::Verlet, Solver::Fire, Solver::AugmentedLagrangian, Solver::Newton] {
         let error = contact.press(Load::MeanPressure(0.01)).solver(solver).solve().unwrap_err();
         assert!(matches!(error, SolveError::Refused(Refusal::Solver { .. })), "{solver}");
         assert!(error.to_string().contains("auto, cg, projected-cg or preconditioned-cg"), "{error}");
     }
     let line = Grid::line(16, 1.0).unwrap();
-    let contact = Contact::bounded(Boundary::Free, &half_space(), &line, &rough([16, 1])).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &half_space(), &line, &rough([16, 1])).unwrap();
     let error = contact.press(Load::Approach(0.01)).solve().unwrap_err();
     assert!(matches!(error, SolveError::Refused(Refusal::LineApproach)), "{error}");
     assert!(contact.stiffness(&contact.press(Load::MeanPressure(0.01)).solve().unwrap(), 1e-9).unwrap().value.is_nan());

@@ -33,7 +33,7 @@ fn frictionless_sideways_motion_does_not_change_the_normal_component() {
             let heights = heights(&grid);
             let full = Arc::new(FullResponse::new(grid, &body));
             let mean = 0.01;
-            let contact = FullContact::on(Arc::clone(&full), &heights).unwrap();
+            let contact = FullContact::with_response(Arc::clone(&full), &heights).unwrap();
             let press = contact.press(Load::MeanPressure(mean)).tolerance(1e-11).max_iterations(200_000);
             let found = press.solve().unwrap_or_else(|error| panic!("{case}: {error}"));
             let contact = Contact::new(&body, &grid, &heights).unwrap();

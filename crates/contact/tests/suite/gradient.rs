@@ -28,7 +28,7 @@ struct Case {
 
 impl Case {
     fn solve(self, grid: &Grid, heights: &Array2<f64>, factor: f64) -> (Contact, Solution) {
-        let contact = Contact::bounded(self.boundary, &body(self.height, factor), grid, heights).unwrap();
+        let contact = Contact::with_boundary(self.boundary, &body(self.height, factor), grid, heights).unwrap();
         let solution = contact.press(self.load).tolerance(1e-13).solve().unwrap();
         (contact, solution)
     }
@@ -191,7 +191,7 @@ fn unusable_derivatives_are_refused() {
     assert_eq!(hard.gradient(&solution, case.load, &none()), Err(GradientError::Hardness));
     let line = Grid::line(32, 1.0).unwrap();
     let wave = Array2::from_shape_fn((32, 1), |(i, _)| 0.01 * (0.2 * i as f64).cos());
-    let contact = Contact::bounded(Boundary::Free, &body(None, 1.0), &line, &wave).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &body(None, 1.0), &line, &wave).unwrap();
     let solution = contact.press(Load::MeanPressure(0.01)).solve().unwrap();
     let found = contact.gradient(&solution, case.load, &Cotangents { approach: 1.0, ..none() });
     assert_eq!(found, Err(GradientError::NoLevel { found: 1.0 }));

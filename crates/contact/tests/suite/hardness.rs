@@ -14,7 +14,7 @@ fn rough(n: usize) -> Array2<f64> {
 
 fn contact(boundary: Boundary, n: usize) -> Contact {
     let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
-    Contact::bounded(boundary, &body, &Grid::square(n, 1.0).unwrap(), &rough(n)).unwrap()
+    Contact::with_boundary(boundary, &body, &Grid::square(n, 1.0).unwrap(), &rough(n)).unwrap()
 }
 
 fn highest(solution: &Solution) -> f64 {

@@ -61,7 +61,7 @@ impl Case {
 
     fn of(&self, share: &Share) -> Contact {
         let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
-        let contact = Contact::over(share, &self.body, &self.grid, &own(&self.heights)).unwrap();
+        let contact = Contact::distributed(share, &self.body, &self.grid, &own(&self.heights)).unwrap();
         match &self.hardness {
             Some(Hardness::Field(field)) => contact.with_hardness(own(field)).unwrap(),
             Some(hardness) => contact.with_hardness(hardness.clone()).unwrap(),
@@ -239,11 +239,11 @@ fn what_cannot_be_shared_is_refused_by_all() {
     ThreadRanks::of(2, |ranks| {
         let share = Contact::share(ranks, &grid).unwrap();
         let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
-        let refused = Contact::over(&share, &case.body, &grid, &own(&broken.heights));
+        let refused = Contact::distributed(&share, &case.body, &grid, &own(&broken.heights));
         assert!(matches!(refused, Err(Refusal::Height { index: [40, 3], .. })));
-        let contact = Contact::over(&share, &case.body, &grid, &own(&case.heights)).unwrap();
+        let contact = Contact::distributed(&share, &case.body, &grid, &own(&case.heights)).unwrap();
         let rows = share.rows().len() - share.ranks().rank();
-        let refused = Contact::over(&share, &case.body, &grid, &own(&case.heights).slice_move(s![..rows, ..]));
+        let refused = Contact::distributed(&share, &case.body, &grid, &own(&case.heights).slice_move(s![..rows, ..]));
         assert!(matches!(refused, Err(Refusal::Shape { .. })));
         let mut hardness = Array2::from_elem((32, 64), 1.0);
         hardness[[5, 5]] = if share.ranks().rank() == 1 { -1.0 } else { 1.0 };

@@ -112,7 +112,7 @@ fn it_is_the_slope_of_the_mean_pressure_over_the_approach() {
         (Boundary::Free, half_space(), None),
         (Boundary::Free, half_space(), Some(0.08)),
     ] {
-        let mut contact = Contact::bounded(boundary, &body, &grid, &heights).unwrap();
+        let mut contact = Contact::with_boundary(boundary, &body, &grid, &heights).unwrap();
         if let Some(hardness) = hardness {
             contact = contact.with_hardness(hardness).unwrap();
         }
@@ -143,7 +143,7 @@ fn limits_have_their_values() {
     // A profile with free boundaries.
     let line = Grid::line(32, 1.0).unwrap();
     let profile = Array2::from_shape_fn((32, 1), |(i, _)| heights[[i, 3]]);
-    let contact = Contact::bounded(Boundary::Free, &half_space(), &line, &profile).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &half_space(), &line, &profile).unwrap();
     let state = contact.press(Load::MeanPressure(0.01)).solve().unwrap();
     assert!(contact.stiffness(&state, 1e-9).unwrap().value.is_nan());
     // Every point at the hardness or apart.
@@ -164,7 +164,7 @@ fn a_flat_punch_and_units_far_from_one() {
             if x.hypot(y) < a { 0.0 } else { -1.0 }
         })
     };
-    let contact = Contact::bounded(Boundary::Free, &half_space(), &grid, &disc(0.25)).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &half_space(), &grid, &disc(0.25)).unwrap();
     let state = contact.press(Load::MeanPressure(1e-3)).tolerance(1e-12).solve().unwrap();
     let stiffness = value(&contact, &state);
     assert!((stiffness - 0.5).abs() < 0.01, "{stiffness}");
@@ -172,7 +172,7 @@ fn a_flat_punch_and_units_far_from_one() {
     approx::assert_relative_eq!(stiffness, state.mean_pressure / state.approach, max_relative = 1e-8);
     let far = Grid::square(n, 1e40).unwrap();
     let stiff = Body::half_space(Material::from_contact_modulus(1e-60, 0.0).unwrap());
-    let contact = Contact::bounded(Boundary::Free, &stiff, &far, &(1e-30 * disc(0.25))).unwrap();
+    let contact = Contact::with_boundary(Boundary::Free, &stiff, &far, &(1e-30 * disc(0.25))).unwrap();
     let state = contact.press(Load::MeanPressure(1e-140)).tolerance(1e-12).solve().unwrap();
     approx::assert_relative_eq!(value(&contact, &state), stiffness * 1e-100, max_relative = 1e-8);
 }
@@ -183,7 +183,7 @@ fn it_costs_a_third_of_the_contact_from_first_touch_to_nearly_full_contact() {
         let grid = Grid::square(points, 1.0).unwrap();
         let heights = rough(&grid);
         for boundary in [Boundary::Periodic, Boundary::Free] {
-            let contact = Contact::bounded(boundary, &half_space(), &grid, &heights).unwrap();
+            let contact = Contact::with_boundary(boundary, &half_space(), &grid, &heights).unwrap();
             let mut last = 0.0;
             for p_star in [1e-4, 0.01, 0.2, 1.0, 2.0] {
                 let mean = p_star * contact.reduced_pressure_unit();

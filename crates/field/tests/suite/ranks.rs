@@ -34,7 +34,7 @@ fn assert_bits_of_one<T: Real>([nx, ny]: [usize; 2], size: usize) {
     });
     ThreadRanks::of(size, |ranks| {
         let share = Share::among(ranks, [nx, ny], 0).unwrap();
-        let transform = Transform::<T>::over(grid, &share);
+        let transform = Transform::<T>::distributed(grid, &share);
         let (ws, lanes, own) = (&mut transform.workspace(), transform.lanes(), share.own());
         let mut out = vec![T::ZERO; own.len()];
         // Twice: the memory of the first call must not affect the second.
@@ -82,7 +82,7 @@ fn slices_that_do_not_fit_the_share_are_refused() {
     let grid = Grid::square(64, 1.0).unwrap();
     ThreadRanks::of(2, |ranks| {
         let share = Share::among(ranks, [64, 64], 0).unwrap();
-        let transform = Transform::<f64>::over(grid, &share);
+        let transform = Transform::<f64>::distributed(grid, &share);
         let mut ws = transform.workspace();
         let kernel = vec![1.0; transform.lanes().len() * 64];
         let mut out = vec![0.0; share.own().len()];

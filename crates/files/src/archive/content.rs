@@ -25,8 +25,8 @@ const BATCH: usize = 1 << 10;
 pub(super) fn checksum(file: &Hdf5, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<String>, String> {
     let mut sum = Sum { sum: Checksum::default(), stop };
     match group(file, &file.root()?, "", &mut Vec::new(), &mut sum) {
-        Err(Ended::Stopped) => Ok(None),
-        Err(Ended::Unreadable(reason)) => Err(reason),
+        Err(ChecksumFailure::Stopped) => Ok(None),
+        Err(ChecksumFailure::Unreadable(reason)) => Err(reason),
         Ok(()) => Ok(Some(sum.sum.text())),
     }
 }
@@ -44,18 +44,18 @@ impl Sum<'_> {
 }
 
 /// Reason why a checksum is not computed.
-enum Ended {
+enum ChecksumFailure {
     Stopped,
     Unreadable(String),
 }
 
-impl From<String> for Ended {
+impl From<String> for ChecksumFailure {
     fn from(reason: String) -> Self {
         Self::Unreadable(reason)
     }
 }
 
-impl From<Error> for Ended {
+impl From<Error> for ChecksumFailure {
     fn from(error: Error) -> Self {
         Self::Unreadable(text(error))
     }
@@ -71,7 +71,7 @@ pub(super) fn check_chunk(file: &Hdf5, path: &str) -> Result<(), String> {
 }
 
 /// Adds a group, which must not be at one of the addresses `seen`: a damaged file can link a group into itself.
-fn group(file: &Hdf5, of: &Group, path: &str, seen: &mut Vec<u64>, sum: &mut Sum) -> Result<(), Ended> {
+fn group(file: &Hdf5, of: &Group, path: &str, seen: &mut Vec<u64>, sum: &mut Sum) -> Result<(), ChecksumFailure> {
     if seen.contains(&of.address()) {
         return Err(format!("the group {path} has two names").into());
     }
@@ -99,7 +99,7 @@ fn is_counted(attribute: &Attribute) -> bool {
     attribute.name != NAME && attribute.shape.is_empty()
 }
 
-fn attributes(mut attributes: Vec<Attribute>, path: &str, sum: &mut Sum) -> Result<(), Ended> {
+fn attributes(mut attributes: Vec<Attribute>, path: &str, sum: &mut Sum) -> Result<(), ChecksumFailure> {
     attributes.sort_by(|one, other| one.name.cmp(&other.name));
     // Links between dimensions and variables, which are arrays, follow from the rest.
     for attribute in attributes.iter().filter(|attribute| is_counted(attribute)) {
@@ -116,7 +116,7 @@ fn attributes(mut attributes: Vec<Attribute>, path: &str, sum: &mut Sum) -> Resu
     Ok(())
 }
 
-fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Sum) -> Result<(), Ended> {
+fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Sum) -> Result<(), ChecksumFailure> {
     attributes(dataset.attributes(), path, sum)?;
     check_chunk(file, path)?;
     let shape = file.shape(path)?;
@@ -148,13 +148,13 @@ fn values<T: Number>(
     shape: &[usize],
     bytes: impl Fn(T) -> [u8; 8],
     sum: &mut Sum,
-) -> Result<(), Ended> {
+) -> Result<(), ChecksumFailure> {
     file.possible(path)?;
     let pieces = pieces(shape, &file.chunk(path)?.unwrap_or_else(|| vec![1; shape.len()]));
     let mut batch = Vec::with_capacity(8 * BATCH);
     for together in pieces.chunks(rayon::current_num_threads()) {
         if (sum.stop)() {
-            return Err(Ended::Stopped);
+            return Err(ChecksumFailure::Stopped);
         }
         let read = |piece: &Vec<[usize; 2]>| {
             if piece.is_empty() { file.values(path) } else { file.part(path, piece) }

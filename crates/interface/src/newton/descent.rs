@@ -15,9 +15,9 @@ const HALVINGS: u32 = 14;
 /// Smallest energy decrease relative to the prediction of the slope (Armijo).
 const SHARE: f64 = 1e-4;
 /// Rounding error of an energy relative to the magnitude of its terms.
-pub(super) const ROUNDING: f64 = 1e-14;
+pub(super) const ROUNDING_OF_ENERGY: f64 = 1e-14;
 /// Energy rise, relative to the magnitude of its terms, that may be rounding error alone. Chosen value.
-const HIDDEN: f64 = 100.0 * ROUNDING;
+const HIDDEN: f64 = 100.0 * ROUNDING_OF_ENERGY;
 
 /// Stepwise search for a minimum of the energy ½⟨w, K w⟩ + Σ Φ(Δ(w)) − push Σ w_z.
 pub(super) struct Descent<'a, M: Model> {

@@ -2,7 +2,7 @@
 
 use gfmd_vector::for_each;
 
-use super::descent::{Change, Descent, ROUNDING};
+use super::descent::{Change, Descent, ROUNDING_OF_ENERGY};
 use super::trust_region::{Model, Number};
 
 /// Accuracy of a search for negative curvature only.
@@ -41,7 +41,7 @@ impl<M: Model> Descent<'_, M> {
         let mut share = downhill * FIRST_SHIFT * self.interface.length_scale() / longest;
         for _ in 0..DOUBLINGS {
             let Change { energy, size, .. } = self.try_step(share);
-            if energy < -10.0 * ROUNDING * size {
+            if energy < -10.0 * ROUNDING_OF_ENERGY * size {
                 self.accept();
                 // The radius from before the saddle is not valid beyond it.
                 self.region.radius = f64::INFINITY;

@@ -66,7 +66,8 @@ fn a_sphere_with_a_dugdale_zone_follows_the_curve_of_maugis() {
 fn pull_off(n: usize, work: f64, law: impl Law + 'static) -> f64 {
     let side = 0.6;
     let grid = Grid::square(n, side).unwrap();
-    let interface = Interface::bounded(Boundary::Free, &half_space(), &grid, &(side * side * sphere(n)), law).unwrap();
+    let interface =
+        Interface::with_boundary(Boundary::Free, &half_space(), &grid, &(side * side * sphere(n)), law).unwrap();
     let (mut last, mut lowest): (Option<State>, f64) = (None, 0.0);
     for step in 0..80 {
         let press = interface.press(Load::Approach(1.5e-3 - 2.5e-4 * f64::from(step)));

@@ -47,7 +47,7 @@ fn newton_and_dynamics_find_the_same_states() {
         let heights = bumps(points);
         let laws = [XuNeedleman::new(EQUAL, 0.5).unwrap().into_shared(), Npc::new(EQUAL).unwrap().into_shared()];
         for law in laws {
-            let interface = Interface::on(response.clone(), &heights, law.clone()).unwrap();
+            let interface = Interface::with_response(response.clone(), &heights, law.clone()).unwrap();
             assert_eq!(interface.trapping(), None);
             for (load, lateral) in [
                 (Load::Approach(0.004), [0.003, 0.0]),
@@ -81,13 +81,13 @@ fn dynamics_agrees_behind_a_wall_and_on_a_half_space() {
         (Arc::new(Morse::new(3e-4, 8e-3).unwrap()), Load::MeanPressure(-0.002)),
     ];
     for (law, drive) in laws {
-        let interface = Interface::on(response.clone(), &heights, law.clone()).unwrap();
+        let interface = Interface::with_response(response.clone(), &heights, law.clone()).unwrap();
         let a = solve(&interface, drive, Solver::Newton, None).unwrap();
         let b = solve(&interface, drive, Solver::Fire2, None).unwrap();
         assert!(far(&a, &b) < 1e-7, "{law:?} {drive:?}: {}", far(&a, &b));
     }
     let wall = Exponential::new(3e-4, 8e-3).unwrap();
-    let interface = Interface::on(response.clone(), &heights, wall).unwrap();
+    let interface = Interface::with_response(response.clone(), &heights, wall).unwrap();
     let refused = solve(&interface, Load::Approach(0.002), Solver::Fire2, None);
     assert!(matches!(refused, Err(SolveError::Refused(Refusal::NoDynamics))));
 }
@@ -100,7 +100,7 @@ fn laws_without_energy_come_to_rest_by_dynamics() {
     let unequal = Separation { tangential_work: 2e-4, ..EQUAL };
     let laws = [CoupledExponential::new(unequal).unwrap().into_shared(), Npb::new(unequal).unwrap().into_shared()];
     for law in laws {
-        let interface = Interface::on(response.clone(), &heights, law.clone()).unwrap();
+        let interface = Interface::with_response(response.clone(), &heights, law.clone()).unwrap();
         let drive = Drive { load: Load::Approach(0.005), lateral: [0.004, 0.002], time: 0.0, distance: 0.0 };
         assert!(matches!(solve(&interface, drive, Solver::Newton, None), Err(SolveError::Refused(Refusal::NoEnergy))));
         let state = solve(&interface, drive, Solver::Auto, None).unwrap();
@@ -115,7 +115,7 @@ fn a_bonded_flat_opens_and_slides_as_one_point() {
     let response = slab([8, 8]);
     let heights = Array2::zeros((8, 8));
     let law = XuNeedleman::new(EQUAL, 0.5).unwrap();
-    let interface = Interface::on(response.clone(), &heights, law).unwrap();
+    let interface = Interface::with_response(response.clone(), &heights, law).unwrap();
     let drive = Drive { load: Load::Approach(-0.004), lateral: [0.005, -0.003], time: 0.0, distance: 0.0 };
     let state = solve(&interface, drive, Solver::Auto, None).unwrap();
     let [gx, gy, gz] = response.uniform_compliance();
@@ -135,7 +135,7 @@ fn the_energy_grows_by_the_work_of_the_rigid_surface() {
     let slab = slab(points);
     let half_space = FullResponse::new(*slab.grid(), &Body::half_space(Material::from_young(1.0, 0.2).unwrap()));
     for response in [slab, half_space.into()] {
-        let interface = Interface::on(response.clone(), &heights, law).unwrap();
+        let interface = Interface::with_response(response.clone(), &heights, law).unwrap();
         let at = |d: [f64; 3]| {
             let drive = Drive {
                 load: Load::Approach(0.002 + d[2]),
@@ -170,7 +170,7 @@ fn flat_surfaces_that_attract_do_not_stay_flat() {
     let heights = Array2::zeros((n, 1));
     let (energy, range) = (1e-3, 0.01);
     let law = Exponential::new(energy, range).unwrap();
-    let interface = Interface::on(response, &heights, law).unwrap();
+    let interface = Interface::with_response(response, &heights, law).unwrap();
     let critical = range * (energy / (range * range) / std::f64::consts::PI).ln();
     let stays = solve(&interface, Load::Approach(-1.05 * critical), Solver::Auto, None).unwrap();
     let spread = |state: &State| state.gap.std(0.0);
@@ -191,7 +191,7 @@ fn a_step_too_long_for_a_short_range_is_shortened_not_lost() {
     let response = NormalResponse::new(grid, &Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap()));
     let heights = bumps(points);
     let law = Morse::new(1e-4, 1e-4).unwrap();
-    let interface = Interface::on(response, &heights, law).unwrap();
+    let interface = Interface::with_response(response, &heights, law).unwrap();
     let mut last = solve(&interface, Load::Approach(0.0005), Solver::Newton, None).unwrap();
     for step in 1..6 {
         last = solve(&interface, Load::Approach(0.0005 + 3e-4 * f64::from(step)), Solver::Newton, Some(&last)).unwrap();

@@ -25,7 +25,7 @@ fn rough([nx, ny]: [usize; 2]) -> Array2<f64> {
 }
 
 fn on_patch(grid: &Grid, heights: &Array2<f64>, law: impl Law + 'static) -> Interface {
-    Interface::bounded(Boundary::Free, &half_space(), grid, heights, law).unwrap()
+    Interface::with_boundary(Boundary::Free, &half_space(), grid, heights, law).unwrap()
 }
 
 fn solve(interface: &Interface, load: Load, start: Option<&State>) -> State {
@@ -43,7 +43,7 @@ fn a_wall_alone_is_the_contact_of_the_dual_solver() {
     for points in [[24, 24], [17, 30], [40, 1]] {
         let grid = Grid::new(points, [1.0, 1.3]).unwrap();
         let heights = rough(points);
-        let contact = Contact::bounded(Boundary::Free, &half_space(), &grid, &heights).unwrap();
+        let contact = Contact::with_boundary(Boundary::Free, &half_space(), &grid, &heights).unwrap();
         let interface = on_patch(&grid, &heights, HardWall);
         assert_eq!((interface.boundary(), interface.surface()), (Boundary::Free, contact.surface()));
         for mean in [1e-3, 0.02] {
@@ -185,11 +185,11 @@ fn what_has_no_level_far_away_is_refused() {
     // A profile on a slab has a level.
     let slab = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap();
     let law = Exponential::new(1e-4, 2e-3).unwrap();
-    let interface = Interface::bounded(Boundary::Free, &slab, &line, &rough([32, 1]), law).unwrap();
+    let interface = Interface::with_boundary(Boundary::Free, &slab, &line, &rough([32, 1]), law).unwrap();
     assert!(interface.press(Load::Approach(0.01)).solve().unwrap().mean_pressure > 0.0);
     let plate = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap().on(gfmd_green::Base::FREE).unwrap();
     let grid = Grid::square(8, 1.0).unwrap();
-    let error = Interface::bounded(Boundary::Free, &plate, &grid, &rough([8, 8]), HardWall).unwrap_err();
+    let error = Interface::with_boundary(Boundary::Free, &plate, &grid, &rough([8, 8]), HardWall).unwrap_err();
     assert!(matches!(error, Refusal::Body(_)), "{error}");
     let huge = Grid::new([1 << 29, 1 << 29], [1.0; 2]).unwrap();
     assert!(huge.padded().is_err());
@@ -205,11 +205,12 @@ fn a_sphere_that_is_moved_sideways_slips_at_the_edge_of_its_contact() {
     let at = |i: usize| (side * (i as f64 / n as f64 - 0.5)).powi(2);
     let sphere = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (at(i) + at(j)));
     let body = Body::half_space(material);
-    let contact = FrictionalContact::bounded(Boundary::Free, &body, &grid, &sphere, Limit::Coulomb(friction)).unwrap();
+    let contact =
+        FrictionalContact::with_boundary(Boundary::Free, &body, &grid, &sphere, Limit::Coulomb(friction)).unwrap();
     let approach = 0.02;
     let mut drive = Drive::from(Load::Approach(approach));
     let pressed = contact.press(drive).solve().unwrap();
-    let wanted = Contact::bounded(Boundary::Free, &body, &grid, &sphere).unwrap();
+    let wanted = Contact::with_boundary(Boundary::Free, &body, &grid, &sphere).unwrap();
     let wanted = wanted.press(Load::Approach(approach)).tolerance(1e-10).solve().unwrap();
     assert!((pressed.mean_pressure / wanted.mean_pressure - 1.0).abs() < 1e-7);
     let force = pressed.mean_pressure * side * side;

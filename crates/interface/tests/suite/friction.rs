@@ -35,7 +35,7 @@ fn a_wave_under_shear_sticks_where_the_smaller_of_two_loads_would_press() {
     // are equal and uncoupled: plane strain, ν = ½. The validation compares the shear point by point.
     let n = 256;
     let response = incompressible(Grid::line(n, 1.0).unwrap());
-    let contact = FrictionalContact::on(response, &wave(n), Limit::Coulomb(0.4)).unwrap();
+    let contact = FrictionalContact::with_response(response, &wave(n), Limit::Coulomb(0.4)).unwrap();
     let load = 0.3 * PI * 0.01;
     let rest = solve(&contact, pressed(load, 0.0), None);
     assert!(rest.mean_shear[0].abs() < 1e-14 && rest.dissipated.abs() < 1e-16);
@@ -59,7 +59,7 @@ fn a_loop_of_shear_doubles_the_first_branch() {
     let n = 128;
     let response = incompressible(Grid::line(n, 1.0).unwrap());
     let heights = wave(n);
-    let contact = FrictionalContact::on(response, &heights, Limit::Coulomb(0.4)).unwrap();
+    let contact = FrictionalContact::with_response(response, &heights, Limit::Coulomb(0.4)).unwrap();
     let load = 0.3 * PI * 0.01;
     let rest = solve(&contact, pressed(load, 0.0), None);
     let first = |x: f64| solve(&contact, pressed(load, x), Some(&rest));
@@ -82,7 +82,7 @@ fn the_shear_under_a_sphere_is_that_of_cattaneo_and_mindlin() {
             let response = incompressible(Grid::square(n, 1.0).unwrap());
             let at = |i: usize| i as f64 / n as f64 - 0.5;
             let heights = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (at(i).powi(2) + at(j).powi(2)));
-            let contact = FrictionalContact::on(response, &heights, Limit::Coulomb(0.3)).unwrap();
+            let contact = FrictionalContact::with_response(response, &heights, Limit::Coulomb(0.3)).unwrap();
             let a = 0.15_f64;
             let load = 4.0 / 3.0 * a.powi(3);
             let rest = solve(&contact, pressed(load, 0.0), None);
@@ -121,7 +121,7 @@ fn every_condition_holds_under_a_path_of_shear_up_to_sliding() {
         (incompressible(grid), Limit::Coulomb(0.5)),
         (incompressible(grid), Limit::Tresca(0.004)),
     ] {
-        let contact = FrictionalContact::on(response, &heights, limit).unwrap();
+        let contact = FrictionalContact::with_response(response, &heights, limit).unwrap();
         for load in [Load::MeanPressure(0.01), Load::Approach(0.015)] {
             let mut last = None;
             let mut work = 0.0;
@@ -192,7 +192,7 @@ fn free_sphere(poisson: f64, limit: Limit) -> FrictionalContact {
     let at = |i: usize| (i as f64 / n as f64 - 0.5) * side;
     let heights = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (at(i).powi(2) + at(j).powi(2)));
     let body = Body::half_space(Material::from_contact_modulus(1.0, poisson).unwrap());
-    FrictionalContact::bounded(Boundary::Free, &body, &Grid::square(n, side).unwrap(), &heights, limit).unwrap()
+    FrictionalContact::with_boundary(Boundary::Free, &body, &Grid::square(n, side).unwrap(), &heights, limit).unwrap()
 }
 
 /// Returns the mean pressure over the patch of [`free_sphere`] at the contact radius `a` (Hertz).

@@ -77,7 +77,7 @@ fn by_trapezoids(interface: &Interface, drives: &[Drive]) -> f64 {
 fn a_closed_loop_loses_what_a_fine_path_loses() {
     let response = half_space(128);
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
-    let interface = Interface::on(response, &asperities(128), law).unwrap();
+    let interface = Interface::with_response(response, &asperities(128), law).unwrap();
     let turns = [-0.01, 0.004, -0.012];
     // With ten steps per leg the trapezoidal rule creates energy.
     assert!(by_trapezoids(&interface, &approaches(&turns, 10)) < 0.0);
@@ -102,7 +102,7 @@ fn small_jumps_within_long_steps_are_all_counted() {
     for number in 0..6 {
         let n = 48 + 4 * number;
         let law = HarmonicCosine::new(1e-4, 30.0 + 8.0 * number as f64).unwrap();
-        let interface = Interface::on(half_space(n), &asperities(n), law).unwrap();
+        let interface = Interface::with_response(half_space(n), &asperities(n), law).unwrap();
         let turns = [0.002, -0.008];
         let fine = by_trapezoids(&interface, &approaches(&turns, 8000));
         for steps in [2, 3, 5] {
@@ -116,7 +116,7 @@ fn small_jumps_within_long_steps_are_all_counted() {
 #[test]
 fn first_touch_takes_few_iterations() {
     let law = HarmonicCosine::new(1e-4, 8.0).unwrap();
-    let interface = Interface::on(half_space(256), &asperities(256), law).unwrap();
+    let interface = Interface::with_response(half_space(256), &asperities(256), law).unwrap();
     let refinement = Refinement { solves_per_step: 0, ..FINE };
     let steps = follow(&interface, &approaches(&[-0.01, -0.0072], 200), refinement);
     for (index, step) in steps.iter().enumerate() {
@@ -128,7 +128,7 @@ fn first_touch_takes_few_iterations() {
 fn a_loop_under_load_loses_what_a_fine_path_loses() {
     let response = half_space(128);
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
-    let interface = Interface::on(response, &asperities(128), law).unwrap();
+    let interface = Interface::with_response(response, &asperities(128), law).unwrap();
     // The surface is pulled, but stays in contact.
     let turns = [1e-4, 2e-3, -2e-4, 1e-4];
     let fine = by_trapezoids(&interface, &pressures(&turns, 1500));
@@ -147,7 +147,7 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
     let body = Body::slab(material(), 20.0).unwrap();
     let response = Arc::new(NormalResponse::new(Grid::line(8, 1.0).unwrap(), &body));
     let law = Morse::new(1e-3, 0.05).unwrap();
-    let interface = Interface::on(Arc::clone(&response), &Array2::zeros((8, 1)), law).unwrap();
+    let interface = Interface::with_response(Arc::clone(&response), &Array2::zeros((8, 1)), law).unwrap();
     let k = 1.0 / response.uniform_compliance();
     let tension = |g: f64| law.response(g, 0.0).traction[0];
     let approach = |g: f64| -g - tension(g) / k;
@@ -205,7 +205,7 @@ fn a_flat_punch_on_a_soft_slab_loses_the_area_between_its_folds() {
 fn without_a_jump_nothing_is_lost() {
     let response = half_space(128);
     let law = Exponential::new(1e-4, 1.5e-3).unwrap();
-    let interface = Interface::on(response, &asperities(128), law).unwrap();
+    let interface = Interface::with_response(response, &asperities(128), law).unwrap();
     let [low, high] =
         [0.001, 0.004].map(|approach| interface.press(Load::Approach(approach)).solve().unwrap().mean_pressure);
     let closely = Refinement { tolerance: 1e-5, solves_per_step: 20 };
@@ -220,7 +220,7 @@ fn without_a_jump_nothing_is_lost() {
 fn the_balance_of_a_smooth_step_closes_with_the_fourth_power_of_its_length() {
     let response = half_space(64);
     let law = Morse::new(1e-4, 1e-2).unwrap();
-    let interface = Interface::on(response, &asperities(64), law).unwrap();
+    let interface = Interface::with_response(response, &asperities(64), law).unwrap();
     // One state in the middle of each step, no more.
     let once = Refinement { tolerance: 1e-3, solves_per_step: 1 };
     let error = |steps: usize| lost(&follow(&interface, &approaches(&[-0.02, -0.005], steps), once))[1];
@@ -240,7 +240,7 @@ fn sideways_work_is_accounted_for() {
     // A half-space is too stiff to jump; a thick slab jumps in both directions.
     for (body, jumps) in [(Body::half_space(material()), false), (Body::slab(material(), 3.0).unwrap(), true)] {
         let response = Arc::new(FullResponse::new(Grid::line(16, 1.0).unwrap(), &body));
-        let interface = Interface::on(Arc::clone(&response), &heights, law).unwrap();
+        let interface = Interface::with_response(Arc::clone(&response), &heights, law).unwrap();
         let turns = if jumps { [0.0, 0.2, -0.2] } else { [0.0, 0.02, -0.02] };
         let [few, error_of_few] = lost(&follow(&interface, &sideways(&turns, 6), FINE));
         let [many, error_of_many] = lost(&follow(&interface, &sideways(&turns, 15), FINE));
@@ -257,14 +257,14 @@ fn a_law_without_an_energy_has_no_loss_and_friction_knows_its_own() {
     let law = CoupledExponential::new(different).unwrap();
     let heights = asperities(16);
     let drive = |x| Drive { load: Load::Approach(0.002), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
-    let interface = Interface::on(Arc::clone(&response), &heights, law).unwrap();
+    let interface = Interface::with_response(Arc::clone(&response), &heights, law).unwrap();
     for step in follow(&interface, &[drive(0.0), drive(0.002)], Refinement::default()) {
         assert_eq!((step.dissipated, step.dissipated_error, step.extra_solves), (None, None, 0));
     }
     // If pressure and shear are uncoupled, a step is one increment.
     let incompressible = Body::half_space(Material::from_contact_modulus(1.0, 0.5).unwrap());
     let response = FullResponse::new(Grid::line(16, 1.0).unwrap(), &incompressible);
-    let contact = FrictionalContact::on(response, &heights, Limit::Coulomb(0.2)).unwrap();
+    let contact = FrictionalContact::with_response(response, &heights, Limit::Coulomb(0.2)).unwrap();
     let mut path = Path::new(&contact, Budget::default(), Refinement::default());
     for x in [0.0, 0.002] {
         let step = path.step(drive(x), &mut ()).unwrap();
@@ -278,7 +278,7 @@ fn a_law_without_an_energy_has_no_loss_and_friction_knows_its_own() {
 fn an_interrupted_path_stands_where_it_was_and_goes_on() {
     let response = half_space(64);
     let law = Exponential::new(1e-4, 3e-3).unwrap();
-    let interface = Interface::on(response, &asperities(64), law).unwrap();
+    let interface = Interface::with_response(response, &asperities(64), law).unwrap();
     let mut path = Path::new(&interface, Budget::default(), FINE);
     path.step(Load::Approach(-0.01).into(), &mut ()).unwrap();
     let mut calls = 0;

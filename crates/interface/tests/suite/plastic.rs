@@ -18,7 +18,7 @@ fn contact(boundary: Boundary) -> Contact {
         0.006 * waves.map(height).iter().sum::<f64>()
     });
     let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
-    Contact::bounded(boundary, &body, &grid, &heights).unwrap()
+    Contact::with_boundary(boundary, &body, &grid, &heights).unwrap()
 }
 
 fn plastic(boundary: Boundary, hardness: f64) -> PlasticContact {
@@ -92,7 +92,7 @@ fn a_surface_that_is_plastic_everywhere_is_certified_from_its_fields() {
         let grid = Grid::new(points, [1.50569, 1.25474]).unwrap();
         let heights = Array2::from_shape_fn(points, |(i, j)| 0.007 * (1.7 * i as f64 + 2.3 * (j * j) as f64).sin());
         let body = Body::half_space(Material::from_contact_modulus(1.22173, 0.0).unwrap());
-        let contact = Contact::bounded(Boundary::Periodic, &body, &grid, &heights).unwrap();
+        let contact = Contact::with_boundary(Boundary::Periodic, &body, &grid, &heights).unwrap();
         let contact = PlasticContact::new(contact.with_hardness(0.120071).unwrap());
         let mut path = Path::new(&contact, BUDGET, Refinement::default());
         let load = Load::Approach(0.05);

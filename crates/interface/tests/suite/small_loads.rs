@@ -123,11 +123,11 @@ fn a_load_that_the_tractions_hide_is_refused() {
     let interface = Interface::new(&half_space(0.0), &grid, &heights, Dugdale::new(2e-4, 1e-2).unwrap()).unwrap();
     for mean in [2e-13, -2e-13, 1e-11] {
         match interface.press(Load::MeanPressure(mean)).solve() {
-            Err(SolveError::Refused(Refusal::Hidden { found, least, traction })) => {
+            Err(SolveError::Refused(Refusal::LoadBelowTractionRounding { found, least, traction })) => {
                 assert!(found == mean, "{mean:e} {least:e}");
                 assert!(mean.abs() < least, "{mean:e} {least:e}");
                 assert!(least == 1e-8 * traction, "{mean:e} {least:e}");
-                let message = Refusal::Hidden { found, least, traction }.to_string();
+                let message = Refusal::LoadBelowTractionRounding { found, least, traction }.to_string();
                 assert!(message.contains("must be 0, or at least") && !message.contains('\n'), "{message}");
             }
             other => panic!("{mean:e}: {:?}", other.map(|state| state.residual)),

@@ -1,12 +1,12 @@
 //! Laws in other units.
 
-use gfmd_law::{InUnits, Kind, Law as _, Parameter};
+use gfmd_law::{InUnits, Law as _, LawKind, Parameter};
 
 /// Converting the units of a law or of its parameters gives the same function.
 #[test]
 fn units_of_the_law_and_of_its_parameters_agree_to_the_bit() {
     let (stress, length) = (2.0_f64.powi(80), 2.0_f64.powi(-60));
-    for kind in Kind::ALL.into_iter().filter(|kind| *kind != Kind::Table) {
+    for kind in LawKind::ALL.into_iter().filter(|kind| *kind != LawKind::Table) {
         let in_unit = |p: &Parameter| match p.units {
             "stress*length" => stress * length,
             "length" => length,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gfmd_law::{Exponential, Kind, Law, Separation, XuNeedleman};
+use gfmd_law::{Exponential, Law, LawKind, Separation, XuNeedleman};
 
 #[test]
 fn a_pointer_to_a_law_is_that_law() {
@@ -26,7 +26,7 @@ fn a_pointer_to_a_law_is_that_law() {
         assert!(!pointer.has_wall());
     }
     assert!(Exponential::new(1.0, 0.1).unwrap().into_shared().has_wall());
-    assert!(Kind::HardWall.with(&[] as &[(&str, f64)]).unwrap().into_shared().has_wall());
+    assert!(LawKind::HardWall.with(&[] as &[(&str, f64)]).unwrap().into_shared().has_wall());
     let again = Arc::clone(&shared).into_shared();
     assert!(Arc::ptr_eq(&again, &shared), "no second pointer");
 }

@@ -2,8 +2,8 @@
 
 use approx::assert_relative_eq;
 use gfmd_law::{
-    BoschSchreursGeers, CoupledExponential, Dugdale, Exponential, Friction, HardWall, HarmonicCosine, Kind, Law,
-    LawError, Limit, MixedMode, Morse, Npb, Npc, Opening, Rate, Separation, XuNeedleman,
+    BoschSchreursGeers, CoupledExponential, Dugdale, Exponential, Friction, HardWall, HarmonicCosine, Law, LawError,
+    LawKind, Limit, MixedMode, Morse, Npb, Npc, Opening, Rate, Separation, XuNeedleman,
 };
 use proptest::prelude::*;
 
@@ -271,25 +271,25 @@ fn potentials_where_works_are_equal_are_one_law() {
 
 #[test]
 fn unusable_parameters_are_refused_with_what_is_allowed() {
-    let message = |kind: Kind, given: &[(&str, f64)]| kind.with(given).unwrap_err().to_string();
+    let message = |kind: LawKind, given: &[(&str, f64)]| kind.with(given).unwrap_err().to_string();
     assert_eq!(
-        message(Kind::Morse, &[("gamma", 1.0), ("rho", 1.0)]),
+        message(LawKind::Morse, &[("gamma", 1.0), ("rho", 1.0)]),
         "the law morse has no parameter \"rho\"; it takes gamma (stress*length, positive), range (length, positive)"
     );
     assert_eq!(
-        message(Kind::HardWall, &[("gamma", 1.0)]),
+        message(LawKind::HardWall, &[("gamma", 1.0)]),
         "the law hard-wall has no parameter \"gamma\"; it takes none"
     );
     assert_eq!(
-        message(Kind::Dugdale, &[("range", 1.0)]),
+        message(LawKind::Dugdale, &[("range", 1.0)]),
         "the law dugdale needs the parameter gamma (stress*length, positive)"
     );
     assert_eq!(
-        message(Kind::Morse, &[("gamma", 1.0), ("range", 1.0), ("gamma", 2.0)]),
+        message(LawKind::Morse, &[("gamma", 1.0), ("range", 1.0), ("gamma", 2.0)]),
         "the parameter gamma is given more than once"
     );
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        for kind in Kind::ALL {
+        for kind in LawKind::ALL {
             for wrong in kind.parameters().iter().filter(|p| p.default.is_none()) {
                 let given: Vec<_> =
                     kind.parameters().iter().map(|p| (p.name, if p.name == wrong.name { bad } else { 0.5 })).collect();
@@ -300,11 +300,11 @@ fn unusable_parameters_are_refused_with_what_is_allowed() {
     }
     let four = [("phi_n", 1.0), ("phi_t", 1.0), ("delta_n", 1.0), ("delta_t", 1.0)];
     let with_r = |r: f64| [&four[..], &[("r", r)]].concat();
-    assert_eq!(message(Kind::XuNeedleman, &with_r(1.0)), "r is 1; it must be a finite number other than 1");
-    assert!(Kind::XuNeedleman.with(&four).is_ok());
-    let unknown = "glue".parse::<Kind>().unwrap_err();
+    assert_eq!(message(LawKind::XuNeedleman, &with_r(1.0)), "r is 1; it must be a finite number other than 1");
+    assert!(LawKind::XuNeedleman.with(&four).is_ok());
+    let unknown = "glue".parse::<LawKind>().unwrap_err();
     assert!(unknown.to_string().contains("\"glue\"; it must be one of hard-wall, xu-needleman, bsg, "), "{unknown}");
-    for kind in Kind::ALL {
+    for kind in LawKind::ALL {
         assert_eq!(kind.name().parse(), Ok(kind));
     }
     assert!(matches!(Friction::new(Limit::Coulomb(-0.1), 1.0), Err(LawError::Range { name: "mu", .. })));

@@ -1,7 +1,7 @@
 //! Laws from tables.
 
 use approx::assert_relative_eq;
-use gfmd_law::{Exponential, InUnits, Kind, Law, LawError, Morse, Tabulated};
+use gfmd_law::{Exponential, InUnits, Law, LawError, LawKind, Morse, Tabulated};
 
 /// Samples `law` in `n` + 1 rows from the gap `first` to 27 ranges beyond, denser at small gaps; the last traction is
 /// set to 0.
@@ -119,6 +119,6 @@ fn tables_that_are_no_law_are_refused_by_what_is_wrong() {
         let found = refused(rows);
         assert!(found.contains(words), "{found}");
     }
-    assert_eq!(Kind::Table.with(&[] as &[(&str, f64)]).unwrap_err(), LawError::NoTable);
-    assert!(Kind::Table.with(&[("gamma", 1.0)]).unwrap_err().to_string().contains("the law table has no parameter"));
+    assert_eq!(LawKind::Table.with(&[] as &[(&str, f64)]).unwrap_err(), LawError::NoTable);
+    assert!(LawKind::Table.with(&[("gamma", 1.0)]).unwrap_err().to_string().contains("the law table has no parameter"));
 }

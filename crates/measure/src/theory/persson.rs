@@ -30,7 +30,7 @@ const ALIKE: f64 = 1.002;
 
 /// Relative tolerance for a wave up to a wavenumber: far above the rounding errors of 2π divided by a wavelength, and
 /// far below the distance of wavenumbers.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_OF_WAVENUMBER: f64 = 1e-12;
 
 /// Elastic energy of a contact of small area, divided by the energy in full contact times the area fraction. Almqvist,
 /// Campañá, Prodanov and Persson (2011) find 0.42 to 0.48 for self-affine surfaces.
@@ -56,7 +56,7 @@ impl Persson {
             let mut distinct: Vec<(f64, f64)> = Vec::new();
             for (wavenumber, square) in waves {
                 match distinct.last_mut() {
-                    Some((last, sum)) if *wavenumber <= *last * (1.0 + ROUNDING) => *sum += square,
+                    Some((last, sum)) if *wavenumber <= *last * (1.0 + ROUNDING_OF_WAVENUMBER) => *sum += square,
                     _ => distinct.push((*wavenumber, *square)),
                 }
             }
@@ -69,7 +69,7 @@ impl Persson {
     /// Returns the variance of the pressure in full contact, Σ k(q)²|h̃|², of the waves up to the wavenumber `largest`,
     /// which is included up to rounding errors; stress².
     pub fn variance(&self, largest: f64) -> f64 {
-        let largest = largest * (1.0 + ROUNDING);
+        let largest = largest * (1.0 + ROUNDING_OF_WAVENUMBER);
         self.shells.iter().map(|shell| shell.variance_up_to(largest)).sum()
     }
 

@@ -59,7 +59,7 @@ fn solve(
     method: Method,
     budget: Budget,
 ) -> Result<MixedSolution, MixedError> {
-    MixedProblem::on(Arc::clone(response), prescribed)?.solve(method, &budget, &mut ())
+    MixedProblem::with_response(Arc::clone(response), prescribed)?.solve(method, &budget, &mut ())
 }
 
 fn to(tolerance: f64) -> Budget {
@@ -255,7 +255,7 @@ fn what_was_reached_is_kept() {
         assert!(solution.iterations == 3);
         assert!(solution.residual > 1e-8);
         assert!(solution.residual < 1.0);
-        let problem = MixedProblem::on(Arc::clone(&response), held.clone()).unwrap();
+        let problem = MixedProblem::with_response(Arc::clone(&response), held.clone()).unwrap();
         let mut seen = 0;
         let mut watch = |_: &Progress| {
             seen += 1;

@@ -21,7 +21,7 @@ fn material(poisson: f64) -> Material {
 
 fn solve(response: &Arc<FullResponse>, prescribed: Prescribed, method: Method, tolerance: f64) -> MixedSolution {
     let budget = Budget { tolerance, ..Budget::default() };
-    MixedProblem::on(Arc::clone(response), prescribed).unwrap().solve(method, &budget, &mut ()).unwrap()
+    MixedProblem::with_response(Arc::clone(response), prescribed).unwrap().solve(method, &budget, &mut ()).unwrap()
 }
 
 /// Returns the points within `half` points of the middle of the cell.

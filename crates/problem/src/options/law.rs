@@ -1,7 +1,7 @@
 //! The law across the gap.
 
 use clap::Args;
-use gfmd_law::{Kind, Law, LawError, Tabulated};
+use gfmd_law::{Law, LawError, LawKind as Kind, Tabulated};
 use serde::{Deserialize, Serialize};
 
 use super::values::parse_row;
@@ -124,7 +124,7 @@ fn parse_parameter(text: &str) -> Result<(String, f64), String> {
 
 /// A law in a configuration, by its name.
 mod name {
-    use gfmd_law::Kind;
+    use gfmd_law::LawKind as Kind;
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
     #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]

@@ -4,7 +4,7 @@
 //! computed with is
 //! a plain number in the units of the surface.
 
-use gfmd_law::Kind;
+use gfmd_law::LawKind as Kind;
 use gfmd_unit::{NoValue, Quantity, Units};
 use toml::Value;
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Dynamics};
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, Material};
-use gfmd_law::{HardWall, Kind, Law, Limit};
+use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_problem::{Facts, Friction, Given, GridError, Lower, Support, Task, Unknown};
 use gfmd_viscoelastic::{Prony, Relaxes};
 use ndarray::Array2;
@@ -58,7 +58,7 @@ impl Parts {
             None => body,
         };
         let law = match facts.law {
-            Kind::HardWall => HardWall.into_shared(),
+            LawKind::HardWall => HardWall.into_shared(),
             law => law.with(&[("gamma", 2e-4), ("range", 4e-3)]).unwrap().into_shared(),
         };
         let lower = facts.lower.map(|_| -heights(&grid));
@@ -109,7 +109,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             hardness,
             friction,
             task: [Task::Loads, Task::Path][digit(2)],
-            law: [Kind::HardWall, Kind::Exponential][digit(2)],
+            law: [LawKind::HardWall, LawKind::Exponential][digit(2)],
             boundary: Boundary::ALL[digit(2)],
             unknown: Unknown::ALL[digit(Unknown::ALL.len())],
             finite_slope: digit(2) == 1,

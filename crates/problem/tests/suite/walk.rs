@@ -11,7 +11,7 @@ use gfmd_contact::{
 };
 use gfmd_green::BaseKind;
 use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Refinement, StoredFields};
-use gfmd_law::Kind;
+use gfmd_law::LawKind;
 use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
 use gfmd_relax::Budget;
 use gfmd_wear::{WearContact, WearState};
@@ -34,7 +34,7 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     same(&solved(plain), &wall().press(load).solve().unwrap());
     let facts = Facts { hardness: true, ..plain };
     same(&solved(facts), &wall().with_hardness(0.04).unwrap().press(load).solve().unwrap());
-    let facts = Facts { law: Kind::Exponential, ..plain };
+    let facts = Facts { law: LawKind::Exponential, ..plain };
     let law = Parts::of(facts);
     let interface = Interface::new(&law.body, &law.grid, &law.heights, Arc::clone(&law.law)).unwrap();
     same(&solved(facts), &interface.press(load).solve().unwrap());
@@ -122,7 +122,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
     for facts in [
         Facts { hardness: true, ..on_path },
         Facts { friction: Some(Friction::Coulomb), ..on_path },
-        Facts { law: Kind::Exponential, ..on_path },
+        Facts { law: LawKind::Exponential, ..on_path },
         Facts { wears: true, ..on_path },
     ] {
         let parts = Parts::of(facts);
@@ -179,7 +179,7 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
         Facts::default(),
         Facts { boundary: Boundary::Free, ..Facts::default() },
         Facts { finite_slope: true, ..Facts::default() },
-        Facts { law: Kind::Exponential, ..Facts::default() },
+        Facts { law: LawKind::Exponential, ..Facts::default() },
         Facts { lower: Some(Lower::Seed), support: Support::Slab(BaseKind::Bonded), ..Facts::default() },
     ];
     let posed: Vec<_> = kinds.iter().map(|facts| pose(&Parts::of(*facts).given()).unwrap()).collect();

@@ -115,9 +115,9 @@ class _Setup:
         """Warns about slopes and strains that are not small, and about units that seem mixed up."""
         slopes = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
         strain = self.problem.strain(max((contact.approach for contact in done), default=0.0))
-        for doubt in [*self.problem.doubts(control, max(values)), slopes, strain]:
-            if doubt is not None:
-                warned(doubt)
+        for warning in [*self.problem.unit_warnings(control, max(values)), slopes, strain]:
+            if warning is not None:
+                warned(warning)
 
     def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
         """Solves the contact under one load, from a state, or from the start set by the options."""

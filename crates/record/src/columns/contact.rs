@@ -3,7 +3,7 @@
 use super::{Column, undefined::reduced};
 use crate::column::Form;
 use crate::when::{any, friction, law, loads, path, relaxing, wears};
-use crate::{At, Cell};
+use crate::{Cell, StateContext};
 
 /// Columns of the points in contact and the gap.
 pub(super) const COLUMNS: &[Column] = &[
@@ -128,7 +128,7 @@ pub(super) const COLUMNS: &[Column] = &[
 ];
 
 /// Returns the ratio of area to load, or the reason why there is none.
-fn ratio(at: &At, value: f64) -> Cell {
+fn ratio(at: &StateContext, value: f64) -> Cell {
     if value.is_nan() && law(at.facts) {
         return Cell::undefined("attraction carries the load, to which the area has no ratio");
     }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::column::{Form, Origin, Table};
 use crate::when::{any, between, law, loads, path, relaxing, wears};
-use crate::{At, Cell};
+use crate::{Cell, StateContext};
 
 /// Energies, losses, stability, stiffness.
 pub(super) const COLUMNS: &[Column] = &[
@@ -138,7 +138,7 @@ pub(super) const COLUMNS: &[Column] = &[
 ];
 
 /// Returns the stiffness or its error, selected by `of`, or the reason why there is none.
-fn stiff(at: &At, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
+fn stiff(at: &StateContext, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
     match &at.stiffness {
         Ok(found) if found.value.is_finite() => of(found).into(),
         // Only a contact without a displacement level has a NaN stiffness.
@@ -151,7 +151,7 @@ fn stiff(at: &At, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
 }
 
 /// Returns the jump flag of a step, or the reason why it is unknown.
-fn jumped(at: &At) -> Cell {
+fn jumped(at: &StateContext) -> Cell {
     let Some((step, reading)) = &at.step else {
         return at.rest.and_then(|rest| rest.law()).map_or(Cell::Real(f64::NAN), |law| law.passed_instability.into());
     };

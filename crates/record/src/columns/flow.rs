@@ -3,7 +3,7 @@
 use super::{Column, undefined::flag};
 use crate::column::{Form, Origin, Table};
 use crate::when::{any, flow};
-use crate::{At, Cell};
+use crate::{Cell, StateContext};
 
 /// Definition of a conductivity.
 macro_rules! over_uniform {
@@ -61,7 +61,7 @@ pub(super) const COLUMNS: &[Column] = &[
 ];
 
 /// Returns the conductivity along `row` due to a gradient along `column`.
-fn conductivity(at: &At, [row, column]: [usize; 2]) -> Cell {
+fn conductivity(at: &StateContext, [row, column]: [usize; 2]) -> Cell {
     let gap = at.summary.mean_gap;
     match at.measured.flow {
         Some(_) if gap == 0.0 => Cell::undefined(

@@ -13,7 +13,7 @@ use crate::when::{
     any, approach_given, flow, friction, hardness, law, load_given, loads, of_a_law, path, prescribed, relaxing,
     sheared, statistics, steep, wears,
 };
-use crate::{At, Cell};
+use crate::{Cell, StateContext};
 
 /// Returns true for one half-space, or for two, which deform as one with their contact modulus.
 fn is_half_space(facts: &Facts) -> bool {
@@ -93,7 +93,7 @@ const LEAST_ZONE: f64 = 0.0625;
 const LONGEST_CELL: f64 = 1.1;
 
 /// Returns the estimator of a column's limit for the contact on its grid, or the reason why the limit is unknown.
-fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static, str>> {
+fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, Cow<'static, str>> {
     let [dx, dy] = at.spacing;
     let known = at.short_waves <= UNRESOLVED || ROBUST.contains(&name);
     if !known {
@@ -147,9 +147,9 @@ fn grid_limits<'a>(at: &'a At, name: &str) -> Result<GridLimits<'a>, Cow<'static
 
 /// Returns a number of a column's limit on infinitely fine grids, or the reason why it is unknown.
 fn limit(
-    at: &At,
+    at: &StateContext,
     name: &str,
-    found: fn(&GridLimits, &At, f64) -> Result<GridLimit, NoLimit>,
+    found: fn(&GridLimits, &StateContext, f64) -> Result<GridLimit, NoLimit>,
     of: fn(&GridLimit, f64) -> f64,
 ) -> Cell {
     let column = MEASURED.iter().copied().flatten().find(|column| column.name == name);
@@ -165,7 +165,7 @@ fn limit(
 
 /// Returns the limit of a number from its record on a finer grid as well, or from two such records.
 fn refined(
-    at: &At,
+    at: &StateContext,
     name: &str,
     value: f64,
     own: Result<GridLimit, Cow<'static, str>>,
@@ -291,13 +291,13 @@ macro_rules! limits {
     };
 }
 /// Refuses a limit from a single solution.
-fn two_grids(_: &GridLimits, _: &At, _: f64) -> Result<GridLimit, NoLimit> {
+fn two_grids(_: &GridLimits, _: &StateContext, _: f64) -> Result<GridLimit, NoLimit> {
     Err(NoLimit::OneGrid)
 }
 
 /// Returns the limit of the mean pressure at a prescribed approach. The approach counts from the highest grid point;
 /// the top of the surface lies higher.
-fn pressure_of_approach(limits: &GridLimits, at: &At, value: f64) -> Result<GridLimit, NoLimit> {
+fn pressure_of_approach(limits: &GridLimits, at: &StateContext, value: f64) -> Result<GridLimit, NoLimit> {
     let known = at.stiffness.as_ref().ok().map(|stiffness| stiffness.value).filter(|stiffness| stiffness.is_finite());
     let stiffness = known.ok_or(NoLimit::OneGrid)?;
     let GridLimit { limit, half_width } = limits.approach(0.0, at.rise.ok_or(NoLimit::Shared)?);

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::column::Form;
 use crate::when::{any, between, path, relaxing, steep, wears};
-use crate::{At, Cell};
+use crate::{Cell, StateContext};
 
 /// Columns of the drive of a state, and of the loads that hold it.
 pub(super) const COLUMNS: &[Column] = &[
@@ -82,11 +82,11 @@ pub(super) const COLUMNS: &[Column] = &[
 ];
 
 /// Returns the mean shear: on a path the traction on the body, with finite slopes the traction on the rigid surface.
-fn shear(at: &At, axis: usize) -> Cell {
+fn shear(at: &StateContext, axis: usize) -> Cell {
     let steep = at.rest.and_then(|rest| rest.steep()).map(|state| state.mean_shear);
     at.step.as_ref().map(|(_, reading)| reading.mean_shear).or(steep).map_or(f64::NAN, |shear| shear[axis]).into()
 }
 
-fn sideways(at: &At, axis: usize) -> Cell {
+fn sideways(at: &StateContext, axis: usize) -> Cell {
     at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.lateral[axis]).into()
 }

@@ -22,7 +22,7 @@ pub struct PunchFacts {
 
 /// Input from which the columns of a punch are computed.
 #[derive(Clone, Copy, Debug)]
-pub struct PunchAt<'a> {
+pub struct PunchContext<'a> {
     /// Displacement and traction.
     pub solution: &'a MixedSolution,
     /// Components of both.
@@ -39,7 +39,7 @@ pub struct PunchAt<'a> {
     pub seconds: f64,
 }
 
-impl PunchAt<'_> {
+impl PunchContext<'_> {
     fn mean_traction(&self, component: usize) -> f64 {
         self.solution.mean_traction().get(component).copied().unwrap_or(f64::NAN)
     }
@@ -52,7 +52,7 @@ impl PunchAt<'_> {
 
 impl Subject for Punch {
     type Facts = PunchFacts;
-    type At<'a> = PunchAt<'a>;
+    type Context<'a> = PunchContext<'a>;
     const COLUMNS: &'static [Column] = COLUMNS;
     const KEY: &'static str = "depth";
 }
@@ -118,7 +118,7 @@ const fn mean_traction(
     name: &'static str,
     json: &'static str,
     meanings: &'static [Meaning<PunchFacts>],
-    value: for<'a, 'b> fn(&'a PunchAt<'b>) -> Cell,
+    value: for<'a, 'b> fn(&'a PunchContext<'b>) -> Cell,
 ) -> Column {
     Column::new(name, "stress", meanings, value).at(json).in_file(|_| false)
 }

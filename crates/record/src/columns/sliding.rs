@@ -61,7 +61,7 @@ pub const SLIDING_FIELDS: &[SlidingField] = &[
 
 /// Input from which the columns of a sliding state are computed.
 #[derive(Clone, Debug)]
-pub struct SlidingAt<'a> {
+pub struct SlidingContext<'a> {
     speed: f64,
     state: &'a SlidingState,
     heated: Option<&'a Heated>,
@@ -71,7 +71,7 @@ pub struct SlidingAt<'a> {
     seconds: f64,
 }
 
-impl<'a> SlidingAt<'a> {
+impl<'a> SlidingContext<'a> {
     /// Measures a state at a `speed`, with the temperature of its surface and its friction by Persson's theory.
     pub fn new(
         speed: f64,
@@ -105,7 +105,7 @@ impl<'a> SlidingAt<'a> {
 
 impl Subject for Sliding {
     type Facts = SlidingFacts;
-    type At<'a> = SlidingAt<'a>;
+    type Context<'a> = SlidingContext<'a>;
     const COLUMNS: &'static [Column] = COLUMNS;
     const KEY: &'static str = "velocity";
 }
@@ -121,7 +121,7 @@ fn heat(facts: &SlidingFacts) -> bool {
 }
 
 /// A number of the flash temperature, or the reason why nothing is heated.
-fn of_heat(at: &SlidingAt, of: fn(&Heated) -> f64) -> Cell {
+fn of_heat(at: &SlidingContext, of: fn(&Heated) -> f64) -> Cell {
     at.heated.map_or_else(|| Cell::undefined("the temperature was not found"), |heated| of(heated).into())
 }
 

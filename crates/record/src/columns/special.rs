@@ -3,7 +3,7 @@
 use super::Column;
 use crate::column::Form;
 use crate::when::{any, free, hardness, path, steep};
-use crate::{At, Cell};
+use crate::{Cell, StateContext};
 
 /// Columns of the force on a patch, the plastic depth and the projected area.
 pub(super) const COLUMNS: &[Column] = &[
@@ -47,7 +47,7 @@ pub(super) const COLUMNS: &[Column] = &[
 ];
 
 /// Returns the fraction of plastic points and the mean plastic depth.
-fn plastic(at: &At) -> Option<(f64, f64)> {
+fn plastic(at: &StateContext) -> Option<(f64, f64)> {
     let rest = at.rest?;
     match rest.on_path() {
         Some(state) => state.solution.plastic.as_ref().map(|_| (state.fraction, state.volume)),

@@ -20,7 +20,7 @@ pub struct SurfaceFacts {
 
 /// Input from which the statistics of a surface are printed.
 #[derive(Clone, Debug)]
-pub struct SurfaceAt<'a> {
+pub struct SurfaceContext<'a> {
     /// Height, gradient and curvature.
     pub statistics: &'a Statistics,
     /// Moments: spectral ones, or by differences inside.
@@ -37,7 +37,7 @@ pub struct SurfaceAt<'a> {
 
 impl Subject for Surface {
     type Facts = SurfaceFacts;
-    type At<'a> = SurfaceAt<'a>;
+    type Context<'a> = SurfaceContext<'a>;
     const COLUMNS: &'static [Column] = COLUMNS;
     const KEY: &'static str = "rms_height";
 }
@@ -60,25 +60,25 @@ fn cell(value: Option<f64>, reason: impl Into<Cow<'static, str>>) -> Cell {
 }
 
 /// A number with the fourth moment, which differences inside need three points along each axis for.
-fn of_curvature(at: &SurfaceAt, of: impl Fn(&Moments) -> Option<f64>) -> Cell {
+fn of_curvature(at: &SurfaceContext, of: impl Fn(&Moments) -> Option<f64>) -> Cell {
     let reason = if at.moments.rms_curvature().is_nan() { FEW } else { FLAT };
     cell(of(&at.moments).filter(|value| !value.is_nan()), reason)
 }
 
 /// Returns a number with the fourth moment of differences inside.
-fn inside(at: &SurfaceAt, of: impl Fn(&Moments) -> Option<f64>) -> Cell {
+fn inside(at: &SurfaceContext, of: impl Fn(&Moments) -> Option<f64>) -> Cell {
     let reason = if at.statistics.mean_square_laplacian_inside.is_none() { FEW } else { FLAT };
     cell(of(&at.statistics.moments_inside()).filter(|value| !value.is_nan()), reason)
 }
 
-fn of_fit(at: &SurfaceAt, of: fn(&HurstFit) -> f64) -> Cell {
+fn of_fit(at: &SurfaceContext, of: fn(&HurstFit) -> f64) -> Cell {
     match at.fit {
         Ok(fit) => of(fit).into(),
         Err(error) => Cell::undefined(error.to_string()),
     }
 }
 
-fn seam(at: &SurfaceAt, axis: usize) -> Cell {
+fn seam(at: &SurfaceContext, axis: usize) -> Cell {
     cell(at.statistics.seam.ratio()[axis], "neighbouring points along this axis have equal heights")
 }
 

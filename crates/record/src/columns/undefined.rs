@@ -4,7 +4,7 @@ use gfmd_interface::Loss;
 use gfmd_problem::Facts;
 
 use crate::when::of_a_law;
-use crate::{At, Cell};
+use crate::{Cell, StateContext};
 
 /// Returns the reason why numbers that depend on the displacement level have no value.
 pub(super) fn level(facts: &Facts) -> Option<&'static str> {
@@ -21,7 +21,7 @@ pub(super) fn without_law(facts: &Facts) -> Option<&'static str> {
 }
 
 /// Returns a number in units of reduced pressure, or the reason why there is none.
-pub(super) fn reduced(at: &At, value: f64) -> Cell {
+pub(super) fn reduced(at: &StateContext, value: f64) -> Cell {
     if at.scales.rms_gradient == 0.0 {
         return Cell::undefined("the surface is flat: its rms gradient, by which a load is reduced, is zero");
     }
@@ -33,7 +33,7 @@ pub(super) fn flag(flags: Option<[bool; 2]>, axis: usize) -> Cell {
 }
 
 /// Returns the energy lost in a step, or its error, or the reason why it is unknown.
-pub(super) fn lost(at: &At, error: bool) -> Cell {
+pub(super) fn lost(at: &StateContext, error: bool) -> Cell {
     let Some((step, reading)) = &at.step else { return f64::NAN.into() };
     let found = if error { step.dissipated_error } else { step.dissipated };
     if let Some(found) = found {
@@ -58,7 +58,7 @@ pub(super) fn lost(at: &At, error: bool) -> Cell {
 }
 
 /// Returns the imbalance of work and energy of a step, or the reason why it is unknown.
-pub(super) fn imbalance(at: &At) -> Cell {
+pub(super) fn imbalance(at: &StateContext) -> Cell {
     let Some((step, _)) = &at.step else { return f64::NAN.into() };
     match step.work_imbalance {
         Some(found) => found.into(),

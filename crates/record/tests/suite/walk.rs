@@ -4,14 +4,15 @@
 use crate::parts::{Parts, all_facts};
 use gfmd_contact::{Drive, Equilibrium, Fields, Load};
 use gfmd_interface::{Path, Quasistatic, Refinement, Step};
-use gfmd_problem::{Facts, Posed, Rest, Task, pose};
+use gfmd_problem::{AnyState, Facts, Posed, Task, pose};
 use gfmd_record::{
-    ARRAYS, Along, At, COLUMNS, Cell, Column, Origin, Punch, Record, Sliding, State, Surface, arrays, columns, page,
+    ARRAYS, Along, COLUMNS, Cell, Column, Origin, Punch, Record, Sliding, State, StateContext, Surface, arrays,
+    columns, page,
 };
 use gfmd_relax::Budget;
 
 /// Checks the state of a problem under one load, or after one step of a path.
-fn solved(problem: &Posed, facts: &Facts, check: impl FnOnce(&Rest, Option<&Step>)) {
+fn solved(problem: &Posed, facts: &Facts, check: impl FnOnce(&AnyState, Option<&Step>)) {
     let load = if facts.approach { Load::Approach(0.004) } else { Load::MeanPressure(0.01) };
     let drive = Drive { load, lateral: [if facts.lateral { 1e-4 } else { 0.0 }, 0.0], time: 0.0, distance: 0.0 };
     if facts.task == Task::Loads {
@@ -43,11 +44,11 @@ fn every_number_is_there_or_has_its_reason_and_comes_back() {
 }
 
 /// Checks the record of a state.
-fn check(parts: &Parts, problem: &Posed, rest: &Rest, step: Option<&Step>) {
+fn check(parts: &Parts, problem: &Posed, rest: &AnyState, step: Option<&Step>) {
     let facts = parts.facts;
-    let at = At::new(&facts, rest, problem, &parts.grid, 1e-6);
+    let at = StateContext::new(&facts, rest, problem, &parts.grid, 1e-6);
     let step = step.map(|step| (step, problem.reading(rest)));
-    let record = Record::of(&At { step, seconds: 1.0, ..at });
+    let record = Record::of(&StateContext { step, seconds: 1.0, ..at });
     assert!(record.is("converged"), "{facts:?}");
     for (column, cell) in record.cells() {
         let (name, unless) = (column.name, (column.undefined)(&facts));
@@ -79,7 +80,7 @@ fn numbers_are_those_of_the_state() {
     let parts = Parts::of(facts);
     let problem = pose(&parts.given()).unwrap();
     let rest = problem.press(Load::MeanPressure(0.01)).solve().unwrap();
-    let record = Record::of(&At::new(&facts, &rest, &problem, &parts.grid, 1e-8));
+    let record = Record::of(&StateContext::new(&facts, &rest, &problem, &parts.grid, 1e-8));
     let pressure = rest.pressure();
     let touching = pressure.iter().filter(|p| **p > 0.0).count();
     assert_eq!(record.get("contact_nodes"), Some(&Cell::Count(touching as u64)));

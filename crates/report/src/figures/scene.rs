@@ -12,11 +12,11 @@ use ndarray::Array2;
 use super::{Drawn, MOST_POINTS, field, largest, length, named, short, sides};
 use gfmd_run::failure::Failure;
 use gfmd_run::source::Surface;
-use gfmd_unit::{Shown as Readable, Units};
+use gfmd_unit::{DisplayUnit, Units};
 
 /// Fields of a state for its figures, row by row, in the units of the input.
 #[derive(Clone, Debug, Default)]
-pub struct Shown {
+pub struct SceneFields {
     /// Normal pressure; attraction is negative.
     pub pressure: Vec<f64>,
     /// Repulsive part of the pressure; its points are in contact.
@@ -27,7 +27,7 @@ pub struct Shown {
     pub level: Vec<f64>,
 }
 
-impl Shown {
+impl SceneFields {
     /// Returns the fields of a state. The displacement `lift` of a moving base is added to the level of the surface,
     /// and a plastic `depth` is subtracted.
     pub fn of(state: &impl Fields, lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
@@ -78,7 +78,7 @@ pub enum Face {
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
     /// Fields of the state.
-    pub shown: &'a Shown,
+    pub shown: &'a SceneFields,
     /// Grid of the fields.
     pub grid: &'a Grid,
     /// Unit of lengths.
@@ -97,7 +97,7 @@ pub struct Scene<'a> {
 
 /// Quantity shown in a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FigureKind {
     /// Normal pressure.
     Pressure,
     /// Repulsion and attraction, with two colours.
@@ -108,7 +108,7 @@ pub enum Kind {
     Section,
 }
 
-impl Kind {
+impl FigureKind {
     /// Returns the suffix of its file names.
     pub fn name(self) -> &'static str {
         match self {
@@ -129,11 +129,11 @@ pub fn rough(is_composite: bool) -> &'static str {
 const CONTACT: usize = 1;
 
 /// Part of the deformation that the contact residuals leave; smaller heights and gaps are rounding.
-const ROUNDING: f64 = 1e-8;
+const RESIDUAL_DEFORMATION: f64 = 1e-8;
 
 impl<'a> Scene<'a> {
     /// Returns the upper face of a contact with this surface.
-    pub fn upper(surface: &'a Surface, shown: &'a Shown, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
+    pub fn upper(surface: &'a Surface, shown: &'a SceneFields, modulus: f64, hardness: Option<&'a Hardness>) -> Self {
         let rigid = rough(surface.second.is_some());
         let (unit, stress) = (surface.unit(), surface.stress());
         Self { shown, grid: &surface.grid, unit, stress, modulus, hardness, rigid, face: Face::Upper }
@@ -155,30 +155,30 @@ impl Scene<'_> {
     /// Passes the figures to `take`, one by one: the pressure; with an attraction, the traction of both signs; the gap,
     /// if known and open somewhere; the section, if the displacement is known as well. A profile has no maps, only
     /// pressure and section.
-    pub fn figures<E>(&self, mut take: impl FnMut(Kind, &Drawn) -> Result<(), E>) -> Result<(), E> {
-        let Shown { pressure, gap, level, .. } = self.shown;
+    pub fn figures<E>(&self, mut take: impl FnMut(FigureKind, &Drawn) -> Result<(), E>) -> Result<(), E> {
+        let SceneFields { pressure, gap, level, .. } = self.shown;
         let is_line = self.grid.is_line();
         let Pressures { over, label, .. } = self.pressures();
         let in_units = |p: &f64| p / over;
         {
             let values: Vec<f64> = pressure.iter().map(in_units).map(|p| p.max(0.0)).collect();
-            take(Kind::Pressure, &super::pressure(self.grid, &values, &label, self.unit))?;
+            take(FigureKind::Pressure, &super::pressure(self.grid, &values, &label, self.unit))?;
         }
         if let (Some(end), false) = (largest_of_two_signs(pressure), is_line) {
             let values: Vec<f64> = pressure.iter().map(in_units).collect();
-            take(Kind::Traction, &self.traction(&values, in_units(&end), &label))?;
+            take(FigureKind::Traction, &self.traction(&values, in_units(&end), &label))?;
         }
         let mut values: Vec<f64> = self.distances().collect();
         // A gap that is closed everywhere has no map.
-        if !(gap.is_empty() || is_line) && largest(&values) > ROUNDING * self.deformation() {
+        if !(gap.is_empty() || is_line) && largest(&values) > RESIDUAL_DEFORMATION * self.deformation() {
             let read = length(self.unit, largest(&values));
             values.iter_mut().for_each(|gap| *gap *= read.factor);
-            take(Kind::Gap, &self.gap(&values, &read.name))?;
+            take(FigureKind::Gap, &self.gap(&values, &read.name))?;
         }
         if gap.is_empty() || level.is_empty() {
             return Ok(());
         }
-        self.section().map_or(Ok(()), |chart| take(Kind::Section, &Drawn::Chart(chart)))
+        self.section().map_or(Ok(()), |chart| take(FigureKind::Section, &Drawn::Chart(chart)))
     }
 
     /// Returns the map of the pressure from −`end` to `end`, with repulsion in one colour and attraction in another.
@@ -195,14 +195,14 @@ impl Scene<'_> {
         self.readable().is_none()
     }
 
-    fn readable(&self) -> Option<Readable> {
+    fn readable(&self) -> Option<DisplayUnit> {
         Units::new(Some(self.unit), self.stress).shown("stress", largest(&self.shown.pressure))
     }
 
     /// Returns how pressures are drawn: in a readable unit if their unit is known, otherwise divided by E*.
     fn pressures(&self) -> Pressures {
         match self.readable() {
-            Some(Readable { factor, name }) => Pressures {
+            Some(DisplayUnit { factor, name }) => Pressures {
                 over: 1.0 / factor,
                 label: format!("pressure *p* / {name}"),
                 short: format!("*p* / {name}"),
@@ -257,7 +257,7 @@ impl Scene<'_> {
         heights.extend(self.contacts(&points));
         let side = sides(grid, unit);
         let extent = heights.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max);
-        let floor = ROUNDING * self.deformation();
+        let floor = RESIDUAL_DEFORMATION * self.deformation();
         if extent <= floor {
             heights.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y = 0.0);
         }
@@ -286,7 +286,8 @@ impl Scene<'_> {
     /// Returns the elastic surface in contact along a row as runs of points, each from half a step before its first
     /// point to half a step after its last.
     fn contacts(&self, points: &[usize]) -> Vec<Series> {
-        let (Shown { repulsion, level, .. }, ny, dx) = (self.shown, self.grid.points()[1], self.grid.spacing()[0]);
+        let (SceneFields { repulsion, level, .. }, ny, dx) =
+            (self.shown, self.grid.points()[1], self.grid.spacing()[0]);
         let at = |place: usize| ((points[place] / ny) as f64 * dx, level[points[place]]);
         let middle = |(x, y): (f64, f64), (other, height): (f64, f64)| (0.5 * (x + other), 0.5 * (y + height));
         let mut runs = Vec::new();
@@ -379,11 +380,11 @@ mod tests {
     use super::*;
 
     /// Returns fields of 6 x 2 points with the largest pressure in the row y = 1.
-    fn shown() -> Shown {
+    fn shown() -> SceneFields {
         let row =
             |zero: [f64; 6], one: [f64; 6]| zero.into_iter().zip(one).flat_map(|(a, b)| [a, b]).collect::<Vec<f64>>();
         let pressure = row([0.0; 6], [0.0, 2.0, 4.0, 0.0, 0.0, 1.0]);
-        Shown {
+        SceneFields {
             repulsion: pressure.clone(),
             pressure,
             gap: row([9.0; 6], [0.5, 0.0, 0.0, 0.25, 0.5, 0.0]),
@@ -391,7 +392,7 @@ mod tests {
         }
     }
 
-    fn scene<'a>(shown: &'a Shown, grid: &'a Grid, hardness: Option<&'a Hardness>) -> Scene<'a> {
+    fn scene<'a>(shown: &'a SceneFields, grid: &'a Grid, hardness: Option<&'a Hardness>) -> Scene<'a> {
         Scene { shown, grid, unit: "mm", stress: None, modulus: 2.0, hardness, rigid: rough(false), face: Face::Upper }
     }
 
@@ -426,10 +427,10 @@ mod tests {
     #[test]
     fn attraction_is_shown_with_its_sign_and_residuals_are_not() {
         let (mut shown, grid) = (shown(), Grid::new([6, 2], [6.0, 2.0]).unwrap());
-        let kinds = |shown: &Shown| {
+        let kinds = |shown: &SceneFields| {
             let mut kinds = Vec::new();
             let all = scene(shown, &grid, None).figures(|kind, drawn| {
-                if let (Kind::Traction, Drawn::Map(map)) = (kind, drawn) {
+                if let (FigureKind::Traction, Drawn::Map(map)) = (kind, drawn) {
                     assert_eq!(map.range, Some([-2.5, 2.5]), "the attraction of 5 is the largest");
                     assert_eq!(map.values.iter().copied().fold(f64::INFINITY, f64::min), -2.5);
                 }
@@ -464,7 +465,7 @@ mod tests {
     #[test]
     fn a_long_row_keeps_its_contacts() {
         let points = 3 * MOST_POINTS;
-        let mut shown = Shown::zeros(points);
+        let mut shown = SceneFields::zeros(points);
         shown.gap.fill(1.0);
         for place in [100, 101, 7000] {
             (shown.pressure[place], shown.repulsion[place], shown.gap[place]) = (1.0, 1.0, 0.0);

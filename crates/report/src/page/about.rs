@@ -10,7 +10,7 @@ use super::{Common, Fact, Page, block, render};
 
 use gfmd_problem::options::OtherArgs;
 use gfmd_run::lower::{self, LowerArgs};
-use gfmd_run::result::Kind;
+use gfmd_run::result::ResultKind;
 use gfmd_unit::Units;
 
 /// Returns the warnings of the run, one per line.
@@ -24,7 +24,7 @@ pub fn warnings(reader: &Reader) -> Vec<String> {
 pub fn whole_page(
     page: &Page,
     reader: &Reader,
-    kind: Kind,
+    kind: ResultKind,
     intact: Option<bool>,
     again: &Result<String, String>,
 ) -> Markup {
@@ -49,7 +49,7 @@ pub fn whole_page(
         kicker: format!("gfmd {} · {file}", kind.name()),
         dated,
         // Fields below a surface need no search; `check` compares their means.
-        checksum: (kind != Kind::Body).then_some(checksum),
+        checksum: (kind != ResultKind::Body).then_some(checksum),
         repeat: repeat(reader, kind, again, &file),
         config: whole,
         cost,
@@ -104,7 +104,7 @@ pub(crate) fn command(words: &str) -> Markup {
 }
 
 /// Renders the command that repeats the run, the recorded command, and the check.
-fn repeat(reader: &Reader, kind: Kind, again: &Result<String, String>, file: &str) -> Markup {
+fn repeat(reader: &Reader, kind: ResultKind, again: &Result<String, String>, file: &str) -> Markup {
     let recorded = text(&reader.text("/", "command").unwrap_or_default());
     let from_file = reader.text("/surface", "file").ok().map(|path| {
         let sum = reader.text("/surface", "file_sha256").unwrap_or_default();
@@ -114,7 +114,7 @@ fn repeat(reader: &Reader, kind: Kind, again: &Result<String, String>, file: &st
         @match again {
             Ok(again) => {
                 p {
-                    @if kind == Kind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
+                    @if kind == ResultKind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
                     @else { "All flags are written out:" }
                 }
                 (block(again, command(again)))

@@ -5,17 +5,17 @@ use std::collections::HashMap;
 use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_record::{COLUMNS, Column, Record, Subject, columns, with_limit};
-use gfmd_unit::{Shown as Readable, Units};
+use gfmd_unit::{DisplayUnit, Units};
 use maud::{Markup, html};
 
 use super::said::{plain, unit_for};
 use super::write::{number, powers, text};
-use crate::figures::{Face, Shown};
+use crate::figures::{Face, SceneFields};
 use gfmd_run::failure::Failure;
 use gfmd_run::units::units_of_result;
 
 /// Values of a column and their readable unit; `None` for values in the unit of the file.
-pub(crate) type InUnit = (Vec<f64>, Option<Readable>);
+pub(crate) type InUnit = (Vec<f64>, Option<DisplayUnit>);
 
 /// Reads the configuration of a file as a table; empty if it cannot be read.
 pub(crate) fn config(reader: &Reader) -> toml::Table {
@@ -182,7 +182,7 @@ impl StoredSurface {
     ///
     /// # Errors
     /// Returns the errors of [`field`](Self::field) for the pressure.
-    pub(crate) fn shown(&self, reader: &Reader, index: usize, fields: &FaceFields) -> Result<Shown, String> {
+    pub(crate) fn shown(&self, reader: &Reader, index: usize, fields: &FaceFields) -> Result<SceneFields, String> {
         let pressure = self.field(reader, fields.pressure, index)?;
         let gap = self.field(reader, fields.gap, index).unwrap_or_default();
         let mut repulsion: Vec<f64> = pressure.iter().map(|p| p.max(0.0)).collect();
@@ -193,7 +193,7 @@ impl StoredSurface {
             let depth = self.field(reader, "plastic_depth", index).unwrap_or_default();
             level.iter_mut().zip(depth).for_each(|(level, depth)| *level -= depth);
         }
-        Ok(Shown { pressure, repulsion, gap, level })
+        Ok(SceneFields { pressure, repulsion, gap, level })
     }
 
     /// Reads the field `name` of state `index`.

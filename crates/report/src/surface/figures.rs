@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use gfmd_plot::{Axis, Chart, Colours, Level, Map, Mark, Panel, Scale, Series};
 use gfmd_surface::{Density, RadialBin, Texture};
-use gfmd_unit::{Shown, Units};
+use gfmd_unit::{DisplayUnit, Units};
 
 use super::{Subject, unit_of};
 use crate::figures::{largest, length, short, sides};
@@ -255,10 +255,10 @@ impl Subject<'_> {
     }
 
     /// Returns the readable unit for a power of length up to `highest`.
-    fn read(&self, power: i32, highest: f64) -> Shown {
+    fn read(&self, power: i32, highest: f64) -> DisplayUnit {
         let known = Units::new(self.unit, None).shown(&unit_of("length", power), highest);
         let name = if power == 0 { String::new() } else { unit_of(self.unit(), power) };
-        known.filter(|_| power != 0).unwrap_or(Shown { factor: 1.0, name })
+        known.filter(|_| power != 0).unwrap_or(DisplayUnit { factor: 1.0, name })
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 /// Largest difference, relative to the scale of a variable, that another processor may cause by rounding.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING_OF_PROCESSORS: f64 = 1e-9;
 
 /// Returns a text of a file in one line, without terminal control characters.
 pub fn printable(text: &str) -> String {
@@ -39,14 +39,14 @@ pub struct Comparison {
 
 impl Default for Comparison {
     fn default() -> Self {
-        Self { accuracy: ROUNDING, compared: 0, rounded: 0, differences: BTreeMap::new() }
+        Self { accuracy: ROUNDING_OF_PROCESSORS, compared: 0, rounded: 0, differences: BTreeMap::new() }
     }
 }
 
 impl Comparison {
     /// Treats the following values as accurate to this relative difference, but not better than rounding.
     pub(crate) fn accurate_to(&mut self, relative: f64) {
-        self.accuracy = ROUNDING.max(relative);
+        self.accuracy = ROUNDING_OF_PROCESSORS.max(relative);
     }
 
     /// Compares the values of a variable. `floor` is the least scale for relative differences.

@@ -8,7 +8,7 @@ use clap::Args;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use super::Kind;
+use super::ResultKind;
 use crate::failure::Failure;
 use gfmd_problem::options::flags::{self, keys, line};
 use gfmd_problem::options::given::ArrayOption;
@@ -55,7 +55,7 @@ impl Configuration {
     ///
     /// # Errors
     /// Returns an error if the text is not TOML, or for a key or a type that results of this kind do not have.
-    pub fn read<A: Args + DeserializeOwned>(kind: Kind, text: &str) -> Result<Self, Failure> {
+    pub fn read<A: Args + DeserializeOwned>(kind: ResultKind, text: &str) -> Result<Self, Failure> {
         let refuse = |reason: String| Failure::input(NAME, reason);
         if text.len() > LONGEST {
             return Err(refuse(format!("it has {} bytes; it must have at most {LONGEST}", text.len())));

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use gfmd_files::{Attribute, Output, Reader};
 use gfmd_unit::Dimension;
 
-use super::Kind;
+use super::ResultKind;
 use super::comparison::Comparison;
 use super::folder::Folder;
-use super::trust::{Row, Way, row_of};
+use super::trust::{Coverage, Row, row_of};
 use crate::failure::Failure;
 
 /// Largest depth of nested groups. Results have one level; a group of a file may contain itself.
@@ -31,7 +31,7 @@ pub enum Against {
 /// Result, and the file with which it is compared.
 pub struct Pair<'a> {
     /// Kind of both results.
-    pub kind: Kind,
+    pub kind: ResultKind,
     /// Result.
     pub first: &'a Reader,
     /// File with which the result is compared.
@@ -45,7 +45,7 @@ pub struct Pair<'a> {
 /// # Errors
 /// Returns an error if a file cannot be written or read.
 pub fn layout(
-    kind: Kind,
+    kind: ResultKind,
     first: &Reader,
     comparison: &mut Comparison,
     write: impl FnOnce(&Output) -> Result<PathBuf, Failure>,
@@ -80,7 +80,7 @@ impl Pair<'_> {
                 (true, true) => self.variable(&path, comparison)?,
                 (true, false) => match row_of(*kind, &path) {
                     // The variable belongs to the search, which is not repeated.
-                    Some(Row { plain: Way::Checksum, .. }) if self.against == Against::Layout => {}
+                    Some(Row { plain: Coverage::Checksum, .. }) if self.against == Against::Layout => {}
                     _ => comparison.differ(&path, format!("{} has no such variable", self.words())),
                 },
                 (false, true) => comparison.differ(&path, format!("it is missing; {} has it", self.words())),
@@ -101,7 +101,7 @@ impl Pair<'_> {
             || match against {
                 Against::Layout => false,
                 Against::Values => true,
-                Against::Run => row_of(*kind, path).is_none_or(|row| row.rerun != Way::Checksum),
+                Against::Run => row_of(*kind, path).is_none_or(|row| row.rerun != Coverage::Checksum),
             };
         if !is_compared {
             return Ok(());
@@ -133,8 +133,8 @@ impl Pair<'_> {
                 comparison.differ(&part, format!("a result of {} has no such attribute", self.kind.name()));
                 continue;
             };
-            let way = if self.against == Against::Run { row.rerun } else { row.plain };
-            if way != Way::Verified {
+            let coverage = if self.against == Against::Run { row.rerun } else { row.plain };
+            if coverage != Coverage::Verified {
                 continue;
             }
             match (get(&stored, name), get(&found, name)) {

@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::Kind;
+use super::ResultKind;
 
 /// Ways to verify a part of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum Coverage {
     /// Every change beyond rounding is noticed, even with a correct checksum.
     Verified,
     /// Some changes are noticed, even with a correct checksum.
@@ -15,7 +15,7 @@ pub enum Way {
     Checksum,
 }
 
-impl Way {
+impl Coverage {
     fn name(self) -> &'static str {
         match self {
             Self::Verified => "verified",
@@ -31,18 +31,18 @@ pub struct Row {
     /// Variables as `/group/name`, attributes as `/group@name` or `/group/name@name`; `*` stands for any letters.
     pub parts: &'static [&'static str],
     /// Verification without `--rerun`.
-    pub plain: Way,
+    pub plain: Coverage,
     /// Verification with `--rerun`.
-    pub rerun: Way,
+    pub rerun: Coverage,
     /// Data or computation for the comparison; empty for none.
     pub by: &'static str,
 }
 
-const fn row(parts: &'static [&'static str], plain: Way, rerun: Way, by: &'static str) -> Row {
+const fn row(parts: &'static [&'static str], plain: Coverage, rerun: Coverage, by: &'static str) -> Row {
     Row { parts, plain, rerun, by }
 }
 
-use Way::{Checksum, InPart, Verified};
+use Coverage::{Checksum, InPart, Verified};
 
 /// Rows of all kinds of results.
 const ALL: &[Row] = &[
@@ -254,21 +254,21 @@ const SWEEP: &[Row] = &[
 ];
 
 /// Returns the rows of a kind. The first row that matches a part applies to it.
-pub fn rows(kind: Kind) -> impl Iterator<Item = &'static Row> {
+pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
-        Kind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
-        Kind::Path => &[PATH, SEARCH, ALL, SURFACE],
-        Kind::Slide => &[SLIDE, ALL, SURFACE],
-        Kind::Wear => &[WEAR, SEARCH, ALL, SURFACE],
-        Kind::Punch => &[SEARCH, ALL, PUNCH],
-        Kind::Body => &[ALL, BODY],
-        Kind::KappaSweep => &[ALL, SWEEP],
+        ResultKind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
+        ResultKind::Path => &[PATH, SEARCH, ALL, SURFACE],
+        ResultKind::Slide => &[SLIDE, ALL, SURFACE],
+        ResultKind::Wear => &[WEAR, SEARCH, ALL, SURFACE],
+        ResultKind::Punch => &[SEARCH, ALL, PUNCH],
+        ResultKind::Body => &[ALL, BODY],
+        ResultKind::KappaSweep => &[ALL, SWEEP],
     };
     own.iter().copied().flatten()
 }
 
 /// Returns the row of a part of a result; `None` if no result of the kind has this part.
-pub fn row_of(kind: Kind, part: &str) -> Option<&'static Row> {
+pub fn row_of(kind: ResultKind, part: &str) -> Option<&'static Row> {
     rows(kind).find(|row| row.parts.iter().any(|pattern| fits(pattern, part)))
 }
 
@@ -325,9 +325,9 @@ mod tests {
     #[test]
     fn numbers_of_the_clock_are_not_compared() {
         let clocks = COLUMNS.iter().filter(|column| column.origin == Origin::Clock);
-        let parts: Vec<(Kind, String)> = clocks
+        let parts: Vec<(ResultKind, String)> = clocks
             .flat_map(|column| {
-                [(Kind::Contact, "loads"), (Kind::Path, "path"), (Kind::Wear, "wear")]
+                [(ResultKind::Contact, "loads"), (ResultKind::Path, "path"), (ResultKind::Wear, "wear")]
                     .map(|(kind, group)| (kind, group, column))
             })
             .map(|(kind, group, column)| (kind, format!("/{group}/{}", column.name)))
@@ -341,19 +341,19 @@ mod tests {
     #[test]
     fn the_first_row_that_fits_is_that_of_a_part() {
         let plain = |kind, part| row_of(kind, part).map(|row| row.plain);
-        assert_eq!(plain(Kind::Contact, "/loads/seconds"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/loads/kappa"), Some(Verified));
-        assert_eq!(plain(Kind::Contact, "/loads/kappa@units"), Some(Verified));
-        assert_eq!(plain(Kind::Contact, "/history/energy@units"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/flow_threshold/x@units"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/lower/height@units"), Some(Verified));
-        assert_eq!(plain(Kind::Contact, "@created"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/surface@size_x"), Some(Verified));
-        assert_eq!(plain(Kind::Contact, "/surface@format"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/surface@a/b"), Some(Checksum));
-        assert_eq!(plain(Kind::Contact, "/surface/x"), None);
-        assert_eq!(plain(Kind::Contact, "/evil/x"), None);
-        assert_eq!(plain(Kind::Contact, "@evil"), None);
-        assert_eq!(plain(Kind::Punch, "/loads/kappa"), None);
+        assert_eq!(plain(ResultKind::Contact, "/loads/seconds"), Some(Checksum));
+        assert_eq!(plain(ResultKind::Contact, "/loads/kappa"), Some(Verified));
+        assert_eq!(plain(ResultKind::Contact, "/loads/kappa@units"), Some(Verified));
+        assert_eq!(plain(ResultKind::Contact, "/history/energy@units"), Some(Checksum));
+        assert_eq!(plain(ResultKind::Contact, "/flow_threshold/x@units"), Some(Checksum));
+        assert_eq!(plain(ResultKind::Contact, "/lower/height@units"), Some(Verified));
+        assert_eq!(plain(ResultKind::Contact, "@created"), Some(Checksum));
+        assert_eq!(plain(ResultKind::Contact, "/surface@size_x"), Some(Verified));
+        assert_eq!(plain(ResultKind::Contact, "/surface@format"), Some(Checksum));
+        assert_eq!(plain(ResultKind::Contact, "/surface@a/b"), Some(Checksum));
+        assert_eq!(plain(ResultKind::Contact, "/surface/x"), None);
+        assert_eq!(plain(ResultKind::Contact, "/evil/x"), None);
+        assert_eq!(plain(ResultKind::Contact, "@evil"), None);
+        assert_eq!(plain(ResultKind::Punch, "/loads/kappa"), None);
     }
 }

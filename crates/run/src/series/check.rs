@@ -4,11 +4,11 @@ use gfmd_contact::{Boundary, Drive, Fields as _, Load};
 use gfmd_files::Reader;
 use gfmd_flow::Flow;
 use gfmd_interface::{Quasistatic as _, Step};
-use gfmd_problem::{GridError, Posed, Rest, Task};
-use gfmd_record::{At, Column, Measured, Origin, Record, arrays};
+use gfmd_problem::{AnyState, GridError, Posed, Task};
+use gfmd_record::{Column, Measured, Origin, Record, StateContext, arrays};
 use ndarray::{Array2, ArrayRef2};
 
-use super::{Chosen, Parts, Prepared};
+use super::{Chosen, Prepared, SeriesLayout};
 use crate::failure::Failure;
 use crate::result::{Comparison, RESIDUAL_OF_A_PATCH};
 
@@ -56,7 +56,7 @@ impl<'a> Stored<'a> {
 
     /// Returns the path of a column.
     pub fn path(&self, name: &str) -> String {
-        format!("{}/{name}", Parts::of(&self.prepared.facts).group)
+        format!("{}/{name}", SeriesLayout::of(&self.prepared.facts).group)
     }
 
     /// Returns the unit of length, the rms height.
@@ -89,7 +89,7 @@ impl<'a> Stored<'a> {
     ///
     /// # Errors
     /// Returns an error if fields cannot be read, or do not make a state.
-    pub fn state(&self, place: usize, drive: Drive) -> Result<Option<Rest>, Failure> {
+    pub fn state(&self, place: usize, drive: Drive) -> Result<Option<AnyState>, Failure> {
         let fields = self.contact.basis().iter().map(|name| match *name {
             // Without a hardness there is no plastic depth.
             "plastic_depth" if !self.prepared.facts.hardness => Ok(Array2::zeros(self.prepared.surface.grid.points())),
@@ -142,16 +142,16 @@ impl<'a> Stored<'a> {
         &self,
         (index, place): (usize, usize),
         drive: Drive,
-        flow: impl FnOnce(&Rest, &At<'_>) -> Result<Option<Flow>, Failure>,
+        flow: impl FnOnce(&AnyState, &StateContext<'_>) -> Result<Option<Flow>, Failure>,
         comparison: &mut Comparison,
-    ) -> Result<Option<Rest>, Failure> {
+    ) -> Result<Option<AnyState>, Failure> {
         let Some(state) = self.state(place, drive)? else { return Ok(None) };
         self.compare_fields(place, &state, comparison)?;
         let (reading, step) = (self.contact.reading(&state), Step::default());
         let at = self.at(index, &state);
         let flow = flow(&state, &at)?;
         let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
-        let at = At { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
+        let at = StateContext { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
         self.compare_record(index, (&Record::of(&at), &state), comparison);
         Ok(Some(state))
     }
@@ -160,7 +160,7 @@ impl<'a> Stored<'a> {
     ///
     /// # Errors
     /// Returns an error if fields cannot be read.
-    pub fn compare_fields(&self, place: usize, state: &Rest, comparison: &mut Comparison) -> Result<(), Failure> {
+    pub fn compare_fields(&self, place: usize, state: &AnyState, comparison: &mut Comparison) -> Result<(), Failure> {
         let facts = &self.prepared.facts;
         comparison.accurate_to(if self.is_law_on_patch() { OF_A_PATCH * self.tolerance } else { 0.0 });
         for (array, field) in arrays(facts).zip(Chosen::All.fields(facts, state, self.prepared.lift())) {
@@ -191,13 +191,13 @@ impl<'a> Stored<'a> {
     }
 
     /// Returns the numbers of a state so far; its residuals may be as large as [allowed](Self::allowed).
-    pub fn at<'s>(&'s self, index: usize, state: &'s Rest) -> At<'s> {
+    pub fn at<'s>(&'s self, index: usize, state: &'s AnyState) -> StateContext<'s> {
         let allowed = if self.number("converged", index) == 1.0 { self.allowed() } else { self.tolerance };
         self.prepared.at(state, allowed)
     }
 
     /// Compares the numbers of a part that follow from its fields.
-    pub fn compare_record(&self, index: usize, (record, state): (&Record, &Rest), comparison: &mut Comparison) {
+    pub fn compare_record(&self, index: usize, (record, state): (&Record, &AnyState), comparison: &mut Comparison) {
         let patch = self.is_law_on_patch();
         let has_converged = self.number("converged", index) == 1.0;
         comparison.accurate_to(if patch { OF_A_PATCH * self.tolerance } else { 0.0 });
@@ -221,7 +221,7 @@ impl<'a> Stored<'a> {
         }
         comparison.accurate_to(0.0);
         if has_converged {
-            let name = Parts::of(&self.prepared.facts).name;
+            let name = SeriesLayout::of(&self.prepared.facts).name;
             comparison.at_most(&format!("residual of {name} {index}"), state.worst(), self.allowed());
         }
     }

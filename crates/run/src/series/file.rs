@@ -8,7 +8,7 @@ use std::str::FromStr;
 use gfmd_contact::{Fields as _, Hardness};
 use gfmd_field::Share;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
-use gfmd_problem::{Facts, Rest};
+use gfmd_problem::{AnyState, Facts};
 use gfmd_record::{ARRAYS, Array, Record, arrays, repulsion};
 use gfmd_unit::Units;
 
@@ -16,7 +16,7 @@ use ndarray::{Array2, CowArray, Ix2};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::parts::Parts;
+use super::layout::SeriesLayout;
 use super::prepared::Prepared;
 use crate::columns::write_columns;
 use crate::convergence::NotConverged;
@@ -88,7 +88,7 @@ impl Chosen {
     pub fn fields<'s>(
         &self,
         facts: &Facts,
-        state: &'s Rest,
+        state: &'s AnyState,
         lift: Option<&Array2<f64>>,
     ) -> Vec<CowArray<'s, f64, Ix2>> {
         let lifted = |array: &Array| match lift {
@@ -147,7 +147,7 @@ pub struct Field<'s> {
 }
 
 /// Returns all fields of a state; a moved base adds `lift` to the displacement.
-pub fn fields<'s>(facts: &Facts, state: &'s Rest, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
+pub fn fields<'s>(facts: &Facts, state: &'s AnyState, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
     let values = Chosen::All.fields(facts, state, lift);
     arrays(facts).zip(values).map(|(array, values)| Field { name: array.name, units: array.unit, values }).collect()
 }
@@ -174,7 +174,7 @@ impl<'a> StateFile<'a> {
             Ok(archive) => (archive, Ok(())),
             Err(error) => (None, Err(error)),
         };
-        let (name, meaning) = Parts::of(&facts).stored;
+        let (name, meaning) = SeriesLayout::of(&facts).stored;
         let state = Dimension::index(name, states, meaning);
         let units = surface.units();
         let [x, y] = axes(&surface.grid, surface.unit());
@@ -240,7 +240,7 @@ impl<'a> StateFile<'a> {
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
-    pub fn write(&mut self, index: usize, state: &Rest, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
+    pub fn write(&mut self, index: usize, state: &AnyState, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
         self.write_fields(index, self.chosen.fields(&self.facts, state, lift))
     }
 
@@ -295,7 +295,7 @@ impl<'a> StateFile<'a> {
         not_converged: Option<&NotConverged>,
     ) -> Result<Option<PathBuf>, Failure> {
         let Some(mut archive) = self.archive else { return Ok(None) };
-        let parts = Parts::of(&self.facts);
+        let parts = SeriesLayout::of(&self.facts);
         let rows = Dimension::index(parts.name, count, parts.meaning);
         let names = [parts.name, parts.plural];
         write_columns(&mut archive, (parts.group, &rows, names), (&self.facts, &self.units), records, count)?;

@@ -1,8 +1,8 @@
 //! Same contact on a finer grid, to find the grid error of its numbers.
 
 use gfmd_contact::{Drive, Watch};
-use gfmd_problem::{GridError, Posed, Rest, key, words};
-use gfmd_record::{At, OnFinerGrid, UNRESOLVED};
+use gfmd_problem::{AnyState, GridError, Posed, key, words};
+use gfmd_record::{OnFinerGrid, StateContext, UNRESOLVED};
 use gfmd_surface::Interpolation;
 
 use super::prepared::{Asked, Prepared};
@@ -63,7 +63,7 @@ pub struct Finer {
     /// Input.
     pub prepared: Prepared,
     contact: Posed,
-    last: Option<Rest>,
+    last: Option<AnyState>,
 }
 
 impl Finer {
@@ -85,7 +85,11 @@ impl Finer {
     ///
     /// # Errors
     /// Returns an error if the search was interrupted, or did not converge.
-    pub fn reach(&mut self, drive: Drive, watch: &mut dyn Watch) -> Result<(&Rest, &Surface, At<'_>), Failure> {
+    pub fn reach(
+        &mut self,
+        drive: Drive,
+        watch: &mut dyn Watch,
+    ) -> Result<(&AnyState, &Surface, StateContext<'_>), Failure> {
         let [nx, ny] = self.prepared.surface.grid.points();
         let first = match self.last {
             Some(_) => None,
@@ -106,6 +110,6 @@ impl Finer {
 }
 
 /// Returns the numbers of a state on a finer grid, which resolves all that lies between the points of the coarser one.
-pub fn resolved<'a>(finer: &'a Prepared, state: &'a Rest, tolerance: f64) -> At<'a> {
-    At { short_waves: 0.0, ..finer.at(state, tolerance) }
+pub fn resolved<'a>(finer: &'a Prepared, state: &'a AnyState, tolerance: f64) -> StateContext<'a> {
+    StateContext { short_waves: 0.0, ..finer.at(state, tolerance) }
 }

@@ -169,7 +169,7 @@ impl Head {
     }
 
     /// Warns about slopes and strains that are not small.
-    pub fn warn_of_slopes(&self, records: &[Record], facts: &Facts, session: &Session) {
+    pub fn warn_about_slopes(&self, records: &[Record], facts: &Facts, session: &Session) {
         let Self { rms_gradient, max_slope: Some(max_slope), e_star, .. } = self else { return };
         let Some(slopes) = Slopes::of(*rms_gradient, || *max_slope, facts) else { return };
         let strain = records.iter().map(|record| record.number("max_pressure") / e_star).fold(0.0, f64::max);

@@ -9,14 +9,14 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
-use gfmd_problem::{Facts, Given, Posed, Rest, Words, key, pose, setting, words};
-use gfmd_record::At;
+use gfmd_problem::{AnyState, Facts, Given, Posed, Words, key, pose, setting, words};
+use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
 use gfmd_viscoelastic::Prony;
 use ndarray::Array2;
 
-use super::parts::Parts;
+use super::layout::SeriesLayout;
 use crate::base::{BaseArgs, MovedBase};
 use crate::failure::Failure;
 use crate::hardness::{self, GivenHardness};
@@ -182,11 +182,11 @@ impl Prepared {
     }
 
     /// Describes a state of the contact for its columns, without a stiffness.
-    pub fn at<'a>(&'a self, state: &'a Rest, tolerance: f64) -> At<'a> {
-        let at = At::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
+    pub fn at<'a>(&'a self, state: &'a AnyState, tolerance: f64) -> StateContext<'a> {
+        let at = StateContext::in_scales(&self.facts, state, &self.scales(), &self.surface.grid, tolerance);
         let (inside, spacing) = (self.surface.statistics.seam.inside, self.surface.grid.spacing());
         let slopes = from_fn(|axis| inside[axis] / spacing[axis]);
-        At {
+        StateContext {
             short_waves: self.short_waves(),
             waves: self.waves(),
             slopes,
@@ -235,13 +235,13 @@ impl Prepared {
     /// # Errors
     /// Fails like [`pose`](Self::pose); also if the method does not solve the contact, and if the law has no meaning on
     /// the grid, unless that is requested.
-    pub fn pose_and_tell(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
+    pub fn pose_with_warnings(&self, asked: &Asked, session: &Session) -> Result<Posed, Failure> {
         let contact = self.pose(asked.source, &self.law)?;
         let (found, allowed) = (asked.solver, contact.solvers());
         if !allowed.contains(&found) {
             return Err(Refusal::Solver { found, allowed }.into());
         }
-        self.doubts(self.adhesion.as_ref()).into_iter().for_each(|doubt| session.warn(UNITS, doubt));
+        self.unit_warnings(self.adhesion.as_ref()).into_iter().for_each(|warning| session.warn(UNITS, warning));
         if let Some(adhesion) = &self.adhesion {
             adhesion.check(asked.law.coarse)?;
             tracing::info!("{adhesion}");
@@ -255,7 +255,7 @@ impl Prepared {
     }
 
     /// Returns a warning if the contact reaches the edge of a patch; `None` if it does not, or for a periodic surface.
-    pub fn doubt_of_edge(&self, state: &Rest) -> Option<String> {
+    pub fn edge_warning(&self, state: &AnyState) -> Option<String> {
         let Surface { grid, share, boundary: Boundary::Free, .. } = &self.surface else { return None };
         let ([nx, ny], first) = (grid.points(), share.rows().start);
         let is_edge = |i: usize, j: usize| i == 0 || i + 1 == nx || (!grid.is_line() && (j == 0 || j + 1 == ny));
@@ -273,11 +273,11 @@ impl Prepared {
     }
 
     /// Describes numbers of the problem that no material has, as signs of mixed-up units.
-    pub fn doubts(&self, adhesion: Option<&Adhesion>) -> Vec<Words> {
+    pub fn unit_warnings(&self, adhesion: Option<&Adhesion>) -> Vec<Words> {
         let units = self.surface.units();
         let modulus = self.body.contact_modulus();
         let Some(metres) = units.metres() else { return Vec::new() };
-        let mut doubts = Vec::new();
+        let mut warnings = Vec::new();
         // Without a unit of stress, a large modulus must be in Pa.
         let pascals = units.pascals().or_else(|| (modulus >= SOFTEST).then_some(1.0));
         if let Some(pascals) = pascals
@@ -288,7 +288,7 @@ impl Prepared {
                 modulus * pascals,
                 units.stress().unwrap_or_default()
             );
-            doubts.push(words![found, setting("young", "70GPa"), " has its own"]);
+            warnings.push(words![found, setting("young", "70GPa"), " has its own"]);
         }
         if let (Some(pascals), Some(adhesion)) = (pascals, adhesion) {
             let work = adhesion.work * pascals * metres;
@@ -298,46 +298,46 @@ impl Prepared {
                      one without a unit is in {}; ",
                     Units::new(units.length(), Some(units.stress().unwrap_or(Units::PASCAL))).name("stress*length")
                 );
-                doubts.push(words![found, setting("param", "gamma=0.05J/m^2"), " has its own"]);
+                warnings.push(words![found, setting("param", "gamma=0.05J/m^2"), " has its own"]);
             }
         }
-        doubts
+        warnings
     }
 
     /// Warns about drives, given by the `option`, far beyond full contact: their units are mixed up.
-    pub fn warn_of_drives(&self, drives: &[Drive], option: &str, session: &Session) {
+    pub fn warn_about_drives(&self, drives: &[Drive], option: &str, session: &Session) {
         let reduced = drives.iter().filter_map(|drive| match drive.load {
             Load::MeanPressure(pressure) => Some(pressure / self.unit_pressure()),
             Load::Approach(_) => None,
         });
-        if let Some(doubt) = self.doubt_of_load(reduced.fold(0.0, f64::max), option) {
-            session.warn(UNITS, doubt);
+        if let Some(warning) = self.load_warning(reduced.fold(0.0, f64::max), option) {
+            session.warn(UNITS, warning);
         }
     }
 
     /// Warns about approaches with strain that is not small.
-    pub fn warn_of_strain(&self, approaches: impl IntoIterator<Item = f64>, session: &Session) {
+    pub fn warn_about_strain(&self, approaches: impl IntoIterator<Item = f64>, session: &Session) {
         let approach = approaches.into_iter().fold(0.0, f64::max);
-        if let Some(doubt) = self.doubt_of_strain(approach) {
-            session.warn("large-strain", doubt);
+        if let Some(warning) = self.strain_warning(approach) {
+            session.warn("large-strain", warning);
         }
     }
 
     /// Returns a warning if strain is not small at the largest approach, length; `None` if it is small.
-    pub fn doubt_of_strain(&self, approach: f64) -> Option<String> {
+    pub fn strain_warning(&self, approach: f64) -> Option<String> {
         let part = approach / self.body.total_height();
         let said = self.surface.units().words(approach, "length");
-        let doubt = || {
+        let warning = || {
             format!(
                 "the approach of {said} is {part:.2} of the height of the slab; \
                  linear elasticity holds for small strain"
             )
         };
-        (part > STRAINED).then(doubt)
+        (part > STRAINED).then(warning)
     }
 
     /// Returns a warning if the largest reduced pressure, given by the `option`, is far beyond full contact.
-    pub fn doubt_of_load(&self, p_star: f64, option: &str) -> Option<Words> {
+    pub fn load_warning(&self, p_star: f64, option: &str) -> Option<Words> {
         let units = self.surface.units();
         let said = units.words(self.unit_pressure(), "stress");
         let hint = match units.stress() {
@@ -350,11 +350,11 @@ impl Prepared {
                 " are not",
             ],
         };
-        let doubt = || {
+        let warning = || {
             let found = format!(" is {p_star:.3e} times E* g = {said}, far beyond full contact (some 2): ");
             words![key(option), found, hint]
         };
-        (p_star > HIGHEST).then(doubt)
+        (p_star > HIGHEST).then(warning)
     }
 
     /// Checks that a contact can be solved under each of the drives, given by the `option`.
@@ -362,7 +362,7 @@ impl Prepared {
     /// # Errors
     /// Returns an error for the first drive without a solution.
     pub fn check_drives(&self, contact: &Posed, drives: &[Drive], option: &str, tolerance: f64) -> Result<(), Failure> {
-        let part = Parts::of(&self.facts).name;
+        let part = SeriesLayout::of(&self.facts).name;
         for (index, drive) in drives.iter().enumerate() {
             check_drive(contact, *drive, words![key(option), format!(", {part} {index}")], tolerance)?;
         }

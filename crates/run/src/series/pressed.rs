@@ -7,7 +7,7 @@ use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, 
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
 };
-use gfmd_problem::{Accuracy, Facts, GridError, Lower, MovedBase, Posed, Rest, Unknown, key, setting, words};
+use gfmd_problem::{Accuracy, AnyState, Facts, GridError, Lower, MovedBase, Posed, Unknown, key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
@@ -163,7 +163,7 @@ impl ContactArgs {
     /// Returns an error if an option does not fit the law, the method or the components.
     pub fn check(&self) -> Result<(), Failure> {
         if self.range_continuation && self.law.with_range(1.0)?.is_none() {
-            let with_range = gfmd_law::Kind::names(|kind| kind.has("range") || kind == gfmd_law::Kind::Table);
+            let with_range = gfmd_law::LawKind::names(|kind| kind.has("range") || kind == gfmd_law::LawKind::Table);
             let why = format!("the law {} has no range; it must be one of {with_range}", self.law.law.name());
             return Err(Failure::input(key("range_continuation"), why));
         }
@@ -199,7 +199,7 @@ impl ContactArgs {
         self.check()?;
         let asked = self.asked()?;
         let prepared = Prepared::new(&asked, |line| self.facts(line), session)?;
-        let posed = prepared.pose_and_tell(&asked, session)?;
+        let posed = prepared.pose_with_warnings(&asked, session)?;
         Ok((prepared, posed))
     }
 
@@ -213,8 +213,8 @@ impl ContactArgs {
         prepared: &Prepared,
         drive: Drive,
         watch: &mut dyn Watch,
-    ) -> Result<Option<Rest>, Failure> {
-        let mut last: Option<Rest> = None;
+    ) -> Result<Option<AnyState>, Failure> {
+        let mut last: Option<AnyState> = None;
         for factor in RANGES.into_iter().filter(|_| self.range_continuation) {
             let Some(law) = self.law.with_range(factor)? else { break };
             let longer = prepared.pose(&self.source, &law.into())?;

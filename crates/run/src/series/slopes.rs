@@ -4,7 +4,7 @@ use gfmd_problem::{Facts, Words, key, words};
 
 /// Rms gradient above which slopes are not small: contact areas change by more than one or two hundredths
 /// (docs/contacts.md).
-const SMALL: f64 = 0.2;
+const LARGEST_SMALL_SLOPE: f64 = 0.2;
 
 /// Slopes that are not small.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ impl Slopes {
             (false, true) => words!["; ", key("finite_slope"), " includes the slopes"],
             (false, false) => Words::default(),
         };
-        (rms_gradient > SMALL).then(|| Self { rms_gradient, max_slope: max_slope(), hint })
+        (rms_gradient > LARGEST_SMALL_SLOPE).then(|| Self { rms_gradient, max_slope: max_slope(), hint })
     }
 
     /// Returns the warning, with the largest pressure divided by E*.

@@ -6,7 +6,7 @@ use gfmd_files::Reader;
 use gfmd_problem::Facts;
 use gfmd_record::{Record, State, columns, reason_of};
 
-use super::Parts;
+use super::SeriesLayout;
 use crate::failure::Failure;
 
 /// Reads the records of all parts of a file. Missing numbers are NaN.
@@ -15,7 +15,7 @@ use crate::failure::Failure;
 /// Returns an error if the file is not a result of a problem with these facts.
 pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::refused(error.to_string());
-    let Parts { group, plural, .. } = Parts::of(facts);
+    let SeriesLayout { group, plural, .. } = SeriesLayout::of(facts);
     let shape = reader.shape(&format!("{group}/mean_pressure")).map_err(refuse)?;
     let &[count] = &shape[..] else {
         let path = reader.path().display();

@@ -27,7 +27,7 @@ const SWEEPS: usize = 2;
 const ENOUGH: f64 = 0.25;
 
 /// Number of values below which a pass uses one thread.
-const SMALL: usize = 1 << 14;
+const SINGLE_THREAD_LENGTH: usize = 1 << 14;
 
 /// Fills NaN. At least one height must be defined.
 pub(super) fn fill(mut heights: Array2<f64>, spacing: [f64; 2]) -> Result<Array2<f64>, SurfaceError> {
@@ -141,7 +141,7 @@ impl Level {
                 *out = f(p, sum);
             }
         };
-        if u.len() < SMALL {
+        if u.len() < SINGLE_THREAD_LENGTH {
             out.chunks_mut(ny).enumerate().for_each(|(i, out)| row(i, out));
         } else {
             out.par_chunks_mut(ny).enumerate().for_each(|(i, out)| row(i, out));
@@ -227,7 +227,7 @@ fn restrict([nx, ny]: [usize; 2], fine: &[f64]) -> Vec<f64> {
             }
         }
     };
-    if fine.len() < SMALL {
+    if fine.len() < SINGLE_THREAD_LENGTH {
         coarse.chunks_mut(cy).enumerate().for_each(|(block, coarse)| row(block, coarse));
     } else {
         coarse.par_chunks_mut(cy).enumerate().for_each(|(block, coarse)| row(block, coarse));
@@ -246,7 +246,7 @@ fn add_blocks(level: &Level, coarse: &[f64], u: &mut [f64]) {
             }
         }
     };
-    if u.len() < SMALL {
+    if u.len() < SINGLE_THREAD_LENGTH {
         u.chunks_mut(ny).enumerate().for_each(|(i, u)| row(i, u));
     } else {
         u.par_chunks_mut(ny).enumerate().for_each(|(i, u)| row(i, u));
@@ -287,7 +287,7 @@ fn solve(levels: &[Level], load: &[f64]) -> (Vec<f64>, f64) {
 /// Returns a scalar product, added row by row so that it is bitwise identical for any number of threads.
 fn dot(ny: usize, a: &[f64], b: &[f64]) -> f64 {
     let row = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| a * b).sum();
-    if a.len() < SMALL {
+    if a.len() < SINGLE_THREAD_LENGTH {
         return a.chunks(ny).zip(b.chunks(ny)).map(row).sum();
     }
     let rows: Vec<f64> = a.par_chunks(ny).zip(b.par_chunks(ny)).map(row).collect();

@@ -9,7 +9,7 @@ use crate::statistics::checked;
 const INTERVALS: usize = 200;
 
 /// Height difference that counts as rounding, as a fraction of the range.
-const ROUNDING: f64 = 1e-9;
+const ROUNDING_OF_HEIGHT: f64 = 1e-9;
 
 /// Bearing curve of Abbott and Firestone: fraction of points at or above a height (areal material ratio, ISO 25178-2).
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +61,7 @@ impl Core {
     /// Peaks and valleys are triangles with the area of the points beyond a level.
     fn of(sorted: &[f64]) -> Option<Self> {
         let (Some(lowest), Some(highest)) = (sorted.first(), sorted.last()) else { return None };
-        let rounding = ROUNDING * (highest - lowest);
+        let rounding = ROUNDING_OF_HEIGHT * (highest - lowest);
         if lowest == highest {
             return None;
         }

@@ -26,8 +26,8 @@ fn compare(grid: &Grid, spectrum: &SelfAffine, seed: u64, size: usize) {
         let share = Share::among(ranks, grid.points(), 1).unwrap();
         let own = spectrum.heights_over(grid, seed, &share).unwrap();
         assert_eq!(own, heights.slice(s![share.rows(), ..]), "the rows of {size} ranks on {grid:?}");
-        assert_eq!(Statistics::over(&own, grid, &share).unwrap(), statistics, "{size} ranks on {grid:?}");
-        let moments = Moments::over(own.as_slice().unwrap(), grid, &share).unwrap();
+        assert_eq!(Statistics::distributed(&own, grid, &share).unwrap(), statistics, "{size} ranks on {grid:?}");
+        let moments = Moments::distributed(own.as_slice().unwrap(), grid, &share).unwrap();
         assert_eq!(moments, statistics.moments);
         own.len()
     });
@@ -74,7 +74,7 @@ fn a_hole_that_one_rank_has_is_refused_by_all() {
     (heights[[70, 3]], heights[[100, 5]]) = (f64::NAN, f64::INFINITY);
     let refused = ThreadRanks::of(3, |ranks| {
         let share = Share::among(ranks, grid.points(), 1).unwrap();
-        Statistics::over(&heights.slice(s![share.rows(), ..]).to_owned(), &grid, &share).unwrap_err()
+        Statistics::distributed(&heights.slice(s![share.rows(), ..]).to_owned(), &grid, &share).unwrap_err()
     });
     let is_hole = |error: &SurfaceError| matches!(error, SurfaceError::NotFinite { count: 2, first: [70, 3], .. });
     assert!(refused.iter().all(is_hole), "{refused:?}");

@@ -131,7 +131,7 @@ fn a_sphere_creeps_as_lee_and_radok_found() {
         let place = |i: usize| 0.4 * (i as f64 / n as f64 - 0.5);
         let heights = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (place(i).powi(2) + place(j).powi(2)) / radius);
         let body = Body::half_space(Material::from_contact_modulus(1.0, 0.4).unwrap());
-        let elastic = Contact::bounded(Boundary::Free, &body, &grid, &heights).unwrap();
+        let elastic = Contact::with_boundary(Boundary::Free, &body, &grid, &heights).unwrap();
         let contact = ViscoelasticContact::new(elastic, &body, &prony, Relaxes::Both).unwrap();
         let force = 1e-3;
         let load = Load::MeanPressure(force / 0.16);
@@ -172,7 +172,7 @@ fn a_sphere_is_loaded_and_unloaded_as_ting_found() {
         let place = |i: usize| side * (i as f64 / n as f64 - 0.5);
         let heights = Array2::from_shape_fn((n, n), |(i, j)| -0.5 * (place(i).powi(2) + place(j).powi(2)) / radius);
         let body = Body::half_space(Material::from_contact_modulus(1.0, 0.4).unwrap());
-        let elastic = Contact::bounded(Boundary::Free, &body, &grid, &heights).unwrap();
+        let elastic = Contact::with_boundary(Boundary::Free, &body, &grid, &heights).unwrap();
         let contact = ViscoelasticContact::new(elastic, &body, &prony, Relaxes::Both).unwrap();
         let steps = 16;
         let path = crate::legs(&[turn, 0.4 * turn], &[1.0, duration], steps, Load::Approach);

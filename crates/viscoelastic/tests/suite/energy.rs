@@ -40,7 +40,7 @@ fn random(case: u64, numbers: &mut Numbers) -> (ViscoelasticContact, f64, Body) 
     let is_free = case % 11 == 2 && grid.points()[1] > 1 && (relaxes == Relaxes::Both || case % 5 < 2);
     let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
     let heights = rough(&grid, case);
-    let contact = Contact::bounded(boundary, &body, &grid, &heights).unwrap();
+    let contact = Contact::with_boundary(boundary, &body, &grid, &heights).unwrap();
     let clearance = contact.surface().mean_clearance();
     (ViscoelasticContact::new(contact, &body, &prony, relaxes).unwrap(), clearance, body)
 }

@@ -42,9 +42,9 @@ fn a_law_that_is_a_wall_is_the_hard_wall() {
     let heights = rough(&grid, 5);
     let path = legs(&[0.02, 0.004, 0.01], &[0.0, 2.0, 5.0], 3, Load::MeanPressure);
     for (body, relaxes, boundary) in bodies() {
-        let wall = Contact::bounded(boundary, &body, &grid, &heights).unwrap();
+        let wall = Contact::with_boundary(boundary, &body, &grid, &heights).unwrap();
         let wall = follow(&ViscoelasticContact::new(wall, &body, &three(), relaxes).unwrap(), &path);
-        let law = Interface::bounded(boundary, &body, &grid, &heights, HardWall).unwrap();
+        let law = Interface::with_boundary(boundary, &body, &grid, &heights, HardWall).unwrap();
         let law = follow(&ViscoelasticContact::new(law, &body, &three(), relaxes).unwrap(), &path);
         for (wall, law) in wall.iter().zip(&law) {
             let close = |a: f64, b: f64, size: f64| assert!((a - b).abs() <= 1e-7 * size, "{a} {b} {relaxes:?}");
@@ -75,7 +75,7 @@ fn a_step_begins_with_the_instantaneous_moduli_and_ends_with_those_of_the_long_t
     let heights = rough(&grid, 8);
     let law = Exponential::new(2e-4, 0.01).unwrap();
     for (body, relaxes, boundary) in bodies().into_iter().filter(|(_, relaxes, _)| *relaxes == Relaxes::Both) {
-        let of = |body: &Body| Interface::bounded(boundary, body, &grid, &heights, law).unwrap();
+        let of = |body: &Body| Interface::with_boundary(boundary, body, &grid, &heights, law).unwrap();
         let contact = ViscoelasticContact::new(of(&body), &body, &three(), relaxes).unwrap();
         let load = Load::Approach(0.006);
         let states = follow(&contact, &[(load, 0.0), (load, 1.0), (load, 20.0), (load, 1e4), (load, 1e6)]);

@@ -235,7 +235,7 @@ fn unusable_input_is_refused() {
     );
     let grid = Grid::square(8, 1.0).unwrap();
     let body = Body::half_space(material(0.3));
-    let free = Contact::bounded(Boundary::Free, &body, &grid, &rough(&grid, 1)).unwrap();
+    let free = Contact::with_boundary(Boundary::Free, &body, &grid, &rough(&grid, 1)).unwrap();
     let refused = SlidingContact::new(free, &body, &one(), Relaxes::Both);
     assert!(matches!(refused, Err(SlidingError::Free)));
 }

@@ -22,7 +22,7 @@ fn random(case: u64, numbers: &mut Numbers) -> WearContact {
     };
     let is_free = case % 5 == 2 && grid.points()[1] > 1;
     let boundary = if is_free { Boundary::Free } else { Boundary::Periodic };
-    let contact = Contact::bounded(boundary, &body, &grid, &rough(&grid, case)).unwrap();
+    let contact = Contact::with_boundary(boundary, &body, &grid, &rough(&grid, case)).unwrap();
     WearContact::new(contact, 10.0_f64.powf(4.0 * numbers.next() - 3.0)).unwrap()
 }
 

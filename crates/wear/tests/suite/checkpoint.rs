@@ -15,7 +15,8 @@ fn a_restored_state_goes_on_bit_for_bit() {
         (Boundary::Free, Load::MeanPressure(0.02)),
         (Boundary::Periodic, Load::Approach(0.02)),
     ] {
-        let contact = Contact::bounded(boundary, &Body::half_space(material(0.3)), &grid, &rough(&grid, 8)).unwrap();
+        let contact =
+            Contact::with_boundary(boundary, &Body::half_space(material(0.3)), &grid, &rough(&grid, 8)).unwrap();
         let contact = WearContact::new(contact, 0.2).unwrap();
         let drives = [0.2, 0.5, 3.0].map(|distance| Drive::from(load).after(distance));
         let first = contact.press(drives[0]).solve().unwrap();

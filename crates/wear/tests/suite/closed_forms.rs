@@ -82,7 +82,7 @@ fn every_rough_surface_runs_in_to_full_contact_with_a_uniform_pressure() {
         (3, Body::half_space(material(0.3)), Boundary::Free),
         (4, Body::slab(material(0.3), 0.2).unwrap(), Boundary::Free),
     ] {
-        let contact = Contact::bounded(boundary, &body, &grid, &rough(&grid, seed)).unwrap();
+        let contact = Contact::with_boundary(boundary, &body, &grid, &rough(&grid, seed)).unwrap();
         let contact = WearContact::new(contact, 0.2).unwrap();
         let states = follow(&contact, &held(Load::MeanPressure(0.004), 4000.0, 40), 1e-8);
         let (first, last) = (states[0].summary(), states[40].summary());

@@ -22,7 +22,7 @@ use tempfile::TempDir;
 
 use super::super::contestant::{Contestant, Place, Problem, own};
 use super::super::judge::{Verdict, judge};
-use super::super::process::Ended;
+use super::super::process::ProgramFailure;
 use super::super::python::{Environment, LONG};
 use super::super::solve::Solve;
 use super::super::tolerance::{MARGIN, loosest};
@@ -44,7 +44,7 @@ const HURST: [f64; 2] = [0.0, 0.8];
 /// Points along a side for the memory prediction.
 const HUGE: usize = 16384;
 /// Points along a side of small contacts, and divisor of their number.
-const SMALL: [(usize, usize); 2] = [(128, 1), (256, 3)];
+const SMALL_SIDES: [(usize, usize); 2] = [(128, 1), (256, 3)];
 const MANY: (&str, &str) = ("many.py", include_str!("../../../peers/many.py"));
 
 /// Settings of the measurements.
@@ -214,7 +214,7 @@ impl<'a> Trial<'a> {
         let tamaas = Contestant::Peer(Peer::Tamaas);
         let (name, out) = (tamaas.to_string(), tamaas.pressure_file(environment.scratch(), 1));
         let fields = BTreeMap::from([(name.clone(), out.clone())]);
-        let failure = |ended: Ended| ended.failure("a solution by Tamaas");
+        let failure = |ended: ProgramFailure| ended.failure("a solution by Tamaas");
         let mut cases = Vec::new();
         for hurst in HURST {
             for problem in problems(&peers, n, hurst, environment.scratch())? {
@@ -297,7 +297,7 @@ impl<'a> Trial<'a> {
         let script = self.scratch.path().join(MANY.0);
         std::fs::write(&script, MANY.1).map_err(failed)?;
         let mut cases = Vec::new();
-        for (n, part) in SMALL {
+        for (n, part) in SMALL_SIDES {
             let count = self.args.many / part;
             let mut stack = Array3::zeros((count, n, n));
             for (seed, mut heights) in stack.axis_iter_mut(Axis(0)).enumerate() {

@@ -3,7 +3,7 @@
 use gfmd_problem::{Facts, Task};
 
 /// Words for the parts of a series, and their places in a file.
-pub struct Parts {
+pub struct SeriesLayout {
     /// Word for a part.
     pub name: &'static str,
     /// Word for several parts.
@@ -16,7 +16,7 @@ pub struct Parts {
     pub(super) stored: (&'static str, &'static str),
 }
 
-impl Parts {
+impl SeriesLayout {
     /// Returns the parts of a problem.
     pub fn of(facts: &Facts) -> &'static Self {
         match facts.task {
@@ -27,10 +27,15 @@ impl Parts {
     }
 }
 
-const LOADS: Parts =
-    Parts { name: "load", plural: "loads", group: "/loads", meaning: "load step", stored: ("load", "load step") };
+const LOADS: SeriesLayout = SeriesLayout {
+    name: "load",
+    plural: "loads",
+    group: "/loads",
+    meaning: "load step",
+    stored: ("load", "load step"),
+};
 
-const STEPS: Parts = Parts {
+const STEPS: SeriesLayout = SeriesLayout {
     name: "step",
     plural: "steps",
     group: "/path",
@@ -38,4 +43,4 @@ const STEPS: Parts = Parts {
     stored: ("waypoint", "waypoint of the path"),
 };
 
-const DISTANCES: Parts = Parts { group: "/wear", ..STEPS };
+const DISTANCES: SeriesLayout = SeriesLayout { group: "/wear", ..STEPS };

@@ -6,14 +6,14 @@ use crate::Dimension;
 
 /// Readable unit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
+pub struct DisplayUnit {
     /// Factor from numbers of the problem to numbers in this unit.
     pub factor: f64,
     /// Name of the unit.
     pub name: String,
 }
 
-impl Shown {
+impl DisplayUnit {
     /// Formats a number of the problem in this unit, with up to six significant digits: `12.5 µm`.
     pub fn text(&self, value: f64) -> String {
         format!("{} {}", digits(value * self.factor), self.name)
@@ -37,7 +37,7 @@ pub(crate) fn digits(value: f64) -> String {
     }
 }
 
-impl fmt::Display for Shown {
+impl fmt::Display for DisplayUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.name)
     }
@@ -47,16 +47,16 @@ impl fmt::Display for Shown {
 const PREFIXES: [&str; 10] = ["f", "p", "n", "µ", "m", "", "k", "M", "G", "T"];
 
 /// Power of ten of the first prefix.
-const FIRST: i32 = -15;
+const FIRST_PREFIX_POWER: i32 = -15;
 
 /// Returns the readable unit for numbers up to `largest` in a unit of `size` in Pa, m and s, or `None` without one.
-pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown> {
+pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<DisplayUnit> {
     // Times span many decades and are read in s.
     for (read, name) in
         [(Dimension { time: 1, ..Dimension::NONE }, "s"), (Dimension { temperature: 1, ..Dimension::NONE }, "K")]
     {
         if dimension == read {
-            return Some(Shown { factor: size, name: name.into() });
+            return Some(DisplayUnit { factor: size, name: name.into() });
         }
     }
     if dimension.temperature != 0 {
@@ -84,9 +84,9 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown>
         true => (root - 1e-9).ceil() as i32,
         false => 0,
     };
-    let index = (thousands - FIRST / 3).clamp(0, PREFIXES.len() as i32 - 1);
+    let index = (thousands - FIRST_PREFIX_POWER / 3).clamp(0, PREFIXES.len() as i32 - 1);
     let prefix = PREFIXES[index as usize];
-    let tens = FIRST + 3 * index;
+    let tens = FIRST_PREFIX_POWER + 3 * index;
     let raised = match power.abs() {
         1 => "",
         2 => "²",
@@ -95,7 +95,7 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Shown>
     };
     let name =
         if power < 0 { format!("1/{prefix}{symbol}{raised}") } else { format!("{prefix}{symbol}{raised}{behind}") };
-    Some(Shown { factor: size / over * 10_f64.powi(-tens * power), name })
+    Some(DisplayUnit { factor: size / over * 10_f64.powi(-tens * power), name })
 }
 
 #[cfg(test)]

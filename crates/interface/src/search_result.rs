@@ -1,7 +1,7 @@
 use gfmd_relax::Ending;
 
 /// Last position of a search, and the reason for its end.
-pub(crate) struct Ended {
+pub(crate) struct SearchResult {
     pub(crate) position: Vec<f64>,
     pub(crate) iterations: u64,
     pub(crate) transform_pairs: f64,
@@ -11,7 +11,7 @@ pub(crate) struct Ended {
 }
 
 pub(crate) enum End {
-    Ended(Ending),
+    Finished(Ending),
     /// The surfaces have separated under a tensile load.
     Detached,
 }

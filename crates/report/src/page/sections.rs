@@ -1,4 +1,4 @@
-//! Parts shared by the pages about a contact and about a path: surface, fields, failure.
+//! Sections shared by the pages about a contact and about a path: surface, fields, failure.
 
 use std::convert::Infallible;
 
@@ -12,7 +12,7 @@ use super::about::body;
 use super::reading::{FaceFields, InUnit, Stored, StoredSurface};
 use super::write::{given, number, powers, text, transforms, whole};
 use super::{Certificate, Fact, Page, Table};
-use crate::figures::{Face, Kind, Scene, heights, rough, sides};
+use crate::figures::{Face, FigureKind, Scene, heights, rough, sides};
 use gfmd_run::convergence::StoredFailure;
 
 /// Returns true for a column that has a number and is not left out.
@@ -112,13 +112,13 @@ impl Page {
         let divided = html! { @if scene.is_divided() { " divided by the modulus " i { "E" } "*" } };
         let drawn = scene.figures(|kind, drawn| {
             let (title, caption) = match kind {
-                Kind::Pressure => ("contact pressure", html! { "Contact pressure" (of) (divided) }),
-                Kind::Traction => (
+                FigureKind::Pressure => ("contact pressure", html! { "Contact pressure" (of) (divided) }),
+                FigureKind::Traction => (
                     "repulsion and attraction",
                     html! { "Pressure" (of) (divided) ", repulsive (blue) and attractive (red)" },
                 ),
-                Kind::Gap => ("gap", html! { "Gap" (of) " on a logarithmic scale" }),
-                Kind::Section => (
+                FigureKind::Gap => ("gap", html! { "Gap" (of) " on a logarithmic scale" }),
+                FigureKind::Section => (
                     "section through both surfaces",
                     html! {
                         "Section along " i { "x" } " through the largest pressure" (of) ": both surfaces, heights in "

@@ -8,12 +8,12 @@ use gfmd_viscoelastic::SlidingState;
 use ndarray::Array2;
 
 /// A state, and its temperature if it is asked for.
-pub(super) struct Reached {
+pub(super) struct SteadyState {
     pub(super) state: SlidingState,
     pub(super) heated: Option<Heated>,
 }
 
-impl Reached {
+impl SteadyState {
     /// The values of a field.
     pub(super) fn field(&self, name: &str) -> Cow<'_, [f64]> {
         let solution = &self.state.solution;

@@ -6,7 +6,7 @@ use gfmd_field::Grid;
 use gfmd_flow::Flow;
 use gfmd_interface::{Quasistatic as _, Reading, Step};
 use gfmd_measure::{Patches, Peak, Scales, Summary};
-use gfmd_problem::{Facts, Posed, Rest};
+use gfmd_problem::{AnyState, Facts, Posed};
 
 use crate::Record;
 
@@ -15,11 +15,11 @@ pub const NOT_SOLVED: &str = "the load is not solved";
 
 /// Input from which the columns of a state are computed.
 #[derive(Clone)]
-pub struct At<'a> {
+pub struct StateContext<'a> {
     /// Parts of the problem.
     pub facts: &'a Facts,
     /// State; `None` for numbers that do not need it.
-    pub rest: Option<&'a Rest>,
+    pub rest: Option<&'a AnyState>,
     /// Lengths of the cell or patch.
     pub lengths: [f64; 2],
     /// Distance between points along x and y, length.
@@ -75,7 +75,7 @@ pub struct OnFinerGrid {
 
 impl OnFinerGrid {
     /// Returns the numbers of a state on the finer grid.
-    pub fn of(at: &At) -> Self {
+    pub fn of(at: &StateContext) -> Self {
         Self { record: Record::of(at), rise: at.rise }
     }
 }
@@ -93,16 +93,16 @@ pub struct Measured<'a> {
     pub flow: Option<&'a Flow>,
 }
 
-impl<'a> At<'a> {
+impl<'a> StateContext<'a> {
     /// Describes a state of `problem` on `grid`, reduced by its own scales, with its stiffness.
-    pub fn new(facts: &'a Facts, rest: &'a Rest, problem: &Posed, grid: &Grid, tolerance: f64) -> Self {
+    pub fn new(facts: &'a Facts, rest: &'a AnyState, problem: &Posed, grid: &Grid, tolerance: f64) -> Self {
         let reading = problem.reading(rest);
         Self { approach: reading.approach, ..Self::in_scales(facts, rest, &rest.scales(), grid, tolerance) }
             .stiff(problem, Stiffness::TOLERANCE)
     }
 
     /// Describes a state in the given scales, without a stiffness.
-    pub fn in_scales(facts: &'a Facts, rest: &'a Rest, scales: &Scales, grid: &Grid, tolerance: f64) -> Self {
+    pub fn in_scales(facts: &'a Facts, rest: &'a AnyState, scales: &Scales, grid: &Grid, tolerance: f64) -> Self {
         Self {
             rest: Some(rest),
             lengths: grid.lengths(),
