@@ -25,6 +25,7 @@ use crate::session::list_files;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::base::{self, BaseArgs};
 use gfmd_run::failure::Failure;
@@ -48,7 +49,7 @@ use rows::Rows;
 use volume::{Planes, Volume};
 
 /// Flags of `body`.
-#[derive(ClapArgs, Clone, Debug, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
@@ -62,10 +63,12 @@ pub struct Args {
     /// FILE.h5[:/dataset] of this shape; to /fields/displacement_z of a contact, the lateral displacement without
     /// friction is added
     #[arg(long, value_name = "FILE", required_unless_present = "wave", conflicts_with_all = ["wave", "n"])]
+    #[option(array)]
     surface: Option<ArrayOption>,
     /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves
     /// that are given add up, other components are zero
     #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true)]
+    #[option(kinds = Kinds::list(&[&["1", "1", "1", "length"]]))]
     wave: Vec<Wave>,
     /// Points of the grid of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
     #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave")]
@@ -85,6 +88,7 @@ pub struct Args {
         conflicts_with = "wave"
     )]
     #[serde(deserialize_with = "up_to::<3, _, _>")]
+    #[option(kinds = Kinds::STRESS)]
     mean_traction: Vec<f64>,
     /// Cell size L or Lx,Ly; default: from the coordinates in the file, or 1
     #[arg(
@@ -96,6 +100,7 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     #[serde(deserialize_with = "up_to::<2, _, _>")]
+    #[option(kinds = Kinds::LENGTH)]
     size: Vec<f64>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -105,10 +110,12 @@ pub struct Args {
     place: PlaceArgs,
     /// Depth of the lowest level; default: the height of the slab
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
+    #[option(kinds = Kinds::LENGTH)]
     deepest: Option<f64>,
     /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane
     /// at this height above the base (of a half-space: above its surface)
     #[arg(long, value_name = "x=X|y=Y|z=Z")]
+    #[option(kinds = Kinds::LENGTH)]
     slice: Option<Slice>,
     /// Quantities to compute
     #[arg(long, value_enum, value_delimiter = ',', value_name = "Q1,Q2,..", default_values_t = Quantity::ALL)]
@@ -135,12 +142,13 @@ pub struct Args {
 }
 
 /// Flags of the depths. Exactly one is given, unless the slice is a plane.
-#[derive(ClapArgs, Clone, Debug, Default, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
 #[serde(default)]
 #[group(multiple = false)]
 struct PlaceArgs {
     /// Depths below the surface
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    #[option(kinds = Kinds::LENGTH)]
     depths: Vec<f64>,
     /// Number of depths at equal distances, from the surface to the base (or to --deepest)
     #[arg(long, value_name = "N")]
@@ -367,8 +375,6 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         plots,
     })
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// Returns the fields inside the `body` below the `surface` of the file `name`.

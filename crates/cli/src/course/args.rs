@@ -11,9 +11,10 @@ use gfmd_run::resume::ResumeArgs;
 use serde::{Deserialize, Serialize};
 
 use crate::search::SearchArgs;
+use gfmd_problem::options::Options;
 
 /// Flags of the surroundings of a path, and of the numbers of its steps.
-#[derive(ClapArgs, Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct PathOptions {
     /// The surroundings of the surface; free: a patch that does not repeat
@@ -31,8 +32,6 @@ pub(crate) struct PathOptions {
     flow: bool,
 }
 
-gfmd_problem::defaults_of_flags!(PathOptions);
-
 fn is_periodic(boundary: &Boundary) -> bool {
     *boundary == Boundary::Periodic
 }
@@ -46,7 +45,7 @@ impl PathOptions {
 }
 
 /// Flags of the steps of a path, of the search for each, and of the file.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct StepArgs {
     /// Steps from one waypoint to the next
@@ -64,5 +63,3 @@ pub(crate) struct StepArgs {
     #[serde(skip)]
     pub(crate) out: Option<PathBuf>,
 }
-
-gfmd_problem::defaults_of_flags!(StepArgs);
