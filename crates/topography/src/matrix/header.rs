@@ -225,10 +225,7 @@ impl Header {
         let unknown = self.unknown.iter().filter(|line| !(titles_are_used && used.contains(line)));
         let listed: Vec<String> = unknown.map(|line| format!("{line:?}")).collect();
         (!listed.is_empty()).then(|| {
-            format!(
-                "the head has lines that are not used: {}; --size and --unit give size and unit",
-                listed.join(", ")
-            )
+            format!("the head has lines that are not used: {}; --size and --unit give size and unit", listed.join(", "))
         })
     }
 
