@@ -4,7 +4,7 @@ use gfmd_field::Grid;
 use gfmd_files::input::MOST_BYTES;
 use gfmd_files::legible::line;
 use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
-use gfmd_problem::key;
+use gfmd_problem::{Words, key, words};
 
 use super::wave::{self, Wave};
 use gfmd_problem::options::given::{ArrayOption, StoredLoad};
@@ -89,12 +89,12 @@ impl Surface {
     /// Reads `FILE.npy` or `FILE.h5[:/dataset]`, or takes the input in memory.
     pub(super) fn read(given: &ArrayOption, load: Option<usize>, length: &[f64]) -> Result<Self, Failure> {
         let name = name(given);
-        let refuse = |reason: String| Failure::input(name, reason);
+        let refuse = |reason: Words| Failure::because(name, reason);
         let found = match (given, split_dataset(name)) {
             (ArrayOption::Array(array), _) => Ok(Found::array(array.shape(), array.iter().copied().collect(), None)),
-            (ArrayOption::Load(load), _) => in_memory(load),
+            (ArrayOption::Load(load), _) => in_memory(load).map_err(Words::from),
             (ArrayOption::File(_), Some((path, dataset))) => archive(path, dataset, load),
-            (ArrayOption::File(_), None) => array(name),
+            (ArrayOption::File(_), None) => array(name).map_err(Words::from),
         };
         let found = found.map_err(refuse)?;
         if let (Some(_), None) = (load, found.load) {
@@ -105,7 +105,7 @@ impl Surface {
             (StoredField::Normal | StoredField::Pressure, &[nx, ny]) => ([nx, ny], 1),
             (StoredField::Full | StoredField::Traction, &[n, 2] | &[n, 1, 2]) => ([n, 1], 2),
             (StoredField::Full | StoredField::Traction, &[nx, ny, 3]) if ny > 1 => ([nx, ny], 3),
-            (_, shape) => return Err(refuse(format!("the shape is {shape:?}; {allowed}"))),
+            (_, shape) => return Err(refuse(format!("the shape is {shape:?}; {allowed}").into())),
         };
         let lengths = cell(length, found.lengths, points);
         let grid = Grid::new(points, lengths);
@@ -334,7 +334,7 @@ fn check_units(reader: &Reader, dataset: &str, has_y: bool) -> Result<(), String
     }
 }
 
-fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, String> {
+fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Words> {
     let words = |error: gfmd_files::FileError| error.to_string();
     let reader = Reader::open(path).map_err(words)?;
     let dataset = match dataset {
@@ -352,7 +352,8 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
             let loads = shape.remove(0);
             let load = load.unwrap_or(loads.saturating_sub(1));
             if load >= loads {
-                return Err(format!("load {load} was asked for; it must be below {loads}, the number of loads"));
+                let rest = format!(" is {load}; it must be below {loads}, the number of loads");
+                return Err(words![key("load"), rest]);
             }
             (reader.slab(dataset, load).map_err(words)?, Some(load))
         }
@@ -373,7 +374,7 @@ fn archive(path: &str, dataset: &str, load: Option<usize>) -> Result<Found, Stri
     let group = dataset.rsplit_once('/').map_or("", |(group, _)| group);
     let beside = Beside { reader: &reader, group, load, points };
     if normal {
-        found.beside(points, |name| beside.field(name), |name| beside.number(name))
+        Ok(found.beside(points, |name| beside.field(name), |name| beside.number(name))?)
     } else {
         let mean_traction = beside.traction(found.values.len())?;
         Ok(Found { mean_traction, ..found })

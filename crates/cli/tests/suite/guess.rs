@@ -202,7 +202,7 @@ fn other_names_of_options_are_answered_with_theirs() {
         ("surface scan.npy --p-star 1", "an option of gfmd contact"),
         ("contact scan.npy --p-star 0.1 --law jkr", "exponential with gamma"),
         ("contact scan.npy --p-star 0.1 --law DMT", "exponential with gamma"),
-        ("contact scan.npy --p-star 0.1 --law lennard-jones", "--law-table"),
+        ("contact scan.npy --p-star 0.1 --law lennard-jones", "table takes gaps"),
     ] {
         let text = refused(folder.path(), flags);
         assert!(text.contains(reason), "{flags}: {text}");

@@ -122,7 +122,7 @@ fn units_and_sizes_that_are_unknown_are_said_to_be() {
             && found.contains("the file has no unit")
     );
     let found = notes("--surface int16.x3p --fill nearest --size 2");
-    assert!(found.contains("--size replaces the size in the file"), "{found}");
+    assert!(found.contains("the given size replaces the one in the file"), "{found}");
 }
 
 #[test]
