@@ -48,7 +48,7 @@ pub use rows::{Args as RowsArgs, Rows, run as rows};
 pub use solve::{Args as SolveArgs, Solve, run as solve};
 
 /// Flags of `bench-peers`.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, gfmd_problem::options::Options, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
   gfmd bench-peers --quick
   gfmd bench-peers --write-docs

@@ -89,7 +89,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     if let Some(found) = args.figure.iter().find(|number| !numbers.contains(&number.as_str())) {
         return Err(Failure::value("--figure", found, format!("one of {}", numbers.join(", "))));
     }
-    let input = |path: &Path, error: std::io::Error| Failure::input(&path.display().to_string(), error);
+    let input = |path: &Path, error: std::io::Error| Failure::input(path.display().to_string(), error);
     std::fs::create_dir_all(&args.out).map_err(|error| input(&args.out, error))?;
     let reference = args.reference.canonicalize().map_err(|error| input(&args.reference, error))?;
     let failed = |error: std::io::Error| Failure::computation(error.to_string());

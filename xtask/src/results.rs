@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<Report, Failure> {
     for page in PAGES {
         let path = args.docs.join(format!("{page}.md"));
         let mut text =
-            std::fs::read_to_string(&path).map_err(|error| Failure::input(&path.display().to_string(), error))?;
+            std::fs::read_to_string(&path).map_err(|error| Failure::input(path.display().to_string(), error))?;
         for (_, name, table) in TABLES.into_iter().filter(|(of, ..)| *of == page) {
             text = filled(&text, name, &table(&summaries)?)?;
         }

@@ -25,6 +25,7 @@ use crate::session::list_files;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::base::{self, BaseArgs};
 use gfmd_run::failure::Failure;
@@ -48,7 +49,7 @@ use rows::Rows;
 use volume::{Planes, Volume};
 
 /// Flags of `body`.
-#[derive(ClapArgs, Clone, Debug, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --out slice.h5 --plots punch
@@ -61,11 +62,19 @@ pub struct Args {
     /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or
     /// FILE.h5[:/dataset] of this shape; to /fields/displacement_z of a contact, the lateral displacement without
     /// friction is added
-    #[arg(long, value_name = "FILE", required_unless_present = "wave", conflicts_with_all = ["wave", "n"], help_heading = "Surface")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        required_unless_present = "wave",
+        conflicts_with_all = ["wave", "n"],
+        help_heading = "Surface"
+    )]
+    #[option(array)]
     surface: Option<ArrayOption>,
     /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves
     /// that are given add up, other components are zero
     #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true, help_heading = "Surface")]
+    #[option(kinds = Kinds::list(&[&["1", "1", "1", "length"]]))]
     wave: Vec<Wave>,
     /// Points of the grid of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
     #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave", help_heading = "Surface")]
@@ -86,6 +95,7 @@ pub struct Args {
         help_heading = "Surface"
     )]
     #[serde(deserialize_with = "up_to::<3, _, _>")]
+    #[option(kinds = Kinds::STRESS)]
     mean_traction: Vec<f64>,
     /// Cell size L or Lx,Ly; default: from the coordinates in the file, or 1
     #[arg(
@@ -98,6 +108,7 @@ pub struct Args {
         help_heading = "Surface"
     )]
     #[serde(deserialize_with = "up_to::<2, _, _>")]
+    #[option(kinds = Kinds::LENGTH)]
     size: Vec<f64>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -107,13 +118,22 @@ pub struct Args {
     place: PlaceArgs,
     /// Depth of the lowest level; default: the height of the slab
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true, help_heading = "Places")]
+    #[option(kinds = Kinds::LENGTH)]
     deepest: Option<f64>,
     /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane
     /// at this height above the base (of a half-space: above its surface)
     #[arg(long, value_name = "x=X|y=Y|z=Z", help_heading = "Places")]
+    #[option(kinds = Kinds::LENGTH)]
     slice: Option<Slice>,
     /// Quantities to compute
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "Q1,Q2,..", default_values_t = Quantity::ALL, help_heading = "Places")]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "Q1,Q2,..",
+        default_values_t = Quantity::ALL,
+        help_heading = "Places"
+    )]
     quantities: Vec<Quantity>,
     /// Write the fields: FILE.h5, or FILE.vti for ParaView (with --levels)
     #[arg(long, value_name = "FILE.h5|FILE.vti", help_heading = "Output")]
@@ -131,19 +151,26 @@ pub struct Args {
     #[serde(skip)]
     plots: Option<PathBuf>,
     /// Components to draw and to compare; default: the components of --quantities in the plane of the slice
-    #[arg(long, value_delimiter = ',', value_name = "C1,C2,..", value_parser = Component::parser(), help_heading = "Output")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "C1,C2,..",
+        value_parser = Component::parser(),
+        help_heading = "Output"
+    )]
     #[serde(skip)]
     draw: Vec<Component>,
 }
 
 /// Flags of the depths. Exactly one is given, unless the slice is a plane.
-#[derive(ClapArgs, Clone, Debug, Default, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
 #[serde(default)]
 #[group(multiple = false)]
 #[command(next_help_heading = "Places")]
 struct PlaceArgs {
     /// Depths below the surface
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    #[option(kinds = Kinds::LENGTH)]
     depths: Vec<f64>,
     /// Number of depths at equal distances, from the surface to the base (or to --deepest)
     #[arg(long, value_name = "N")]
@@ -370,8 +397,6 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         plots,
     })
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// Returns the fields inside the `body` below the `surface` of the file `name`.

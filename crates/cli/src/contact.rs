@@ -48,6 +48,7 @@ use gfmd_run::source::Surface;
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
 use conductance::Conducting;
+use gfmd_problem::options::{Kinds, Options};
 pub use report::Report;
 use report::{Accurate, GridUsed};
 pub use statistics::measure;
@@ -57,7 +58,7 @@ use vtk::VtkFile;
 use whole::Whole;
 
 /// Flags of `contact`.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
@@ -85,13 +86,14 @@ pub struct Args {
     /// inf
     #[arg(
         long,
-        default_value = "inf",
+        default_value_t = Height::Infinite,
         value_name = "H|inf",
         value_parser = parse_height,
         allow_negative_numbers = true,
         help_heading = "Measurements"
     )]
     #[serde(skip_serializing_if = "is_infinite", with = "height")]
+    #[option(kinds = Kinds::LENGTH)]
     conductor_height: Height,
     /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
     #[arg(long, help_heading = "Measurements")]
@@ -131,7 +133,7 @@ pub struct Args {
 }
 
 /// Flags of the loads. Exactly one is given.
-#[derive(ClapArgs, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[group(required = true, multiple = false)]
 #[command(next_help_heading = "Load")]
@@ -139,6 +141,7 @@ pub(crate) struct ControlArgs {
     /// Mean pressures, stress; A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::STRESS)]
     pressure: Vec<Entry>,
     /// Reduced pressures p/(E* g)
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
@@ -153,6 +156,7 @@ pub(crate) struct ControlArgs {
         allow_negative_numbers = true
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::LENGTH)]
     approach: Vec<Entry>,
 }
 
@@ -500,7 +504,7 @@ impl StateHandler for Measuring<'_> {
         let Loads { prepared, conducting, drives, .. } = self.loads;
         let findings =
             Findings::of(self.args, (&prepared.surface, conducting), [repulsion.view(), state.gap()], &at, warn);
-        let findings = findings.map_err(|failure| failure.at(&format!("load {index}")))?;
+        let findings = findings.map_err(|failure| failure.at(format!("load {index}")))?;
         let seconds = started.elapsed().as_secs_f64();
         let finer = match is_cut {
             true => self.finer.iter().map(|_| Err(NOT_SOLVED.to_owned())).collect(),
@@ -566,8 +570,6 @@ pub fn stiffness(
         }
     })
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// Checks that the chosen fields exist and include all required ones.

@@ -4,8 +4,8 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use crate::program::kinds;
 use clap::{Arg, Command};
-use gfmd_problem::options::quantities::takes_units;
 use gfmd_run::failure::Failure;
 use gfmd_run::units::has_long;
 use gfmd_unit::Quantity;
@@ -149,7 +149,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             out.push(value.map_or_else(|| format!("--{long}"), |value| format!("--{long}={value}")));
             continue;
         }
-        let quantity = last.filter(|arg| takes_units(arg.get_id().as_str()));
+        let quantity = last.filter(|arg| kinds().contains_key(arg.get_id().as_str()));
         // Further values of a numeric option must be numbers.
         if quantity.is_some() && (!begins_as_number(&word) || is_file(&word)) {
             open = None;
@@ -198,7 +198,7 @@ fn one_unit(arg: &Arg, value: &str, word: &str) -> Result<(), Failure> {
     match entries.split([',', ':']).rev().skip(1).any(bare) {
         false => Ok(()),
         true => Err(Failure::value(
-            &format!("--{}", arg.get_long().unwrap_or_default()),
+            format!("--{}", arg.get_long().unwrap_or_default()),
             format!("{entries} {word}"),
             format!("numbers with a unit each, as in 1{unit},2{unit}"),
         )),
@@ -222,7 +222,7 @@ fn alone(
             let value = value.strip_prefix(&format!("--{flag}=")).unwrap_or(value);
             format!("unexpected argument '{word}' found; several values have commas between: --{flag} {value},{word}")
         }
-        (Some(arg), Some(value)) if !is_like_file && takes_units(arg.get_id().as_str()) => {
+        (Some(arg), Some(value)) if !is_like_file && kinds().contains_key(arg.get_id().as_str()) => {
             let flag = arg.get_long().unwrap_or_default();
             let error = Quantity::parse(&format!("1 {word}")).err();
             let reason = error.map_or_else(|| "a value has one unit".to_owned(), |error| error.to_string());

@@ -64,7 +64,7 @@ fn apart(written: &[(String, OsString)], read: &[(String, OsString)]) -> Result<
             }
             let whose = if flag.is_empty() { String::new() } else { format!(" of --{}", flag.replace('_', "-")) };
             let found = Path::new(path).display();
-            return Err(Failure::value(&format!("--{out}"), found, format!("another file than the input{whose}")));
+            return Err(Failure::value(format!("--{out}"), found, format!("another file than the input{whose}")));
         }
     }
     Ok(())

@@ -16,6 +16,7 @@ use std::time::Instant;
 
 use clap::Args as ClapArgs;
 use gfmd_files::{FileError, Output, target};
+use gfmd_problem::options::Options;
 use gfmd_problem::{MemoryNeed, Words, key, words};
 use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, run_shard};
 use serde::Deserialize;
@@ -36,7 +37,7 @@ use journal::{Finished, Journal, Size};
 use shards::Gathered;
 
 /// Flags of `kappa-sweep`.
-#[derive(ClapArgs, Clone, Debug, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd kappa-sweep
@@ -50,7 +51,7 @@ pub struct Args {
     /// Sweep to compute, by name
     #[arg(
         long,
-        default_value = Preset::Default.name(),
+        default_value_t = Preset::Default,
         value_parser = parse_choice::<Preset>(),
         conflicts_with = "config"
     )]
@@ -61,6 +62,7 @@ pub struct Args {
     pub config: Option<Configured>,
     /// Write the results to this file, and plots beside it
     #[arg(long, default_value = "kappa.h5", value_name = "FILE.h5")]
+    #[option(default = "kappa.h5".into())]
     pub out: PathBuf,
     /// Continue a sweep that was interrupted or killed
     #[arg(long)]
@@ -92,8 +94,6 @@ pub struct Args {
     #[arg(long, conflicts_with = "dry_run")]
     pub show_config: bool,
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 /// The bytes of a finished contact: in the journal, in the result and in the file.
 const CONTACT_BYTES: u64 = 1024;

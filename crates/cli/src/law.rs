@@ -11,13 +11,14 @@ use gfmd_problem::options::LawArgs;
 use gfmd_problem::{key, words};
 use serde::Serialize;
 
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 use gfmd_run::source::{length_unit, stress_unit};
 use gfmd_unit::Units;
 
 /// Flags of `law`.
-#[derive(ClapArgs, Clone, Debug)]
+#[derive(ClapArgs, Options, Clone, Debug)]
 #[command(after_help = "Examples:
   gfmd law --law morse --param gamma=1 --param range=0.2 --normal 0,0.1,0.4
   gfmd law --law npb --param phi_n=1 --param phi_t=0.8 --param delta_n=0.2 --param delta_t=0.3 \\
@@ -37,6 +38,7 @@ pub struct Args {
         allow_negative_numbers = true,
         help_heading = "Places"
     )]
+    #[option(kinds = Kinds::LENGTH)]
     normal: Vec<f64>,
     /// Tangential separations along one direction, one for each normal one; default 0
     #[arg(
@@ -46,6 +48,7 @@ pub struct Args {
         allow_negative_numbers = true,
         help_heading = "Places"
     )]
+    #[option(kinds = Kinds::LENGTH)]
     tangential: Vec<f64>,
     /// Unit of lengths without one, such as nm [default: the unit of the table]
     #[arg(long, value_name = "UNIT", value_parser = length_unit, help_heading = "Interface law")]

@@ -20,6 +20,7 @@ use crate::course::{Followed, PathInput, PathOptions, PathSettings, StepArgs};
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::hardness::GivenHardness;
@@ -33,7 +34,7 @@ pub use self::report::{Report, Sliding};
 const FRICTION_SOLVES: u64 = 10;
 
 /// Flags of `path`.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd path --n 256 --eps-f-inv 16 --law exponential --param gamma=2e-4,range=1.2e-3 \\
@@ -52,20 +53,29 @@ pub struct Args {
     body: BodyArgs,
     #[command(flatten)]
     #[serde(flatten)]
+    #[option(kinds = Kinds::COMPLIANCE)]
     compliance: ComplianceArgs,
     #[command(flatten)]
     #[serde(flatten)]
+    #[option(kinds = Kinds::PRONY)]
     prony: PronyArgs,
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
     /// Coulomb friction with this coefficient, at a hard wall
-    #[arg(long, value_name = "MU", conflicts_with_all = ["law", "shear_strength"], allow_negative_numbers = true, help_heading = "Contact")]
+    #[arg(
+        long,
+        value_name = "MU",
+        conflicts_with_all = ["law", "shear_strength"],
+        allow_negative_numbers = true,
+        help_heading = "Contact"
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     friction: Option<f64>,
     /// Friction with this shear strength (Tresca), stress, at a hard wall
     #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::STRESS)]
     shear_strength: Option<f64>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -80,6 +90,7 @@ pub struct Args {
         help_heading = "Contact"
     )]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::HARDNESS, array)]
     hardness: Option<GivenHardness>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -109,8 +120,6 @@ pub struct Args {
     #[serde(skip)]
     plots: Option<PathBuf>,
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// Returns the facts of the path; `line` is true for a profile.

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -21,6 +21,7 @@ use crate::{
 };
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
+use gfmd_problem::options::{KindsByKey, add_kinds};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::processes::agree;
 use gfmd_run::session::Session;
@@ -69,6 +70,25 @@ pub enum Command {
     Completions(completions::Args),
 }
 
+/// Returns the kinds of the numbers of all options, by key. Options of one key have the same kinds in all commands.
+pub fn kinds() -> &'static KindsByKey {
+    static ALL: OnceLock<KindsByKey> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let mut all = KindsByKey::new();
+        add_kinds::<contact::Args>(&mut all);
+        add_kinds::<punch::Args>(&mut all);
+        add_kinds::<body::Args>(&mut all);
+        add_kinds::<surface::Args>(&mut all);
+        add_kinds::<green::Args>(&mut all);
+        add_kinds::<path::Args>(&mut all);
+        add_kinds::<slide::Args>(&mut all);
+        add_kinds::<wear::Args>(&mut all);
+        add_kinds::<law::Args>(&mut all);
+        add_kinds::<theory::Args>(&mut all);
+        all
+    })
+}
+
 /// Parses the command line of the program called `name`, runs the command, and returns the exit status.
 pub fn start<C: Subcommand + Sync>(
     name: &'static str,
@@ -110,7 +130,7 @@ fn together<C: Subcommand + Sync>(
     }
     let command = named(Line::<C>::command(), name);
     let understood = guess::understood(&command, words.to_vec());
-    let plain = understood.and_then(|words| inputs::stay(&words).and_then(|()| of_words(&command, words)));
+    let plain = understood.and_then(|words| inputs::stay(&words).and_then(|()| of_words(&command, words, kinds())));
     let plain = match world {
         Some(world) => agree(&**world, plain),
         None => plain,
@@ -218,7 +238,7 @@ impl Command {
     /// Returns an error if the command has no table form, a key is unknown to it, or a value has another type.
     pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
         inputs::stay_in(&table)?;
-        of_table(name, &mut table, &arrays)?;
+        of_table(name, &mut table, &arrays, kinds())?;
         Ok(match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
             "slide" => Self::Slide(Box::new(of_keys(table, arrays)?)),

@@ -37,6 +37,7 @@ mod refinement;
 mod report;
 
 use comparison::Reference;
+use gfmd_problem::options::{Kinds, Options};
 
 pub use comparison::Comparison;
 pub use refinement::Refinement;
@@ -44,7 +45,7 @@ pub use report::Report;
 
 /// Flags of `punch`. The defaults are the case of the thesis (theory.md, section 0): lengths in micrometres, stress in
 /// GPa.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(
     after_help = "Points under the punch: point i of n lies at x = i L/n, the punch covers (1 - f)/2 < x/L < (1 + f)/2 \
@@ -69,13 +70,16 @@ pub struct Args {
         allow_negative_numbers = true,
         help_heading = "Punch"
     )]
+    #[option(kinds = Kinds::LENGTH)]
     size: f64,
     /// Height of the slab, or of the top layer; "inf" for a half-space; default: the length of the cell
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true, help_heading = "Body")]
     #[serde(with = "height_if")]
+    #[option(kinds = Kinds::LENGTH)]
     height: Option<Height>,
     /// Young's modulus, stress
     #[arg(long, default_value_t = 70.0, value_name = "E", allow_negative_numbers = true, help_heading = "Body")]
+    #[option(kinds = Kinds::STRESS)]
     young: f64,
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.33, value_name = "NU", allow_negative_numbers = true, help_heading = "Body")]
@@ -84,7 +88,13 @@ pub struct Args {
     #[serde(flatten)]
     others: OtherArgs,
     /// 3: a square punch; 2: a strip, in plane strain
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3", help_heading = "Punch")]
+    #[arg(
+        long,
+        default_value_t = 3,
+        value_parser = clap::value_parser!(u8).range(2..=3),
+        value_name = "2|3",
+        help_heading = "Punch"
+    )]
     #[serde(deserialize_with = "within::<2, 3, _, _>")]
     dim: u8,
     /// Points along each axis; default: the points of --mask, or 128
@@ -96,6 +106,7 @@ pub struct Args {
     punch_fraction: f64,
     /// Depth to which the punch is pressed, length; on a half-space, below the mean level of the surface
     #[arg(long, default_value_t = 0.005, value_name = "D", allow_negative_numbers = true, help_heading = "Punch")]
+    #[option(kinds = Kinds::LENGTH)]
     depth: f64,
     /// Condition under the punch
     #[arg(long, value_enum, default_value_t = ContactName::Sticking, help_heading = "Punch")]
@@ -105,17 +116,32 @@ pub struct Args {
     nodes: Nodes,
     /// Points under a punch of any shape, in place of --punch-fraction: .npy of shape [N, N] ([N] with --dim 2), or
     /// FILE.h5:/dataset; those other than 0 are under it
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["punch_fraction", "nodes", "refine"], help_heading = "Punch")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["punch_fraction", "nodes", "refine"],
+        help_heading = "Punch"
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(array)]
     mask: Option<ArrayOption>,
     /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim
     /// 2), or FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with = "refine", help_heading = "Punch")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(array)]
     traction: Option<ArrayOption>,
     /// Lateral displacement of a sticking punch, length
-    #[arg(long, value_delimiter = ',', value_name = "X,Y", num_args = 1..=2, allow_negative_numbers = true, help_heading = "Punch")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "X,Y",
+        num_args = 1..=2,
+        allow_negative_numbers = true,
+        help_heading = "Punch"
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
+    #[option(kinds = Kinds::LENGTH)]
     shift: Vec<f64>,
     /// The method (docs/solvers.md)
     #[arg(long, value_enum, default_value_t = SolverName::Auto, help_heading = "Solver")]
@@ -140,7 +166,13 @@ pub struct Args {
     #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N", help_heading = "Solver")]
     max_iterations: u64,
     /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8), value_name = "GRIDS", help_heading = "Punch")]
+    #[arg(
+        long,
+        default_value_t = 1,
+        value_parser = clap::value_parser!(u8).range(1..=8),
+        value_name = "GRIDS",
+        help_heading = "Punch"
+    )]
     #[serde(deserialize_with = "within::<1, 8, _, _>")]
     refine: u8,
     /// Compare the displacement with a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or
@@ -195,8 +227,6 @@ pub enum SolverName {
     /// Fast inertial relaxation engine
     Fire,
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// The method, with its time step and damping.

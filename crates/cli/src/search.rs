@@ -2,10 +2,11 @@
 
 use clap::Args;
 use gfmd_contact::Budget;
+use gfmd_problem::options::Options;
 use serde::{Deserialize, Serialize};
 
 /// Flags of the search for one state of a series.
-#[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Solver")]
 pub(crate) struct SearchArgs {
@@ -16,8 +17,6 @@ pub(crate) struct SearchArgs {
     #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N")]
     max_iterations: u64,
 }
-
-gfmd_problem::defaults_of_flags!(SearchArgs);
 
 impl SearchArgs {
     pub(crate) fn budget(self) -> Budget {

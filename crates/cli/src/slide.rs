@@ -38,9 +38,10 @@ use self::file::{StatesFile, fields};
 use self::heat::{HeatArgs, Source};
 pub use self::report::Report;
 use self::steady_state::SteadyState;
+use gfmd_problem::options::{Kinds, Options};
 
 /// Flags of `slide`.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(mut_arg("max_iterations", |arg| arg.help("Largest number of iterations for one state")))]
 #[command(after_help = "Examples:
@@ -57,12 +58,14 @@ pub struct Args {
     body: BodyArgs,
     #[command(flatten)]
     #[serde(flatten)]
+    #[option(kinds = Kinds::PRONY)]
     prony: PronyArgs,
     #[command(flatten)]
     #[serde(flatten)]
     control: ControlArgs,
     #[command(flatten)]
     #[serde(flatten)]
+    #[option(kinds = Kinds::HEAT)]
     heat: HeatArgs,
     /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times and of the
     /// diffusivity; A:B:N is N values from A to B in geometric steps. Each load is solved at each of them
@@ -75,6 +78,7 @@ pub struct Args {
         help_heading = "Load"
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::VELOCITY)]
     velocity: Vec<Entry>,
     /// Direction of the velocity, degrees from x
     #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_negative_numbers = true, help_heading = "Load")]
@@ -95,8 +99,6 @@ pub struct Args {
     #[serde(skip)]
     plots: Option<PathBuf>,
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     /// The problem that the flags ask for.
@@ -158,12 +160,12 @@ impl SlideInput {
         args.body.check_modulus(prepared.surface.unit.as_deref())?;
         let Prepared { surface, body, prony, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
-        let contact = contact.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
+        let contact = contact.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
         let sliding = match prony {
             Some(prony) => SlidingContact::new(contact, body, prony, args.prony.relaxes),
             None => SlidingContact::elastic(contact, body),
         };
-        let sliding = sliding.map_err(|refusal| Failure::input(&args.source.name(), refusal))?;
+        let sliding = sliding.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
         let loads = args.control.loads(prepared.unit_pressure()).collect();
         Ok(Self { prepared, sliding, heat, loads, velocities })
     }

@@ -30,6 +30,7 @@ use gfmd_problem::options::Method;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::parse_choice;
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
@@ -41,7 +42,7 @@ use file::Target;
 use listing::Listing;
 
 /// Flags of `surface`.
-#[derive(ClapArgs, Clone, Debug, Serialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize)]
 #[command(after_help = "Examples:
   gfmd surface --n 512 --hurst 0.8 --eps-t-inv 2 --eps-f-inv 64 --rms-gradient 0.1 --seed 7 --out h.npy
   gfmd surface --dim 2 --n 4096 --hurst 0.5 --eps-f-inv 256 --json
@@ -65,6 +66,7 @@ pub struct Args {
         help_heading = "Measurements"
     )]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::LENGTH)]
     fit_range: Vec<f64>,
     /// Window on the heights before their spectrum is computed, for the fit, the spectrum in a file and in a figure;
     /// heights and their statistics stay
@@ -72,7 +74,12 @@ pub struct Args {
     #[serde(skip_serializing_if = "Window::is_none")]
     window: Window,
     /// List the channels of the file with their units and points, and do nothing else
-    #[arg(long, requires = "surface", conflicts_with_all = ["out", "plots", "channel", "statistics", "report"], help_heading = "Output")]
+    #[arg(
+        long,
+        requires = "surface",
+        conflicts_with_all = ["out", "plots", "channel", "statistics", "report"],
+        help_heading = "Output"
+    )]
     #[serde(skip)]
     list: bool,
     /// Write the heights to this file, .npy, .x3p or .h5; a .h5 file also has statistics and radially averaged spectrum

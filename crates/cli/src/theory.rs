@@ -16,13 +16,14 @@ use serde::Serialize;
 use crate::session::list_files;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::Method;
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use gfmd_run::source::SourceArgs;
 
 /// Flags of `theory`.
-#[derive(ClapArgs, Clone, Debug)]
+#[derive(ClapArgs, Options, Clone, Debug)]
 #[command(after_help = "Examples:
   gfmd theory --n 512 --hurst 0.8 --p-star 0.001,0.01,0.1
   gfmd theory --n 512 --height 0.05 --poisson 0.49 --p-star 0.02 --plots theory
@@ -37,13 +38,14 @@ pub struct Args {
         long,
         value_delimiter = ',',
         value_name = "P1,P2,..",
-        default_value = "0.001,0.01,0.05,0.1,0.3,1",
+        default_values_t = [0.001, 0.01, 0.05, 0.1, 0.3, 1.0],
         allow_negative_numbers = true,
         help_heading = "Load"
     )]
     p_star: Vec<f64>,
     /// Wavelengths below which the roughness is not seen, for the area at a magnification
     #[arg(long, value_delimiter = ',', value_name = "L1,L2,..", allow_negative_numbers = true, help_heading = "Load")]
+    #[option(kinds = Kinds::LENGTH)]
     wavelength: Vec<f64>,
     /// Draw area, mean gap and distribution of pressure: PREFIX-area.svg, PREFIX-gap.svg, PREFIX-pressure.svg, and .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]

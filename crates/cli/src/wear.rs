@@ -23,11 +23,12 @@ use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use crate::course::{Followed, LoadArgs, PathInput, PathOptions, PathSettings, StepArgs, counted, legs, lengths};
+use gfmd_problem::options::{Kinds, Options};
 
 pub use self::report::Report;
 
 /// Flags of `wear`.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(mut_arg("steps", |arg| arg.help("Steps of a leg")))]
 #[command(after_help = "Examples:
@@ -42,6 +43,7 @@ pub struct Args {
     body: BodyArgs,
     #[command(flatten)]
     #[serde(flatten)]
+    #[option(kinds = Kinds::COMPLIANCE)]
     compliance: ComplianceArgs,
     #[command(flatten)]
     #[serde(flatten)]
@@ -60,11 +62,13 @@ pub struct Args {
         help_heading = "Waypoints"
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::LENGTH)]
     distance: Vec<Entry>,
     /// Wear coefficient over hardness, of both surfaces together, 1/stress: the depth lost per distance, over the
     /// pressure
     #[arg(long, value_name = "K", required = true, allow_negative_numbers = true, help_heading = "Wear")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::WEAR)]
     coefficient: Option<f64>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -76,8 +80,6 @@ pub struct Args {
     #[serde(skip)]
     plots: Option<PathBuf>,
 }
-
-gfmd_problem::defaults_of_flags!(Args);
 
 impl Args {
     fn facts(&self, line: bool) -> Facts {

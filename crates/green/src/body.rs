@@ -19,6 +19,16 @@ pub enum Height {
     Infinite,
 }
 
+impl std::fmt::Display for Height {
+    /// Writes the length, or `inf`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Finite(height) => height.fmt(f),
+            Self::Infinite => f.write_str("inf"),
+        }
+    }
+}
+
 /// Boundary condition at the bottom of a slab.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Base {

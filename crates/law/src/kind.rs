@@ -178,6 +178,12 @@ impl LawKind {
     }
 }
 
+impl std::fmt::Display for LawKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 impl std::str::FromStr for LawKind {
     type Err = LawError;
 

@@ -30,6 +30,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+extern crate self as gfmd_problem;
+
 mod accuracy;
 mod adhesion;
 mod facts;

@@ -1,5 +1,6 @@
 //! Options of a problem: groups of named values that command line flags, configuration tables and Python dictionaries
-//! fill alike. A field is an option; its doc comment is the help, its name the key.
+//! fill alike. A field is an option: its doc comment is the help, its name the key, its clap attribute has flag and
+//! default, and `#[option(kinds = ..)]` the kind of its numbers ([`Options`]).
 
 mod body;
 mod choice;
@@ -21,4 +22,23 @@ pub use dynamics::{DampedBy, DynamicsArgs};
 pub use generator::{GeneratorArgs, LARGEST_SEED, Method};
 pub use law::LawArgs;
 pub use prony::{PronyArgs, Relaxation};
+pub use quantities::{Kinds, KindsByKey};
 pub use solver::SolverArgs;
+
+pub use gfmd_derive::Options;
+
+/// A group of options, derived from its fields (`gfmd-derive`).
+pub trait Options: Default {
+    /// Calls `see` with the key and the kinds of each option whose numbers may have a unit.
+    fn kinds(see: &mut dyn FnMut(&'static str, Kinds));
+
+    /// Takes the values of options that are arrays in memory.
+    fn take_arrays(&mut self, arrays: &mut given::Arrays);
+}
+
+/// Adds the kinds of the options of a group.
+pub fn add_kinds<O: Options>(kinds: &mut KindsByKey) {
+    O::kinds(&mut |key, of_option| {
+        kinds.insert(key, of_option);
+    });
+}

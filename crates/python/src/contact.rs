@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use gfmd_cli::contact::{Args, measure, stiffness};
+use gfmd_cli::program::kinds;
 use gfmd_contact::{
     Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
 };
@@ -98,7 +99,7 @@ pub(crate) fn described(
     values: &Bound<'_, PyDict>,
 ) -> PyResult<ContactArgs> {
     let (mut table, arrays) = (table(problem)?, arrays(values)?);
-    of_table("contact", &mut table, &arrays).map_err(|failure| unusable(py, failure))?;
+    of_table("contact", &mut table, &arrays, kinds()).map_err(|failure| unusable(py, failure))?;
     of_keys(table, arrays).map_err(|error| unusable(py, error))
 }
 

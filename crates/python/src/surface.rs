@@ -26,13 +26,13 @@ pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
 
 /// Generates a self-affine surface: heights, cell lengths, description. Arguments are the flags of `gfmd surface`.
 #[pyfunction]
-#[pyo3(signature = (*, n, length, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed, dim, method,
+#[pyo3(signature = (*, n, size, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed, dim, method,
     roll_off, roll_off_shape, amplitudes))]
 #[expect(clippy::too_many_arguments, reason = "keywords")]
 pub(crate) fn self_affine<'py>(
     py: Python<'py>,
     n: Vec<usize>,
-    length: Vec<f64>,
+    size: Vec<f64>,
     hurst: f64,
     eps_t_inv: Option<f64>,
     eps_f_inv: Option<f64>,
@@ -71,7 +71,7 @@ pub(crate) fn self_affine<'py>(
         amplitudes: amplitudes.parse().map_err(|error| refused(py, &error))?,
     };
     let made = quick(py, || {
-        let grid = gfmd_run::source::grid_of(&args, &length)?;
+        let grid = gfmd_run::source::grid_of(&args, &size)?;
         Ok((args.heights(&grid)?, grid.lengths()))
     })?;
     let (heights, lengths) = made.map_err(|failure| failed(py, failure))?;

@@ -2,6 +2,7 @@
 
 use gfmd_files::Reader;
 use gfmd_plot::{Chart, Mark, Point, Series};
+use gfmd_problem::options::Kinds;
 use maud::html;
 
 use crate::figures::{area_chart, theories};
@@ -94,7 +95,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         Some(toml::Value::String(file)) => {
             page.asked.push(Fact::new("hardness", &format!("that of each point, {file}")))
         }
-        Some(hardness) => page.asked.push(Fact(html! { "hardness" }, option("hardness", hardness, &loads.units()))),
+        Some(hardness) => {
+            page.asked.push(Fact(html! { "hardness" }, option(Kinds::HARDNESS, hardness, &loads.units())))
+        }
         None => {}
     }
     page.asked.push(Fact::new("loads", &format!("{} ({})", loads.len(), controlled(&table))));

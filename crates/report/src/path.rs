@@ -2,6 +2,7 @@
 
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+use gfmd_problem::options::Kinds;
 use maud::html;
 
 use crate::figures::{largest as farthest, length};
@@ -104,12 +105,26 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let friction = ["friction", "shear_strength"].into_iter().find(|name| table.contains_key(*name));
     let law = friction.map_or_else(|| word("law"), |name| format!("hard wall, {}", name.replace('_', " ")));
     page.asked(&surface, &table, &law);
-    let ways = ["pressure", "p_star", "approach", "lateral", "time"].map(|name| (name, "waypoints, "));
-    let others = ["prony", "moduli", "relaxes", "friction", "shear_strength", "hardness"].map(|name| (name, ""));
-    for (name, of) in ways.into_iter().chain(others) {
+    let of_waypoints = [
+        ("pressure", Kinds::STRESS),
+        ("p_star", Kinds::NUMBER),
+        ("approach", Kinds::LENGTH),
+        ("lateral", Kinds::LENGTH),
+        ("time", Kinds::TIME),
+    ];
+    let others = [
+        ("prony", Kinds::PRONY),
+        ("moduli", Kinds::NUMBER),
+        ("relaxes", Kinds::NUMBER),
+        ("friction", Kinds::NUMBER),
+        ("shear_strength", Kinds::STRESS),
+        ("hardness", Kinds::HARDNESS),
+    ];
+    let of_waypoints = of_waypoints.map(|(name, kinds)| (name, kinds, "waypoints, "));
+    for (name, kinds, of) in of_waypoints.into_iter().chain(others.map(|(name, kinds)| (name, kinds, ""))) {
         if let Some(value) = table.get(name) {
             let term = format!("{of}{}", name.replace("p_star", "p*").replace('_', " "));
-            page.asked.push(Fact(html! { (term) }, option(name, value, &units)));
+            page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
         }
     }
     page.asked.push(Fact::new("steps between waypoints", &word("steps")));

@@ -3,6 +3,7 @@
 use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
+use gfmd_problem::options::Kinds;
 use gfmd_record::{Record, Sliding, SlidingFacts, with_limit};
 use gfmd_unit::Units;
 use maud::html;
@@ -136,19 +137,19 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let surface = StoredSurface::read(reader);
     page.asked(&surface, &table, "hard wall");
-    for (term, key) in [
-        ("branches (relaxation time, fraction)", "prony"),
-        ("modulus that the branches relax", "moduli"),
-        ("part that relaxes", "relaxes"),
-        ("velocities", "velocity"),
-        ("pressures", "pressure"),
-        ("reduced pressures", "p_star"),
-        ("direction of sliding, degrees", "direction"),
-        ("conductivity and diffusivity", "heat"),
-        ("friction of the interface", "friction"),
+    for (term, key, kinds) in [
+        ("branches (relaxation time, fraction)", "prony", Kinds::PRONY),
+        ("modulus that the branches relax", "moduli", Kinds::NUMBER),
+        ("part that relaxes", "relaxes", Kinds::NUMBER),
+        ("velocities", "velocity", Kinds::VELOCITY),
+        ("pressures", "pressure", Kinds::STRESS),
+        ("reduced pressures", "p_star", Kinds::NUMBER),
+        ("direction of sliding, degrees", "direction", Kinds::NUMBER),
+        ("conductivity and diffusivity", "heat", Kinds::HEAT),
+        ("friction of the interface", "friction", Kinds::NUMBER),
     ] {
         if let Some(value) = table.get(key) {
-            page.asked.push(Fact(html! { (term) }, option(key, value, &units)));
+            page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
         }
     }
     let tolerance = of(&table, "tolerance");

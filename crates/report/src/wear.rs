@@ -3,6 +3,7 @@
 use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
+use gfmd_problem::options::Kinds;
 use maud::html;
 
 use crate::figures::{Drawn, field, largest, length, short, sides};
@@ -123,15 +124,15 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let coefficient = of(&table, "coefficient");
     let term = if units.stress().is_some() { "wear coefficient" } else { "wear coefficient (1/stress)" };
     page.asked.push(Fact(html! { (term) }, with_unit(coefficient, "1/stress", &units)));
-    for (term, key) in [
-        ("distances of the legs", "distance"),
-        ("waypoints, pressure", "pressure"),
-        ("waypoints, p*", "p_star"),
-        ("waypoints, approach", "approach"),
-        ("steps of a leg", "steps"),
+    for (term, key, kinds) in [
+        ("distances of the legs", "distance", Kinds::LENGTH),
+        ("waypoints, pressure", "pressure", Kinds::STRESS),
+        ("waypoints, p*", "p_star", Kinds::NUMBER),
+        ("waypoints, approach", "approach", Kinds::LENGTH),
+        ("steps of a leg", "steps", Kinds::NUMBER),
     ] {
         if let Some(value) = table.get(key) {
-            page.asked.push(Fact(html! { (term) }, option(key, value, &units)));
+            page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
         }
     }
     let tolerance = of(&table, "tolerance");

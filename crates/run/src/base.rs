@@ -15,10 +15,11 @@ use serde::{Deserialize, Serialize};
 use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
+use gfmd_problem::options::Options;
 use gfmd_problem::options::given::ArrayOption;
 
 /// Flags of a base that moves.
-#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Base")]
 pub struct BaseArgs {
@@ -26,10 +27,12 @@ pub struct BaseArgs {
     /// profile n values or [n, 2]
     #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(array)]
     pub base_displacement: Option<ArrayOption>,
     /// Traction on the lower face of a plate (--base free), of mean zero, in the same form
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(array)]
     pub base_traction: Option<ArrayOption>,
 }
 

@@ -26,6 +26,12 @@ pub enum GivenHardness {
     Field(ArrayOption),
 }
 
+impl From<ArrayOption> for GivenHardness {
+    fn from(array: ArrayOption) -> Self {
+        Self::Field(array)
+    }
+}
+
 impl FromStr for GivenHardness {
     type Err = std::convert::Infallible;
 

@@ -9,11 +9,12 @@ use serde::{Deserialize, Serialize};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::source::{Detrend, SourceArgs, Surface};
+use gfmd_problem::options::Options;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::{GeneratorArgs, LARGEST_SEED};
 
 /// Flags of a rigid surface below the slab.
-#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Lower surface")]
 pub struct LowerArgs {
@@ -21,6 +22,7 @@ pub struct LowerArgs {
     /// same points; prepared by the flags of --surface if that is given
     #[arg(long, value_name = "FILE", conflicts_with = "lower_seed")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(array)]
     pub lower_surface: Option<ArrayOption>,
     /// Seed of a generated surface below the slab, below 2^63, with the spectrum of the upper one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]

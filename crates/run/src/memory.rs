@@ -91,7 +91,7 @@ pub fn check_count(name: impl Into<Words>, what: &str, count: u64, each: u64) ->
 /// Returns an error if more memory is needed than available.
 pub fn check_file(reader: &Reader) -> Result<(), Failure> {
     let Some((variable, bytes)) = reader.largest() else { return Ok(()) };
-    check(&reader.path().display().to_string(), &format!("the values of {variable}"), bytes, 0)
+    check(reader.path().display().to_string(), &format!("the values of {variable}"), bytes, 0)
 }
 
 /// Refuses a need that exceeds the available memory plus the memory already `held`.

@@ -21,10 +21,11 @@ use gfmd_files::{Journal, JournalError, Output};
 use gfmd_problem::{Unusable, Words, key, words};
 
 use crate::failure::Failure;
+use gfmd_problem::options::Options;
 use snapshot::{Stored, Writer};
 
 /// The flag of a command that can be continued.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Options, Clone, Copy, Debug)]
 #[command(next_help_heading = "Long runs")]
 pub struct ResumeArgs {
     /// Continue a run that was interrupted or killed, from what is kept beside --out
@@ -33,7 +34,7 @@ pub struct ResumeArgs {
 }
 
 /// The flag of a command that copies a running solve.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Options, Clone, Copy, Debug)]
 #[command(next_help_heading = "Long runs")]
 pub struct CheckpointArgs {
     /// Time between two copies of the running solve beside --out; 0 for none
@@ -143,7 +144,7 @@ impl<'a> UnfinishedRun<'a> {
         self.finished = self.state.as_ref().map_or(0, Stored::parts);
         if self.finished > parts || self.finished > journal.len() {
             let found = format!("it is of part {}; the journal has {}", self.finished, journal.len());
-            return Err(Failure::input(&state.display().to_string(), found));
+            return Err(Failure::input(state.display().to_string(), found));
         }
         // A kill between the two writes leaves a record without its state.
         journal.keep_first(self.finished).map_err(refused)?;

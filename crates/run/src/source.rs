@@ -24,10 +24,11 @@ use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{named, named_if, parse_choice};
 use gfmd_problem::{SIZES, check_size, key, setting, words};
 
+use gfmd_problem::options::{Kinds, Options};
 use scan::{PeriodicScan, Scan};
 
 /// Flags that name or describe a surface.
-#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Surface")]
 pub struct SourceArgs {
@@ -41,6 +42,7 @@ pub struct SourceArgs {
         ]
     )]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(array)]
     pub surface: Option<ArrayOption>,
     /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only
     /// one
@@ -70,6 +72,7 @@ pub struct SourceArgs {
         allow_negative_numbers = true
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
+    #[option(kinds = Kinds::LENGTH)]
     pub size: Vec<f64>,
     /// Factor by which each side has more points than the file: heights in between follow from the waves of the
     /// periodic surface. For a generated surface --n gives the points
@@ -89,7 +92,7 @@ pub struct SourceArgs {
     #[arg(long, value_enum, default_value_t = Detrend::None)]
     pub detrend: Detrend,
     /// Method to make the heights of a file periodic
-    #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value = "as-is")]
+    #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value_t = Periodisation::AsIs)]
     #[serde(with = "named")]
     pub periodise: Periodisation,
     /// Change the sign of the heights of a file, if its peaks point away from the body
@@ -99,6 +102,7 @@ pub struct SourceArgs {
     /// point at the first surface, and x and y are the same places on both
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(array)]
     pub second_surface: Option<ArrayOption>,
     /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves;
     /// with --boundary free whole steps only, and the part in common stays
@@ -111,6 +115,7 @@ pub struct SourceArgs {
         allow_negative_numbers = true
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
+    #[option(kinds = Kinds::LENGTH)]
     pub shift: Vec<f64>,
     /// The generator.
     #[command(flatten)]
@@ -377,8 +382,6 @@ const ROUGH_SEAM: f64 = 2.0;
 /// Relative difference up to which the lengths of two cells count as equal; headers have some six digits.
 const SAME_LENGTH: f64 = 1e-6;
 
-gfmd_problem::defaults_of_flags!(SourceArgs);
-
 impl SourceArgs {
     /// Returns the name of the surface in messages: its file, `surface` for an array, or `the generated surface`.
     pub fn name(&self) -> String {
@@ -466,7 +469,7 @@ impl SourceArgs {
     /// otherwise the first one makes or reads all heights, and distributes them.
     fn made(&self, boundary: Boundary, session: &Session) -> Result<LoadedHeights, Failure> {
         let Some(ranks) = session.ranks() else { return self.whole(boundary) };
-        let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(&self.name(), error));
+        let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(self.name(), error));
         if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
             // Another machine may have less memory.
             let grid = session.agree(generated_grid(&self.generator, &self.size, session.processes()))?;

@@ -11,9 +11,10 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::failure::Failure;
+use gfmd_problem::options::{Kinds, Options};
 
 /// Flags of the record.
-#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Long runs")]
 pub struct TraceArgs {
@@ -28,6 +29,7 @@ pub struct TraceArgs {
     /// Record the displacement component at the point nearest to this position, too; repeatable (dynamics only)
     #[arg(long, value_name = "X,Y,COMPONENT", requires = "history", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::list(&[&["length", "length", "1"]]))]
     history_point: Vec<PointOf>,
 }
 

@@ -6,7 +6,8 @@ use std::ffi::OsString;
 use clap::{Arg, Command};
 use gfmd_files::{Reader, Topography, split_dataset};
 use gfmd_problem::options::given::{ArrayOption, Arrays};
-use gfmd_problem::options::quantities::{Sought, columns, is_rows, takes_units, text_in_units, value_in_units};
+use gfmd_problem::options::quantities::{Sought, is_rows, text_in_units, value_in_units};
+use gfmd_problem::options::{Kinds, KindsByKey};
 use gfmd_unit::Units;
 use toml::{Table, Value};
 
@@ -33,7 +34,7 @@ fn without_units(command: &str) -> bool {
 /// The refusal of a quantity with a unit by a command without units.
 fn refused(command: &str, key: &str, text: &str) -> Failure {
     let allowed = format!("a number without a unit, since the lengths of {command} have none");
-    Failure::value(&format!("--{}", key.replace('_', "-")), text, allowed)
+    Failure::value(format!("--{}", key.replace('_', "-")), text, allowed)
 }
 
 /// The units of the first row `A:B` of a table; none of numbers without one.
@@ -95,7 +96,7 @@ pub fn has_long(option: &Arg, name: &str) -> bool {
 /// # Errors
 /// Returns an error for a text that is not a unit, a quantity of another kind than its option, a quantity without a
 /// unit of lengths, or a table that cannot be read.
-pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
+pub fn of_words(command: &Command, words: Vec<OsString>, kinds: &KindsByKey) -> Result<Vec<OsString>, Failure> {
     let Some(sub) = words.iter().find_map(|word| command.find_subcommand(word)) else { return Ok(words) };
     // The place of each value, the key of its option, and what stands before it in its word.
     let mut values: Vec<(usize, String, String, String)> = Vec::new();
@@ -125,27 +126,27 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
     }
     let mut words = words;
     for (index, key, before, text) in &mut values {
-        let columns = columns(key);
+        let columns = kinds.get(&**key).map_or(&[][..], Kinds::columns);
         if !columns.is_empty() && !is_rows(text) {
-            let flag = format!("--{}", key.replace('_', "-"));
             // A command without units takes the numbers of the table, whatever its units.
-            *text = table::rows(&flag, text, &columns, !without_units(sub.get_name()))?;
+            *text = table::rows(key, text, columns, !without_units(sub.get_name()))?;
             words[*index] = format!("{before}{text}").into();
         }
     }
     let mut sought = Sought::default();
-    for (_, key, _, text) in &values {
-        text_in_units(key, text, &mut sought)?;
+    let with_kinds = || values.iter().filter_map(|value| Some((value, *kinds.get(&*value.1)?)));
+    for ((_, key, _, text), kinds) in with_kinds() {
+        text_in_units((key, kinds), text, &mut sought)?;
     }
     if !sought.any {
         return Ok(words);
     }
     let value_of = |name: &str| values.iter().find(|(_, key, ..)| key == name).map(|(.., text)| text.clone());
-    let has_unit = |(_, key, _, text): &&(_, String, _, String)| {
-        matches!(text_in_units(key, text, &mut Sought::default()), Ok(Some(_)))
+    let has_unit = |((_, key, _, text), kinds): &(&(usize, String, String, String), Kinds)| {
+        matches!(text_in_units((key, *kinds), text, &mut Sought::default()), Ok(Some(_)))
     };
     if without_units(sub.get_name())
-        && let Some((_, key, _, text)) = values.iter().find(has_unit)
+        && let Some(((_, key, _, text), _)) = with_kinds().find(has_unit)
     {
         return Err(refused(sub.get_name(), key, text));
     }
@@ -175,8 +176,8 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
         }
     }
     let units = source.units()?;
-    for (index, key, before, text) in &values {
-        if let Some(text) = text_in_units(key, text, &mut &units)? {
+    for ((index, key, before, text), kinds) in with_kinds() {
+        if let Some(text) = text_in_units((key, kinds), text, &mut &units)? {
             words[*index] = format!("{before}{text}").into();
         }
     }
@@ -191,10 +192,12 @@ pub fn of_words(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>
 ///
 /// # Errors
 /// The errors of `of_words`.
-pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays) -> Result<(), Failure> {
+pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &KindsByKey) -> Result<(), Failure> {
     let mut sought = Sought::default();
-    for (key, value) in table.iter().filter(|(key, _)| takes_units(key)) {
-        value_in_units(key, &mut value.clone(), &mut sought)?;
+    for (key, value) in &*table {
+        if let Some(kinds) = kinds.get(&**key) {
+            value_in_units((key, *kinds), &mut value.clone(), &mut sought)?;
+        }
     }
     if !sought.any {
         return Ok(());
@@ -202,7 +205,9 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays) -> Result<(),
     if without_units(command)
         && let Some(found) = table.iter().find(|(key, value)| {
             let mut sought = Sought::default();
-            value_in_units(key, &mut (*value).clone(), &mut sought).is_ok() && sought.any
+            let found =
+                kinds.get(&***key).map(|kinds| value_in_units((key, *kinds), &mut (*value).clone(), &mut sought));
+            found.is_some_and(|found| found.is_ok()) && sought.any
         })
     {
         return Err(refused(command, found.0, &found.1.to_string()));
@@ -217,7 +222,9 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays) -> Result<(),
     }
     let units = source.units()?;
     for (key, value) in table.iter_mut() {
-        value_in_units(key, value, &mut &units)?;
+        if let Some(kinds) = kinds.get(&**key) {
+            value_in_units((key, *kinds), value, &mut &units)?;
+        }
     }
     if command != BODY && sought.stress && units.stress().is_none() {
         table.insert(STRESS_UNIT.into(), Units::PASCAL.into());

@@ -39,6 +39,12 @@ impl gfmd_problem::options::Choice for Preset {
     }
 }
 
+impl std::fmt::Display for Preset {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
 impl Preset {
     /// All presets.
     pub const ALL: [Self; 5] = [Self::Smoke, Self::Default, Self::Thesis, Self::Prodanov, Self::Line];

@@ -84,7 +84,7 @@ impl fmt::Display for Solve {
 pub fn run(args: &Args) -> Result<Solve, Failure> {
     let baseline_bytes = peak_bytes();
     let heights: Array2<f64> =
-        read_npy(&args.surface).map_err(|error| Failure::input(&args.surface.display().to_string(), error))?;
+        read_npy(&args.surface).map_err(|error| Failure::input(args.surface.display().to_string(), error))?;
     let (nx, ny) = heights.dim();
     let refused = |error: &dyn fmt::Display| Failure::input("--surface", error);
     let grid = Grid::new([nx, ny], [1.0, ny as f64 / nx as f64]).map_err(|error| refused(&error))?;

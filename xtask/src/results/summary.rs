@@ -127,7 +127,7 @@ impl Summaries {
 
     fn parsed<T: DeserializeOwned>(&self, name: &str) -> Result<T, Failure> {
         let path = self.folder.join(format!("{name}.json"));
-        let refuse = |error: &dyn std::fmt::Display| Failure::input(&path.display().to_string(), error);
+        let refuse = |error: &dyn std::fmt::Display| Failure::input(path.display().to_string(), error);
         let text = std::fs::read_to_string(&path).map_err(|error| refuse(&error))?;
         serde_json::from_str(&text).map_err(|error| refuse(&error))
     }

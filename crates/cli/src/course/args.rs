@@ -11,18 +11,29 @@ use gfmd_run::resume::ResumeArgs;
 use serde::{Deserialize, Serialize};
 
 use crate::search::SearchArgs;
+use gfmd_problem::options::Options;
 
 /// Flags of the surroundings of a path, and of the numbers of its steps.
-#[derive(ClapArgs, Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct PathOptions {
     /// The surroundings of the surface; free: a patch that does not repeat
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic, help_heading = "Contact")]
+    #[arg(
+        long,
+        value_parser = parse_choice::<Boundary>(),
+        default_value_t = Boundary::Periodic,
+        help_heading = "Contact"
+    )]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
     pub(crate) boundary: Boundary,
     /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
     /// too
-    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate, help_heading = "Accuracy")]
+    #[arg(
+        long,
+        value_parser = parse_choice::<GridError>(),
+        default_value_t = GridError::Estimate,
+        help_heading = "Accuracy"
+    )]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     grid_error: GridError,
     /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
@@ -30,8 +41,6 @@ pub(crate) struct PathOptions {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow: bool,
 }
-
-gfmd_problem::defaults_of_flags!(PathOptions);
 
 fn is_periodic(boundary: &Boundary) -> bool {
     *boundary == Boundary::Periodic
@@ -46,11 +55,17 @@ impl PathOptions {
 }
 
 /// Flags of the steps of a path, of the search for each, and of the file.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct StepArgs {
     /// Steps from one waypoint to the next
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N", help_heading = "Waypoints")]
+    #[arg(
+        long,
+        default_value_t = 20,
+        value_parser = clap::value_parser!(u32).range(1..),
+        value_name = "N",
+        help_heading = "Waypoints"
+    )]
     #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
     pub(crate) steps: u32,
     #[command(flatten)]
@@ -64,5 +79,3 @@ pub(crate) struct StepArgs {
     #[serde(skip)]
     pub(crate) out: Option<PathBuf>,
 }
-
-gfmd_problem::defaults_of_flags!(StepArgs);

@@ -4,6 +4,7 @@ use crate::contact::one_of_loads;
 use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_problem::{key, words};
 use gfmd_run::failure::Failure;
 use gfmd_run::memory;
@@ -17,13 +18,14 @@ const MOST_STEPS: u64 = 1_000_000;
 const STEP_BYTES: u64 = 4096;
 
 /// The flags of the loads, or of the approaches. A single value holds for all waypoints.
-#[derive(ClapArgs, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Waypoints")]
 pub(crate) struct LoadArgs {
     /// Mean pressures, stress; a negative one pulls; A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::STRESS)]
     pressure: Vec<Entry>,
     /// Reduced pressures p/(E* g); a negative one pulls
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
@@ -40,6 +42,7 @@ pub(crate) struct LoadArgs {
         allow_negative_numbers = true
     )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::LENGTH)]
     approach: Vec<Entry>,
 }
 

@@ -66,7 +66,7 @@ fn of_text(text: &str, place: impl Fn(&str) -> String) -> Result<Config, Failure
     toml::from_str(text).map_err(|error: toml::de::Error| {
         let before = &text[..error.span().map_or(0, |span| span.start.min(text.len()))];
         let reason = error.message().replace('\n', ", ");
-        Failure::input(&place(before), field(before).map_or(reason.clone(), |field| format!("{field}: {reason}")))
+        Failure::input(place(before), field(before).map_or(reason.clone(), |field| format!("{field}: {reason}")))
     })
 }
 
@@ -90,7 +90,7 @@ fn bare(name: &str, config: &mut Table) -> Result<bool, Failure> {
 fn bare_in(name: &str, field: &str, value: &mut Value, is_modulus: bool) -> Result<bool, Failure> {
     match value {
         Value::String(text) => {
-            let refuse = |error: String| Failure::input(&format!("{name}: {field}"), format!("{text:?}: {error}"));
+            let refuse = |error: String| Failure::input(format!("{name}: {field}"), format!("{text:?}: {error}"));
             let quantity = match Quantity::parse(text) {
                 Ok(Some(quantity)) => quantity,
                 Err(error) if is_modulus => return Err(refuse(error.to_string())),
@@ -99,7 +99,7 @@ fn bare_in(name: &str, field: &str, value: &mut Value, is_modulus: bool) -> Resu
             if !is_modulus {
                 let reason = "a sweep has no unit of lengths: its cell has length 1, heights of bodies are over that \
                               length, and loads and surfaces are ratios; moduli alone may have a unit";
-                return Err(Failure::input(&format!("{name}: {field} is {text:?}"), reason));
+                return Err(Failure::input(format!("{name}: {field} is {text:?}"), reason));
             }
             let units = Units::new(Some("m"), Some(Units::PASCAL));
             let pascals = units.value(&quantity, "stress").map_err(|error| refuse(error.to_string()))?;

@@ -10,9 +10,10 @@ use gfmd_run::failure::Failure;
 use gfmd_run::series::Places;
 
 use crate::course::{LoadArgs, counted, legs, lengths};
+use gfmd_problem::options::{Kinds, Options};
 
 /// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
-#[derive(ClapArgs, Clone, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Waypoints")]
 pub(super) struct WaypointArgs {
@@ -22,18 +23,18 @@ pub(super) struct WaypointArgs {
     /// Lateral displacements of the rigid surface, length; with them all components of the surface move
     #[arg(long, value_delimiter = ',', value_name = "X1,X2,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::LENGTH)]
     pub(super) lateral: Vec<f64>,
     /// Durations of the legs on a viscoelastic body. Each leg ends at a waypoint; the first begins at first touch;
     /// a leg of no time is a jump
     #[arg(long, value_delimiter = ',', value_name = "T1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::TIME)]
     pub(super) time: Vec<Entry>,
     /// Direction of the lateral displacement, degrees from x
     #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_negative_numbers = true)]
     direction: f64,
 }
-
-gfmd_problem::defaults_of_flags!(WaypointArgs);
 
 impl WaypointArgs {
     /// Returns the drive of every step, and the steps that are waypoints.

@@ -4,6 +4,7 @@ use clap::Args;
 use gfmd_contact::Budget;
 use gfmd_field::Grid;
 use gfmd_heat::{Flash, HeatError, Heated, Thermal, Watch};
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_problem::{SIZES, key, words};
 use gfmd_run::failure::Failure;
 use gfmd_viscoelastic::Velocity;
@@ -11,13 +12,14 @@ use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 /// Flags of the heat that friction makes.
-#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Flash temperature")]
 pub(super) struct HeatArgs {
     /// Conductivity and diffusivity of the body, then of the rough surface if it shares the heat
     #[arg(long, value_delimiter = ',', value_name = "K,ALPHA[,K2,ALPHA2]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::HEAT)]
     heat: Vec<f64>,
     /// Coefficient of friction of the interface, which makes the heat friction p v
     #[arg(long, value_name = "MU", allow_negative_numbers = true)]

@@ -10,7 +10,6 @@ use clap::{Arg, ArgAction, Command};
 use gfmd_cli::program;
 use gfmd_problem::argument;
 use gfmd_problem::options::flags::keys;
-use gfmd_problem::options::quantities;
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_run::series::ContactArgs;
 use gfmd_run::source::SourceArgs;
@@ -26,7 +25,7 @@ fn compare(file: &str, text: &str) {
 
 /// Returns the kinds of the numbers of an option; empty if they have no unit.
 fn kinds(key: &str) -> Vec<&'static str> {
-    quantities::kinds(key).map_or_else(Vec::new, <[_]>::to_vec)
+    program::kinds().get(key).map_or_else(Vec::new, |kinds| kinds.in_turn().to_vec())
 }
 
 fn key(arg: &Arg) -> &str {

@@ -44,7 +44,7 @@ fn both_faces_are_recorded_recomputed_and_drawn() {
     assert!(mean(&v) > 0.0 && (mean(&u) + mean(&v)).abs() < 1e-9 * mean(&v), "{} {}", mean(&u), mean(&v));
     let heights: Vec<f64> = file.values("/lower/height").unwrap();
     let gap: Vec<f64> = file.slab("/fields/lower_gap", 1).unwrap();
-    let approach = file.values::<f64>("/loads/lower_displacement").unwrap()[1];
+    let approach = file.values::<f64>("/loads/lower_approach").unwrap()[1];
     let highest = heights.iter().copied().fold(f64::MIN, f64::max);
     // The lower face rises by u_z, and the lower surface by its part of the approach.
     let worst = (0..gap.len()).map(|k| (gap[k] - (highest - heights[k] + v[k] - approach)).abs()).fold(0.0, f64::max);

@@ -11,16 +11,18 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::choice::{named, named_if, parse_choice};
+use crate::options::{Kinds, Options};
 use crate::{Facts, SIZES, Support, Unusable, Words, check_size, key, setting, words};
 
 /// Flags that describe the elastic body.
-#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Body")]
 pub struct BodyArgs {
     /// Young's modulus, stress [default: 1; needed if the lengths have a unit]
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     #[serde(serialize_with = "or_one")]
+    #[option(kinds = Kinds::STRESS)]
     pub young: Option<f64>,
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
@@ -28,10 +30,12 @@ pub struct BodyArgs {
     /// Contact modulus E* = E/(1 - NU^2), in place of --young
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::STRESS)]
     pub e_star: Option<f64>,
     /// Height of the slab, or of the top layer; "inf" for a half-space
-    #[arg(long, default_value = "inf", value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = Height::Infinite, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(with = "height")]
+    #[option(kinds = Kinds::LENGTH)]
     pub height: Height,
     /// The parts below the top layer, and the second body.
     #[command(flatten)]
@@ -40,7 +44,7 @@ pub struct BodyArgs {
 }
 
 /// Flags of what lies below the top layer of a body, and of the second body.
-#[derive(Args, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Body")]
 pub struct OtherArgs {
@@ -51,6 +55,7 @@ pub struct OtherArgs {
     /// Young's modulus of the half-space below, with --base half-space
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::STRESS)]
     pub base_young: Option<f64>,
     /// Poisson's ratio of the half-space below, with --base half-space
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
@@ -60,10 +65,12 @@ pub struct OtherArgs {
     /// from the top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::LAYER)]
     pub layer: Vec<Layer>,
     /// The rough surface belongs to an elastic body, too: a half-space, or a slab of height H bonded at its back
     #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::LAYER)]
     pub second_body: Option<Layer>,
 }
 
@@ -167,8 +174,6 @@ fn material([young_option, poisson_option]: [&'static str; 2], young: f64, poiss
         Unusable::input(key(option), error)
     })
 }
-
-crate::defaults_of_flags!(BodyArgs);
 
 impl BodyArgs {
     /// Builds the body.
@@ -407,22 +412,25 @@ pub const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
 
 /// Flags that describe the elastic body of an input file. A property without a flag is taken from the configuration
 /// that the file records.
-#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Body")]
 pub struct RecordedBodyArgs {
     /// Young's modulus, stress; default, as of the flags below: the value that the input records
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[option(kinds = Kinds::STRESS)]
     young: Option<f64>,
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     poisson: Option<f64>,
     /// Contact modulus E* = E/(1 - NU^2), in place of --young
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
+    #[option(kinds = Kinds::STRESS)]
     e_star: Option<f64>,
     /// Height of the slab, or of the top layer; "inf" for a half-space
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(with = "height_if")]
+    #[option(kinds = Kinds::LENGTH)]
     height: Option<Height>,
     /// Support of the lowest layer
     #[arg(long, value_parser = parse_choice::<BaseKind>())]
@@ -430,6 +438,7 @@ pub struct RecordedBodyArgs {
     base: Option<BaseKind>,
     /// Young's modulus of the half-space below, with --base half-space
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[option(kinds = Kinds::STRESS)]
     base_young: Option<f64>,
     /// Poisson's ratio of the half-space below, with --base half-space
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
@@ -437,9 +446,11 @@ pub struct RecordedBodyArgs {
     /// One more layer below the top one, repeatable, from the top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::LAYER)]
     layer: Vec<Layer>,
     /// The body to which the rough surface belongs, which takes a part of the displacement
     #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
+    #[option(kinds = Kinds::LAYER)]
     second_body: Option<Layer>,
 }
 

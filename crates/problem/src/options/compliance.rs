@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use super::BodyArgs;
 use super::law::LONGEST_TABLE;
+use crate::options::{Kinds, Options};
 use crate::{Facts, Support, Unusable, key, words};
 
 /// Flags of a body that is known by its compliance.
-#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Body")]
 pub struct ComplianceArgs {
@@ -20,10 +21,12 @@ pub struct ComplianceArgs {
     /// reduces p*
     #[arg(long, value_parser = Row::parse, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::COMPLIANCE)]
     pub compliance: Vec<Row>,
     /// Compliance of the mean level of such a body, length/stress; default: 0, a fixed mean level as of a half-space
     #[arg(long, value_name = "G0", requires = "compliance", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::list(&[&["length/stress"]]))]
     pub uniform_compliance: Option<f64>,
 }
 

@@ -5,10 +5,11 @@ use gfmd_contact::Factors;
 use serde::{Deserialize, Serialize};
 
 use super::values::up_to;
+use crate::options::Options;
 use crate::{Unusable, key, setting, words};
 
 /// Flags of the dynamics.
-#[derive(Args, Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Solver")]
 pub struct DynamicsArgs {

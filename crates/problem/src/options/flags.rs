@@ -1,11 +1,12 @@
 //! Groups of flags as data: their defaults, and what a configuration says of them.
 
-use clap::{Args, Command, FromArgMatches};
+use clap::{Args, Command};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use super::given::{self, Arrays};
+use super::Options;
+use super::given::Arrays;
 use crate::Unusable;
 
 /// The longest value in a message.
@@ -13,30 +14,6 @@ const LONGEST: usize = 200;
 
 /// Flags with a default that go with another flag alone.
 const BESIDE: [(&str, &str); 3] = [("roll_off_shape", "roll_off"), ("moduli", "prony"), ("relaxes", "prony")];
-
-/// Returns a group of flags with the defaults that the help names.
-pub fn without_flags<A: Args + FromArgMatches>() -> A {
-    let command = A::augment_args(Command::new("gfmd").no_binary_name(true)).ignore_errors(true);
-    // A required number is NaN.
-    let command = command.mut_args(|flag| match flag.is_required_set() {
-        true => flag.required(false).default_value("nan"),
-        false => flag,
-    });
-    let matches = command.try_get_matches_from(std::iter::empty::<&str>());
-    matches.and_then(|matches| A::from_arg_matches(&matches)).expect("every flag has a default, or may be absent")
-}
-
-/// Makes [`without_flags`] the default of groups of flags.
-#[macro_export]
-macro_rules! defaults_of_flags {
-    ($($group:ty),+) => {
-        $(impl Default for $group {
-            fn default() -> Self {
-                $crate::options::flags::without_flags()
-            }
-        })+
-    };
-}
 
 /// Returns the keys of a group of flags in a configuration.
 pub fn keys<A: Args>() -> Vec<String> {
@@ -71,11 +48,16 @@ pub fn toml_of<A: Args + Serialize>(args: &A) -> Result<String, toml::ser::Error
 ///
 /// # Errors
 /// Returns an error that names an unknown key, or a value of another type.
-pub fn of_keys<A: Args + DeserializeOwned>(table: Table, arrays: Arrays) -> Result<A, Unusable> {
+pub fn of_keys<A: Args + Options + DeserializeOwned>(table: Table, mut arrays: Arrays) -> Result<A, Unusable> {
     let keys = keys::<A>();
-    match table.keys().chain(arrays.keys()).find(|key| !keys.contains(key)) {
-        Some(key) => Err(Unusable::value("a key", quoted(key), format!("one of {}", keys.join(", ")))),
-        None => given::with(arrays, table, of_table).map_err(Unusable::of),
+    if let Some(key) = table.keys().chain(arrays.keys()).find(|key| !keys.contains(key)) {
+        return Err(Unusable::value("a key", quoted(key), format!("one of {}", keys.join(", "))));
+    }
+    let mut options: A = of_table(table).map_err(Unusable::of)?;
+    options.take_arrays(&mut arrays);
+    match arrays.first_key_value() {
+        Some((key, _)) => Err(Unusable::value(crate::key(key), "an array", "a text or numbers")),
+        None => Ok(options),
     }
 }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::choice::{named, parse_choice};
 use super::values::within;
+use crate::options::{Kinds, Options};
 use crate::{Unusable, check_size, key, setting, words};
 
 /// The largest seed: whole numbers of a configuration, which is TOML, have 63 bits.
@@ -34,7 +35,7 @@ const EPS_C_INV: f64 = 4.0;
 const MOST_POINTS: f64 = (1_u64 << 31) as f64;
 
 /// Flags that describe a generated surface. The defaults are 256² points, ε_t = 1/2, ε_f = 1/32, H = 0.8, ḡ = 0.1.
-#[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Generated surface")]
 pub struct GeneratorArgs {
@@ -63,6 +64,7 @@ pub struct GeneratorArgs {
     /// Root-mean-square height to which the surface is scaled instead, length
     #[arg(long, value_name = "LENGTH", conflicts_with = "rms_gradient", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::LENGTH)]
     pub rms_height: Option<f64>,
     /// Number of the realisation, below 2^63; seed and cell determine the surface on any grid
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
@@ -78,13 +80,14 @@ pub struct GeneratorArgs {
     /// Roll-off wavelength, length; at longer wavelengths the spectrum is flat
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::LENGTH)]
     pub roll_off: Option<f64>,
     /// Shape of the transition from the power law to the flat part of the spectrum
-    #[arg(long, value_parser = parse_choice::<RollOffShape>(), default_value = "plateau", requires = "roll_off")]
+    #[arg(long, value_parser = parse_choice::<RollOffShape>(), default_value_t = RollOffShape::Plateau, requires = "roll_off")]
     #[serde(with = "named")]
     pub roll_off_shape: RollOffShape,
     /// Amplitudes of the modes: random, or the expected ones with random phases
-    #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value = "gaussian")]
+    #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value_t = Amplitudes::Gaussian)]
     #[serde(with = "named")]
     pub amplitudes: Amplitudes,
 }
@@ -101,8 +104,6 @@ pub enum Method {
     /// Random midpoint displacement
     Rmd,
 }
-
-crate::defaults_of_flags!(GeneratorArgs);
 
 impl GeneratorArgs {
     /// Returns the flags with every default filled in, for the record of a run.

@@ -3,7 +3,6 @@
 //! A problem is a table of texts and numbers. A caller of the commands as a library gives its arrays beside the table,
 //! by the keys of their options, and nothing is written to a file.
 
-use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::fmt;
@@ -11,7 +10,7 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use ndarray::ArrayD;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Table;
 
 /// The value of an option that is an array.
@@ -37,28 +36,11 @@ pub struct StoredLoad {
 /// The arrays of a problem by the keys of their options.
 pub type Arrays = BTreeMap<String, ArrayOption>;
 
-/// The first character of a text that stands for an array. No name of a file has it.
-const MARK: char = '\0';
-
 /// The text of an array in a configuration.
 const ARRAY: &str = "array";
 
 /// The text of a contact in a configuration.
 const CONTACT: &str = "contact";
-
-thread_local! {
-    /// The arrays for which the texts of a table stand that is being read.
-    static READ: RefCell<Arrays> = const { RefCell::new(Arrays::new()) };
-}
-
-/// Calls `read` with a table that has the arrays under their keys, and returns its result.
-pub fn with<T>(arrays: Arrays, mut table: Table, read: impl FnOnce(Table) -> T) -> T {
-    table.extend(arrays.keys().map(|key| (key.clone(), format!("{MARK}{key}").into())));
-    let outer = READ.replace(arrays);
-    let made = read(table);
-    READ.set(outer);
-    made
-}
 
 impl ArrayOption {
     /// Returns the name of the file.
@@ -96,14 +78,9 @@ impl Serialize for ArrayOption {
     }
 }
 
+/// Reads the name of a file. An array in memory is given beside the table ([`Options`](super::Options)).
 impl<'de> Deserialize<'de> for ArrayOption {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        match text.strip_prefix(MARK) {
-            Some(key) => {
-                READ.with_borrow(|arrays| arrays.get(key).cloned()).ok_or_else(|| D::Error::custom("no array"))
-            }
-            None => Ok(Self::File(text)),
-        }
+        String::deserialize(deserializer).map(Self::File)
     }
 }

@@ -5,20 +5,21 @@ use gfmd_law::{Law, LawError, LawKind as Kind, Tabulated};
 use serde::{Deserialize, Serialize};
 
 use super::values::parse_row;
+use crate::options::{Kinds, Options};
 use crate::{Unusable, key, setting, words};
 
 /// The largest number of rows of a table.
 pub(super) const LONGEST_TABLE: usize = 1000;
 
 /// Flags that choose a law.
-#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Interface law")]
 pub struct LawArgs {
     /// Law of the tractions across the gap, one of [`Kind::ALL`].
     #[arg(
         long,
-        default_value = "hard-wall",
+        default_value_t = Kind::HardWall,
         value_parser = parse_kind,
         value_name = "NAME",
         help = format!("Law of the tractions across the gap: {} (docs/laws)", Kind::names(|_| true))
@@ -34,11 +35,13 @@ pub struct LawArgs {
         allow_hyphen_values = true
     )]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::PARAMETERS)]
     pub param: Vec<(String, f64)>,
     /// Table of the law `table`: FILE of two columns, gap and traction, with attractions above zero, whose heads may
     /// have units, such as gap_nm or traction_MPa; or the rows, GAP:TRACTION,...
     #[arg(long, value_parser = parse_row, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::LAW_TABLE)]
     pub law_table: Vec<[f64; 2]>,
     /// Solve a law whose process zone, at the edge of a contact, is narrower than a tenth of a grid step: single points
     /// jump
@@ -46,8 +49,6 @@ pub struct LawArgs {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub coarse: bool,
 }
-
-crate::defaults_of_flags!(LawArgs);
 
 impl LawArgs {
     /// Returns the law with a range `factor` times as long and the same work; `None` for a law without a range.

@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use super::body::BodyArgs;
 use super::choice::{named, parse_choice};
+use crate::options::{Kinds, Options};
 use crate::{Moduli, Unusable, key, setting, words};
 
 /// Flags of the relaxation of the body.
-#[derive(Args, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Viscoelastic body")]
 pub struct PronyArgs {
@@ -24,6 +25,7 @@ pub struct PronyArgs {
         allow_hyphen_values = true
     )]
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::PRONY)]
     pub prony: Vec<(f64, f64)>,
     /// Moduli of the viscoelastic body that are given
     #[arg(long, value_parser = parse_choice::<Moduli>(), default_value_t = Moduli::LongTerm, requires = "prony")]
@@ -34,8 +36,6 @@ pub struct PronyArgs {
     #[serde(skip_serializing_if = "is_default", with = "named")]
     pub relaxes: Relaxes,
 }
-
-crate::defaults_of_flags!(PronyArgs);
 
 /// The relaxation of a body, as printed.
 #[derive(Clone, Debug, Serialize)]

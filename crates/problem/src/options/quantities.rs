@@ -4,98 +4,104 @@
 //! computed with is
 //! a plain number in the units of the surface.
 
+use std::collections::BTreeMap;
+
 use gfmd_law::LawKind as Kind;
 use gfmd_unit::{NoValue, Quantity, Units};
 use toml::Value;
 
 use crate::{Unusable, Words, key, setting, words};
 
-/// Kinds of the numbers of options, by key; lists have a kind for each number in turn.
-const KINDS: &[(&str, &[&str])] = &[
-    ("young", &["stress"]),
-    ("e_star", &["stress"]),
-    ("base_young", &["stress"]),
-    ("layer", &["stress", "1", "length"]),
-    ("second_body", &["stress", "1", "length"]),
-    ("height", &["length"]),
-    ("pressure", &["stress"]),
-    ("approach", &["length"]),
-    ("lateral", &["length"]),
-    ("distance", &["length"]),
-    ("coefficient", &["1/stress"]),
-    ("shear_strength", &["stress"]),
-    ("hardness", &["stress"]),
-    ("param", &["1"]),
-    ("law_table", &["length", "stress"]),
-    ("compliance", &["1/length", "length/stress"]),
-    ("uniform_compliance", &["length/stress"]),
-    ("size", &["length"]),
-    ("shift", &["length"]),
-    ("rms_height", &["length"]),
-    ("roll_off", &["length"]),
-    ("conductor_height", &["length"]),
-    ("history_point", &["length", "length", "1"]),
-    ("wavelength", &["length"]),
-    ("fit_range", &["length"]),
-    ("mean_traction", &["stress"]),
-    ("wave", &["1", "1", "1", "length"]),
-    ("depths", &["length"]),
-    ("deepest", &["length"]),
-    ("slice", &["length"]),
-    ("depth", &["length"]),
-    ("normal", &["length"]),
-    ("tangential", &["length"]),
-    ("z", &["length"]),
-    ("velocity", &["length/time"]),
-    ("time", &["time"]),
-    ("prony", &["time", "1"]),
-    ("heat", &["stress*length^2/time*temperature", "length^2/time"]),
-    ("qx", &["1/length"]),
-    ("qy", &["1/length"]),
-];
-
-/// An option that is a table, with the names of its columns.
-type Named = (&'static str, &'static [&'static str]);
-
-/// The options that are tables, with the names of their columns: FILE, or rows of numbers with colons between.
-const TABLES: &[Named] = &[
-    ("law_table", &["gap", "traction"]),
-    ("compliance", &["wavenumber", "compliance"]),
-    ("compliance", &["qx", "qy", "compliance"]),
-];
-
-/// Returns the column names that an option may have, if it is a table.
-pub fn columns(key: &str) -> Vec<&'static [&'static str]> {
-    TABLES.iter().filter(|(other, _)| *other == key).map(|(_, names)| *names).collect()
+/// Kinds of the numbers of an option, in the words of results: `stress`, `1/length`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kinds {
+    /// Kinds of the numbers of an entry, in turn; of a table one list for each number of columns.
+    rows: &'static [&'static [&'static str]],
+    /// Form of the entries.
+    form: Form,
 }
 
-/// Returns true if the entries of an option are numbers of several kinds, separated by colons.
-fn has_columns(key: &str) -> bool {
-    key == "prony" || !columns(key).is_empty()
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    /// Numbers, with commas between.
+    List,
+    /// Rows of numbers, with colons between.
+    Rows,
+    /// Rows that may be in a file; the names of its columns.
+    Table(&'static [&'static [&'static str]]),
+    /// Parameters of a law with their names.
+    Parameters,
+    /// A number, or the name of a file.
+    NumberOrFile,
 }
 
-/// Returns the kind of a number in a row of `length` numbers of an option.
-pub fn kind_in_row(key: &str, column: usize, length: usize) -> &'static str {
-    match (key, length) {
-        ("compliance", 3) => ["1/length", "1/length", "length/stress"][column.min(2)],
-        _ => kinds(key).map_or("1", |kinds| kinds[column % kinds.len()]),
+impl Kinds {
+    /// Numbers of these kinds in turn; of one kind if there is one.
+    pub const fn list(kinds: &'static [&'static [&'static str]; 1]) -> Self {
+        Self { rows: kinds, form: Form::List }
+    }
+
+    /// Parameters of a law, `NAME=VALUE`.
+    pub const PARAMETERS: Self = Self { rows: &[&["1"]], form: Form::Parameters };
+
+    /// Numbers without a unit.
+    pub const NUMBER: Self = Self::list(&[&["1"]]);
+    /// A length, or lengths.
+    pub const LENGTH: Self = Self::list(&[&["length"]]);
+    /// A stress, or stresses.
+    pub const STRESS: Self = Self::list(&[&["stress"]]);
+    /// Times.
+    pub const TIME: Self = Self::list(&[&["time"]]);
+    /// A wavenumber.
+    pub const WAVENUMBER: Self = Self::list(&[&["1/length"]]);
+    /// Velocities.
+    pub const VELOCITY: Self = Self::list(&[&["length/time"]]);
+    /// A wear coefficient divided by the hardness.
+    pub const WEAR: Self = Self::list(&[&["1/stress"]]);
+    /// A hardness, or a file of it.
+    pub const HARDNESS: Self = Self { rows: &[&["stress"]], form: Form::NumberOrFile };
+    /// Relaxation times and fractions of a Prony series.
+    pub const PRONY: Self = Self { rows: &[&["time", "1"]], form: Form::Rows };
+    /// Thermal conductivities and diffusivities.
+    pub const HEAT: Self = Self::list(&[&["stress*length^2/time*temperature", "length^2/time"]]);
+    /// Gaps and tractions of a law.
+    pub const LAW_TABLE: Self = Self { rows: &[&["length", "stress"]], form: Form::Table(&[&["gap", "traction"]]) };
+    /// Wavenumbers, or both components of wave vectors, and compliances.
+    pub const COMPLIANCE: Self = Self {
+        rows: &[&["1/length", "length/stress"], &["1/length", "1/length", "length/stress"]],
+        form: Form::Table(&[&["wavenumber", "compliance"], &["qx", "qy", "compliance"]]),
+    };
+    /// Young's modulus, Poisson's ratio and height of a layer.
+    pub const LAYER: Self = Self::list(&[&["stress", "1", "length"]]);
+
+    /// Returns the kinds of the numbers of an entry, in turn.
+    pub fn in_turn(&self) -> &'static [&'static str] {
+        self.rows[0]
+    }
+
+    /// Returns the kind of a number in a row of `length` numbers.
+    pub fn in_row(&self, column: usize, length: usize) -> &'static str {
+        let row = self.rows.iter().find(|row| row.len() == length).unwrap_or(&self.rows[0]);
+        row[column % row.len()]
+    }
+
+    /// Returns the lists of column names of a table in a file; none if the option is no table.
+    pub fn columns(&self) -> &'static [&'static [&'static str]] {
+        if let Form::Table(columns) = self.form { columns } else { &[] }
+    }
+
+    fn has_columns(&self) -> bool {
+        matches!(self.form, Form::Rows | Form::Table(_))
     }
 }
+
+/// Kinds of the numbers of options, by key.
+pub type KindsByKey = BTreeMap<&'static str, Kinds>;
 
 /// Returns true if the value of an option is a table with its rows written out.
 pub fn is_rows(text: &str) -> bool {
     let is_number = |text: &str| text.trim().parse::<f64>().is_ok() || matches!(Quantity::parse(text), Ok(Some(_)));
     text.split(',').all(|row| row.contains(':') && row.split(':').all(is_number))
-}
-
-/// Returns true if the numbers of an option may have a unit.
-pub fn takes_units(key: &str) -> bool {
-    kinds(key).is_some()
-}
-
-/// Returns the kinds of the numbers of an option, in turn for a list; `None` if they have no unit.
-pub fn kinds(key: &str) -> Option<&'static [&'static str]> {
-    KINDS.iter().find(|(other, _)| *other == key).map(|(_, kinds)| *kinds)
 }
 
 /// Returns the kind of a law parameter; the kind without a unit if no law has it.
@@ -160,9 +166,14 @@ fn without_value(error: &NoValue) -> Words {
 }
 
 /// Replaces a number with a unit; `None` if the text stays as it is.
-fn number(option: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
-    // The hardness may be a file name.
-    if option == "hardness" && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
+fn number(
+    (option, kinds): (&str, Kinds),
+    text: &str,
+    kind: &str,
+    take: &mut impl Take,
+) -> Result<Option<f64>, Unusable> {
+    // It may be a file name.
+    if kinds.form == Form::NumberOrFile && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
         return Ok(None);
     }
     match Quantity::parse(text) {
@@ -176,22 +187,24 @@ fn number(option: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<
 ///
 /// # Errors
 /// Returns an error for an unknown unit, or a quantity that cannot be used.
-pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Option<String>, Unusable> {
-    let Some(kinds) = kinds(key) else { return Ok(None) };
+pub fn text_in_units(
+    (key, kinds): (&str, Kinds),
+    text: &str,
+    take: &mut impl Take,
+) -> Result<Option<String>, Unusable> {
     let mut changed = false;
     let mut entries = Vec::new();
     for (index, entry) in text.split(',').enumerate() {
         let (name, values) = entry.split_once('=').map_or((None, entry), |(name, value)| (Some(name), value));
-        let kind = if key == "param" {
-            kind_of_parameter(name.unwrap_or_default().trim())
-        } else {
-            kinds[index % kinds.len()]
+        let kind = match kinds.form {
+            Form::Parameters => kind_of_parameter(name.unwrap_or_default().trim()),
+            _ => kinds.in_row(index, kinds.in_turn().len()),
         };
         let mut parts = Vec::new();
         let length = values.split(':').count();
         for (column, part) in values.split(':').enumerate() {
-            let kind = if has_columns(key) { kind_in_row(key, column, length) } else { kind };
-            let found = number(key, part, kind, take)?;
+            let kind = if kinds.has_columns() { kinds.in_row(column, length) } else { kind };
+            let found = number((key, kinds), part, kind, take)?;
             changed |= found.is_some();
             parts.push(found.map_or_else(|| part.to_owned(), |number| format!("{number:e}")));
         }
@@ -205,28 +218,30 @@ pub fn text_in_units(key: &str, text: &str, take: &mut impl Take) -> Result<Opti
 ///
 /// # Errors
 /// Fails like [`text_in_units`].
-pub fn value_in_units(key: &str, value: &mut Value, take: &mut impl Take) -> Result<(), Unusable> {
-    let Some(kinds) = kinds(key) else { return Ok(()) };
-    in_list(key, value, kinds[0], take)
+pub fn value_in_units(option: (&str, Kinds), value: &mut Value, take: &mut impl Take) -> Result<(), Unusable> {
+    in_list(option, value, option.1.in_turn()[0], take)
 }
 
-fn in_list(key: &str, value: &mut Value, kind: &str, take: &mut impl Take) -> Result<(), Unusable> {
+fn in_list(option: (&str, Kinds), value: &mut Value, kind: &str, take: &mut impl Take) -> Result<(), Unusable> {
     match value {
         Value::String(text) => {
             // A slice or a wave is a text; a list in one text has commas.
-            if let Some(number) = number_alone(key, text, kind, take)? {
+            if let Some(number) = number_alone(option, text, kind, take)? {
                 *value = Value::Float(number);
-            } else if let Some(text) = text_in_units(key, text, take)? {
+            } else if let Some(text) = text_in_units(option, text, take)? {
                 *value = Value::String(text);
             }
         }
         Value::Array(entries) => {
             let length = entries.len();
             // A law parameter is its name and its value.
-            let named = entries.first().and_then(Value::as_str).filter(|_| key == "param" && entries.len() == 2);
+            let named = entries
+                .first()
+                .and_then(Value::as_str)
+                .filter(|_| option.1.form == Form::Parameters && entries.len() == 2);
             let named = named.map(kind_of_parameter);
             for (index, entry) in entries.iter_mut().enumerate() {
-                in_list(key, entry, named.unwrap_or_else(|| kind_in_row(key, index, length)), take)?;
+                in_list(option, entry, named.unwrap_or_else(|| option.1.in_row(index, length)), take)?;
             }
         }
         _ => {}
@@ -234,17 +249,35 @@ fn in_list(key: &str, value: &mut Value, kind: &str, take: &mut impl Take) -> Re
     Ok(())
 }
 
-fn number_alone(key: &str, text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
-    if text.contains([',', '=', ':']) { Ok(None) } else { number(key, text, kind, take) }
+fn number_alone(option: (&str, Kinds), text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
+    if text.contains([',', '=', ':']) { Ok(None) } else { number(option, text, kind, take) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn kinds(key: &str) -> Kinds {
+        match key {
+            "young" | "base_young" | "pressure" => Kinds::STRESS,
+            "hardness" => Kinds::HARDNESS,
+            "layer" | "second_body" => Kinds::LAYER,
+            "param" => Kinds::PARAMETERS,
+            "wave" => Kinds::list(&[&["1", "1", "1", "length"]]),
+            "velocity" => Kinds::VELOCITY,
+            "time" => Kinds::TIME,
+            "prony" => Kinds::PRONY,
+            "heat" => Kinds::HEAT,
+            "compliance" => Kinds::COMPLIANCE,
+            "law_table" => Kinds::LAW_TABLE,
+            "p_star" | "law" => Kinds::NUMBER,
+            _ => Kinds::LENGTH,
+        }
+    }
+
     fn texts(key: &str, text: &str) -> Result<Option<String>, String> {
         let units = Units::new(Some("nm"), None);
-        text_in_units(key, text, &mut &units).map_err(|error| error.to_string())
+        text_in_units((key, kinds(key)), text, &mut &units).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -291,7 +324,7 @@ mod tests {
             let error = texts(key, text).unwrap_err();
             assert!(error.contains(words), "{error}");
         }
-        let error = text_in_units("young", "1Pa", &mut &Units::default()).unwrap_err().to_string();
+        let error = text_in_units(("young", Kinds::STRESS), "1Pa", &mut &Units::default()).unwrap_err().to_string();
         assert!(error.contains("--unit gives them one"), "{error}");
     }
 
@@ -306,7 +339,7 @@ mod tests {
         )
         .unwrap();
         for (key, value) in &mut table {
-            value_in_units(key, value, &mut &units).unwrap();
+            value_in_units((key, kinds(key)), value, &mut &units).unwrap();
         }
         let wanted: toml::Table = toml::from_str(
             "young = 70000.0\nlayer = [[2000.0, 0.3, 3000.0], [1.0, 0.2, 0.5]]\nheight = 'inf'\n\

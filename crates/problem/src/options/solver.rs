@@ -5,9 +5,10 @@ use gfmd_contact::{Budget, Solver};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{named, parse_choice};
+use crate::options::Options;
 
 /// Flags of a contact solver.
-#[derive(Args, Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Solver")]
 pub struct SolverArgs {
@@ -22,8 +23,6 @@ pub struct SolverArgs {
     #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N")]
     pub max_iterations: u64,
 }
-
-crate::defaults_of_flags!(SolverArgs);
 
 impl SolverArgs {
     /// Returns the tolerance and the iteration limit.

@@ -108,7 +108,7 @@ def psd(heights: _Array, lengths: tuple[float, float], window: str) -> tuple[lis
 def self_affine(
     *,
     n: list[int],
-    length: list[float],
+    size: list[float],
     hurst: float,
     eps_t_inv: Optional[float],
     eps_f_inv: Optional[float],

@@ -51,7 +51,7 @@ class Path(Leaks, Computed, StepFields):
         undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
-        surface, n, length, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: parameters of the
+        surface, n, size, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: parameters of the
             problem, and the number of extra solves.
 
     Example:
@@ -70,7 +70,7 @@ class Path(Leaks, Computed, StepFields):
     parted_at: Optional[int]
     surface: Surface
     n: list[int]
-    length: list[float]
+    size: list[float]
     unit: Optional[str]
     rms_gradient: float
     rms_height: float

@@ -30,7 +30,7 @@ class Slide(Computed, StateFields):
         direction: unit vector of the velocity.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
         warnings: a Record for each warning of the computation: `code`, `text`.
-        surface, n, length, unit, rms_gradient, rms_height, e_star: parameters of the problem.
+        surface, n, size, unit, rms_gradient, rms_height, e_star: parameters of the problem.
 
     Example:
         >>> rubber = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
@@ -47,7 +47,7 @@ class Slide(Computed, StateFields):
     young_instantaneous: float
     surface: Surface
     n: list[int]
-    length: list[float]
+    size: list[float]
     unit: Optional[str]
     rms_gradient: float
     rms_height: float

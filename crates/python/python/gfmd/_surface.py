@@ -29,7 +29,7 @@ class Statistics(SurfaceNumbers):
     `_inside` come from differences without the periodic seam.
 
     Attributes:
-        n, length: points and lengths along x and y.
+        n, size: points and lengths along x and y.
         undefined: reasons why numbers are NaN, by name; present only if a number is NaN.
 
     Example:
@@ -38,7 +38,7 @@ class Statistics(SurfaceNumbers):
     """
 
     n: list[int]
-    length: list[float]
+    size: list[float]
     undefined: dict[str, str]
 
 
@@ -680,7 +680,7 @@ def self_affine(
         points = [integer("n", n, 0, 2**62)]
     heights, lengths, description = _gfmd.self_affine(
         n=points,
-        length=(
+        size=(
             []
             if size is None
             else [in_units("size", length, "length", unit, None) for length in quantities("size", size, "length")]

@@ -33,7 +33,7 @@ class Wear(Leaks, Computed, WearFields):
         grid_error: how the grid error was found: `mode`, `n`, `assumes`, `orders`.
         undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
-        surface, n, length, unit, rms_gradient, rms_height, e_star, law: parameters of the problem.
+        surface, n, size, unit, rms_gradient, rms_height, e_star, law: parameters of the problem.
 
     Example:
         >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
@@ -51,7 +51,7 @@ class Wear(Leaks, Computed, WearFields):
     grid_error: Record
     surface: Surface
     n: list[int]
-    length: list[float]
+    size: list[float]
     unit: Optional[str]
     rms_gradient: float
     rms_height: float

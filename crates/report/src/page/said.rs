@@ -1,6 +1,6 @@
 //! Numbers of options and results in a page, with their units if known.
 
-use gfmd_problem::options::quantities::{kind_in_row, kinds};
+use gfmd_problem::options::Kinds;
 use gfmd_unit::Units;
 use maud::{Markup, html};
 use toml::Value;
@@ -37,21 +37,21 @@ pub(crate) fn plain(unit: &str) -> String {
     unit.replace('*', "·").replace("^2", "²")
 }
 
-/// Formats the value of a configuration option with its units.
-pub(crate) fn option(key: &str, value: &Value, units: &Units) -> Markup {
-    let kind = |column: usize, length: usize| kind_in_row(key, column, length);
+/// Formats the value of a configuration option with the units of its kinds.
+pub(crate) fn option(kinds: Kinds, value: &Value, units: &Units) -> Markup {
+    let kind = |column: usize, length: usize| kinds.in_row(column, length);
     match value {
         Value::String(words) => html! { (text(words)) },
         Value::Array(entries) => {
             let numbers: Option<Vec<f64>> = entries.iter().map(number).collect();
             match numbers {
-                Some(numbers) if kinds(key).is_none_or(|kinds| kinds.len() == 1) => list(&numbers, kind(0, 1), units),
+                Some(numbers) if kinds.in_turn().len() == 1 => list(&numbers, kind(0, 1), units),
                 Some(numbers) => {
                     let length = numbers.len();
                     let numbers = numbers.iter().enumerate();
                     joined(numbers.map(|(column, value)| with_unit(*value, kind(column, length), units)), ", ")
                 }
-                None => joined(entries.iter().map(|entry| row(key, entry, units)), "; "),
+                None => joined(entries.iter().map(|entry| row(kinds, entry, units)), "; "),
             }
         }
         value => match number(value) {
@@ -62,10 +62,10 @@ pub(crate) fn option(key: &str, value: &Value, units: &Units) -> Markup {
 }
 
 /// Formats a row of numbers of several kinds.
-fn row(key: &str, entry: &Value, units: &Units) -> Markup {
-    let Value::Array(entries) = entry else { return option(key, entry, units) };
+fn row(kinds: Kinds, entry: &Value, units: &Units) -> Markup {
+    let Value::Array(entries) = entry else { return option(kinds, entry, units) };
     let cell = |(column, entry): (usize, &Value)| match number(entry) {
-        Some(value) => with_unit(value, kind_in_row(key, column, entries.len()), units),
+        Some(value) => with_unit(value, kinds.in_row(column, entries.len()), units),
         None => html! { (text(entry.as_str().unwrap_or_default())) },
     };
     joined(entries.iter().enumerate().map(cell), " : ")
@@ -87,7 +87,18 @@ mod tests {
     fn options_have_their_units() {
         let said = |units: &Units, line: &str| {
             let (key, value) = line.parse::<toml::Table>().unwrap().into_iter().next().unwrap();
-            option(&key, &value, units).into_string()
+            let kinds = match &*key {
+                "velocity" => Kinds::VELOCITY,
+                "pressure" => Kinds::STRESS,
+                "hardness" => Kinds::HARDNESS,
+                "prony" => Kinds::PRONY,
+                "coefficient" => Kinds::WEAR,
+                "lateral" => Kinds::LENGTH,
+                "second_body" => Kinds::LAYER,
+                "heat" => Kinds::HEAT,
+                _ => Kinds::NUMBER,
+            };
+            option(kinds, &value, units).into_string()
         };
         let (si, none) = (Units::new(Some("m"), Some("Pa")), Units::default());
         for (line, known, unknown) in [

@@ -83,7 +83,7 @@ impl Stored {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(FileError::Io { action: "read", path: path.into(), source }.into()),
         };
-        let refuse = |reason: &str| Failure::input(&path.display().to_string(), reason);
+        let refuse = |reason: &str| Failure::input(path.display().to_string(), reason);
         let intact =
             bytes.len().checked_sub(SUM).filter(|length| checksum(&bytes[..*length]).as_bytes() == &bytes[*length..]);
         let Some(length) = intact.filter(|length| *length >= SUM + 8) else {

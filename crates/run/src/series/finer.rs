@@ -99,7 +99,7 @@ impl Finer {
         let (state, failure) =
             reached(self.args.press(&self.contact, drive).starting_from(start).watch(watch).solve())?;
         match failure {
-            Some(failure) => Err(failure.at(&format!("the grid of {nx} x {ny} points"))),
+            Some(failure) => Err(failure.at(format!("the grid of {nx} x {ny} points"))),
             None => {
                 let state = self.last.insert(state);
                 let at = resolved(&self.prepared, state, self.args.solver.tolerance);

@@ -113,7 +113,7 @@ impl Prepared {
         let lower = asked.lower.read(asked.source, &surface, session)?;
         if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
             return Err(Failure::input(
-                &asked.source.name(),
+                asked.source.name(),
                 "the heights are all equal; with a lower surface only that may be flat",
             ));
         }
@@ -123,7 +123,7 @@ impl Prepared {
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
             // The contact sees the surface as displaced by the base.
-            Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(&asked.source.name(), error))?,
+            Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(asked.source.name(), error))?,
             None => surface,
         };
         check_wavenumbers(&body, &surface.grid)?;
@@ -134,7 +134,7 @@ impl Prepared {
             Boundary::Free if surface.share.is_whole() => {
                 let windowed =
                     window(&surface.heights, 1.0).and_then(|windowed| Statistics::of(&windowed, &surface.grid));
-                windowed.map_err(|error| Failure::input(&asked.source.name(), error))?.moments
+                windowed.map_err(|error| Failure::input(asked.source.name(), error))?.moments
             }
             _ => surface.statistics.moments,
         };
@@ -227,7 +227,7 @@ impl Prepared {
             wear: self.wear,
             dynamics: self.dynamics,
         };
-        pose(&given).map_err(|refusal| Failure::posing(refusal, &source.name()))
+        pose(&given).map_err(|refusal| Failure::posing(refusal, source.name()))
     }
 
     /// Poses the contact, and warns if the grid is too coarse for its law.

@@ -18,10 +18,11 @@ use crate::hardness::GivenHardness;
 use crate::lower::LowerArgs;
 use crate::session::Session;
 use crate::source::SourceArgs;
+use gfmd_problem::options::{Kinds, Options};
 
 /// The options of a contact, whatever its loads: what is pressed on what, and how it is solved. The program and Python
 /// pose by them.
-#[derive(Args, Clone, Debug, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ContactArgs {
     /// Surface.
@@ -35,6 +36,7 @@ pub struct ContactArgs {
     /// Table of its compliance.
     #[command(flatten)]
     #[serde(flatten)]
+    #[option(kinds = Kinds::COMPLIANCE)]
     pub compliance: ComplianceArgs,
     /// Displacement or traction of its base.
     #[command(flatten)]
@@ -45,7 +47,12 @@ pub struct ContactArgs {
     #[serde(flatten)]
     pub lower: LowerArgs,
     /// The surroundings of the surface
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic, help_heading = "Contact")]
+    #[arg(
+        long,
+        value_parser = parse_choice::<Boundary>(),
+        default_value_t = Boundary::Periodic,
+        help_heading = "Contact"
+    )]
     #[serde(with = "named")]
     pub boundary: Boundary,
     /// The components of the surface displacement that are unknown
@@ -56,6 +63,7 @@ pub struct ContactArgs {
     /// where it is reached the surfaces are pressed into each other
     #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::HARDNESS, array)]
     pub hardness: Option<GivenHardness>,
     /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act
     /// along the normal of the rigid surface
@@ -85,7 +93,12 @@ pub struct ContactArgs {
     #[serde(flatten)]
     pub law: LawArgs,
     /// Way in which the error of the numbers by the finite grid is found
-    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate, help_heading = "Accuracy")]
+    #[arg(
+        long,
+        value_parser = parse_choice::<GridError>(),
+        default_value_t = GridError::Estimate,
+        help_heading = "Accuracy"
+    )]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     pub grid_error: GridError,
     /// Largest relative error (95 %) that every number may have by the grid, such as 0.01 or 1%: the grid is made finer
@@ -110,8 +123,6 @@ const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 /// Allowed tolerances of the stiffness; rounding errors are some 1e-10.
 const SMALLEST_TOLERANCE: f64 = 1e-9;
 const LARGEST_TOLERANCE: f64 = 0.1;
-
-gfmd_problem::defaults_of_flags!(ContactArgs);
 
 impl ContactArgs {
     /// Returns the facts of the contact; `line` is true for a profile.
@@ -221,7 +232,7 @@ impl ContactArgs {
             let (state, failure) =
                 reached(self.press(&longer, drive).starting_from(last.as_ref()).watch(watch).solve())?;
             if let Some(failure) = failure {
-                return Err(failure.at(&format!("range times {factor}")));
+                return Err(failure.at(format!("range times {factor}")));
             }
             last = Some(state);
         }

@@ -11,7 +11,6 @@ use gfmd_contact::{Boundary, Contact, Equilibrium as _, Load, Solution, Solver, 
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_problem::MemoryNeed;
-use gfmd_problem::options::flags::without_flags;
 use gfmd_run::failure::Failure;
 use gfmd_run::session::Session;
 use ndarray::{Array2, Array3, Axis};
@@ -205,7 +204,7 @@ impl<'a> Trial<'a> {
     /// Returns the cases with Tamaas, or the reason why it does not run here.
     fn beside_tamaas(&self) -> Result<Result<Vec<Case>, String>, Failure> {
         let (n, session) = (self.args.n, self.session);
-        let peers = PeerArgs { p_star: LOADS.into(), ..without_flags::<PeerArgs>() }.resolved();
+        let peers = PeerArgs { p_star: LOADS.into(), ..PeerArgs::default() }.resolved();
         let environment = Environment::prepare(&peers, &work_folder()?, session)?;
         if !environment.has(Peer::Tamaas) {
             return Ok(Err("Tamaas is not installed".into()));
