@@ -2,7 +2,7 @@
    defaults of Sphinx. */
 var Scorer = {
     score: ([page, , , , score]) => {
-        const reference = ["interface", "columns", "together", "trust", "python-api", "theory", "benchmarks",
+        const reference = ["interface", "options", "columns", "together", "trust", "python-api", "theory", "benchmarks",
             "creep-peers", "any-load", "site/changelog"];
         return reference.includes(page) ? score - 12 : score;
     },

@@ -62,20 +62,26 @@ pub struct Args {
     /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or
     /// FILE.h5[:/dataset] of this shape; to /fields/displacement_z of a contact, the lateral displacement without
     /// friction is added
-    #[arg(long, value_name = "FILE", required_unless_present = "wave", conflicts_with_all = ["wave", "n"])]
+    #[arg(
+        long,
+        value_name = "FILE",
+        required_unless_present = "wave",
+        conflicts_with_all = ["wave", "n"],
+        help_heading = "Surface"
+    )]
     #[option(array)]
     surface: Option<ArrayOption>,
     /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves
     /// that are given add up, other components are zero
-    #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true, help_heading = "Surface")]
     #[option(kinds = Kinds::list(&[&["1", "1", "1", "length"]]))]
     wave: Vec<Wave>,
     /// Points of the grid of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
-    #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave")]
+    #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave", help_heading = "Surface")]
     #[serde(deserialize_with = "up_to::<2, _, _>")]
     n: Vec<usize>,
     /// Number of the load in the file of a contact, from 0; default: the last one
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", help_heading = "Surface")]
     load: Option<usize>,
     /// Mean traction x, y, z on the surface (x, z of a line; z is less than 0 under pressure), of an array on a body
     /// whose mean displacement does not say it: a half-space, or incompressible layers; default: 0
@@ -85,7 +91,8 @@ pub struct Args {
         value_name = "TX,TY,TZ",
         num_args = 1..=3,
         allow_hyphen_values = true,
-        conflicts_with = "wave"
+        conflicts_with = "wave",
+        help_heading = "Surface"
     )]
     #[serde(deserialize_with = "up_to::<3, _, _>")]
     #[option(kinds = Kinds::STRESS)]
@@ -97,7 +104,8 @@ pub struct Args {
         value_delimiter = ',',
         value_name = "L",
         num_args = 1..=2,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        help_heading = "Surface"
     )]
     #[serde(deserialize_with = "up_to::<2, _, _>")]
     #[option(kinds = Kinds::LENGTH)]
@@ -109,34 +117,47 @@ pub struct Args {
     #[serde(flatten)]
     place: PlaceArgs,
     /// Depth of the lowest level; default: the height of the slab
-    #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true, help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     deepest: Option<f64>,
     /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane
     /// at this height above the base (of a half-space: above its surface)
-    #[arg(long, value_name = "x=X|y=Y|z=Z")]
+    #[arg(long, value_name = "x=X|y=Y|z=Z", help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     slice: Option<Slice>,
     /// Quantities to compute
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "Q1,Q2,..", default_values_t = Quantity::ALL)]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "Q1,Q2,..",
+        default_values_t = Quantity::ALL,
+        help_heading = "Places"
+    )]
     quantities: Vec<Quantity>,
     /// Write the fields: FILE.h5, or FILE.vti for ParaView (with --levels)
-    #[arg(long, value_name = "FILE.h5|FILE.vti")]
+    #[arg(long, value_name = "FILE.h5|FILE.vti", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Compare what is drawn with another run of this command, FILE.h5, or with FILE.npy: [level, point, component]
     /// from the surface downwards, [x, y, component] of a plane, with the components of displacement, of stress, or of
     /// both
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     #[serde(skip)]
     compare: Option<String>,
     /// Draw maps of the slice, or of the middle row without --slice: PREFIX-*.svg, .png (with --levels or --slice z=Z);
     /// with --compare also of the reference and of the difference
-    #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
     /// Components to draw and to compare; default: the components of --quantities in the plane of the slice
-    #[arg(long, value_delimiter = ',', value_name = "C1,C2,..", value_parser = Component::parser())]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "C1,C2,..",
+        value_parser = Component::parser(),
+        help_heading = "Output"
+    )]
     #[serde(skip)]
     draw: Vec<Component>,
 }
@@ -145,6 +166,7 @@ pub struct Args {
 #[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
 #[serde(default)]
 #[group(multiple = false)]
+#[command(next_help_heading = "Places")]
 struct PlaceArgs {
     /// Depths below the surface
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]

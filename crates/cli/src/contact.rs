@@ -79,7 +79,7 @@ pub struct Args {
     #[serde(flatten)]
     control: ControlArgs,
     /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
-    #[arg(long)]
+    #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
     /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or
@@ -89,23 +89,24 @@ pub struct Args {
         default_value_t = Height::Infinite,
         value_name = "H|inf",
         value_parser = parse_height,
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        help_heading = "Measurements"
     )]
     #[serde(skip_serializing_if = "is_infinite", with = "height")]
     #[option(kinds = Kinds::LENGTH)]
     conductor_height: Height,
     /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
-    #[arg(long)]
+    #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow: bool,
     /// Find the loads between the lowest and the highest one at which the gap closes for a flow along x and along y
-    #[arg(long)]
+    #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow_threshold: bool,
     #[command(flatten)]
     #[serde(flatten)]
     trace: TraceArgs,
-    #[arg(long, value_name = "F1,F2,..|none", help = help_of_fields())]
+    #[arg(long, value_name = "F1,F2,..|none", help = help_of_fields(), help_heading = "Output")]
     #[serde(skip_serializing_if = "Option::is_none")]
     fields: Option<Chosen>,
     #[command(flatten)]
@@ -115,18 +116,18 @@ pub struct Args {
     #[serde(skip)]
     checkpoint: CheckpointArgs,
     /// Write fields and scalars to this HDF5 file
-    #[arg(long, value_name = "FILE.h5")]
+    #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Write the surface of the last load to this file of VTK, for ParaView: .vti the points of the undeformed surface,
     /// .vtp the deformed surface, both with all fields, the heights and the points in contact
-    #[arg(long, value_name = "FILE.vti|FILE.vtp")]
+    #[arg(long, value_name = "FILE.vti|FILE.vtp", help_heading = "Output")]
     #[serde(skip)]
     vtk: Option<PathBuf>,
     /// Draw the last load, and area against pressure: PREFIX-map.svg, .png (pressure), PREFIX-gap, PREFIX-section (both
     /// surfaces and the pressure along x), with an attraction PREFIX-traction, PREFIX-area; with a lower surface also
     /// PREFIX-lower-map and so on, with the statistics also patches, distributions and spectrum, with the flow its flux
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }

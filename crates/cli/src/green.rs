@@ -22,38 +22,51 @@ use gfmd_run::failure::Failure;
   gfmd green --qx 5 --height 0.05 --layer 3,0.3,0.1 --base free --depth 0.12")]
 pub struct Args {
     /// 3: components x, y, z; 2: plane strain, components x, z
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
+    #[arg(
+        long,
+        default_value_t = 3,
+        value_parser = clap::value_parser!(u8).range(2..=3),
+        value_name = "2|3",
+        help_heading = "Wave"
+    )]
     #[serde(deserialize_with = "within::<2, 3, _, _>")]
     dim: u8,
     /// Wave vector along x, rad/length; fields go like exp(+i q r)
-    #[arg(long, value_name = "QX", allow_negative_numbers = true)]
+    #[arg(long, value_name = "QX", allow_negative_numbers = true, help_heading = "Wave")]
     #[option(kinds = Kinds::WAVENUMBER, default = f64::NAN)]
     qx: f64,
     /// Wave vector along y, rad/length; 0 in 2-D
-    #[arg(long, default_value_t = 0.0, value_name = "QY", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "QY", allow_negative_numbers = true, help_heading = "Wave")]
     #[option(kinds = Kinds::WAVENUMBER)]
     qy: f64,
     /// Height of the slab, or inf for a half-space
-    #[arg(long, default_value_t = Height::Infinite, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        default_value_t = Height::Infinite,
+        value_name = "ZM",
+        value_parser = parse_height,
+        allow_negative_numbers = true,
+        help_heading = "Body"
+    )]
     #[serde(with = "height")]
     #[option(kinds = Kinds::LENGTH)]
     height: Height,
     /// Young's modulus, stress
-    #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true, help_heading = "Body")]
     #[option(kinds = Kinds::STRESS)]
     young: f64,
     /// Poisson's ratio, above -1 and up to 0.5
-    #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true, help_heading = "Body")]
     poisson: f64,
     #[command(flatten)]
     #[serde(flatten)]
     others: OtherArgs,
     /// Compute displacement and stress, too, at this height above the base of the slab
-    #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth")]
+    #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth", help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     z: Option<f64>,
     /// Compute displacement and stress, too, at this depth below the surface
-    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     depth: Option<f64>,
 }

@@ -30,11 +30,24 @@ pub struct Args {
     #[command(flatten)]
     law: LawArgs,
     /// Normal separations, open > 0, length
-    #[arg(long, required = true, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        required = true,
+        value_delimiter = ',',
+        value_name = "D1,D2,..",
+        allow_negative_numbers = true,
+        help_heading = "Places"
+    )]
     #[option(kinds = Kinds::LENGTH)]
     normal: Vec<f64>,
     /// Tangential separations along one direction, one for each normal one; default 0
-    #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "D1,D2,..",
+        allow_negative_numbers = true,
+        help_heading = "Places"
+    )]
     #[option(kinds = Kinds::LENGTH)]
     tangential: Vec<f64>,
     /// Unit of lengths without one, such as nm [default: the unit of the table]
@@ -45,7 +58,7 @@ pub struct Args {
     stress_unit: Option<String>,
     /// Draw T_n against the normal separation, one curve for each value of --tangential, and T_t against the tangential
     /// separation, one curve for each value of --normal: PREFIX.svg, .png
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     plot: Option<PathBuf>,
 }
 

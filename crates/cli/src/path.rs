@@ -63,11 +63,17 @@ pub struct Args {
     #[serde(flatten)]
     law: LawArgs,
     /// Coulomb friction with this coefficient, at a hard wall
-    #[arg(long, value_name = "MU", conflicts_with_all = ["law", "shear_strength"], allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "MU",
+        conflicts_with_all = ["law", "shear_strength"],
+        allow_negative_numbers = true,
+        help_heading = "Contact"
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     friction: Option<f64>,
     /// Friction with this shear strength (Tresca), stress, at a hard wall
-    #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     shear_strength: Option<f64>,
@@ -80,7 +86,8 @@ pub struct Args {
         long,
         value_name = "P|FILE",
         allow_negative_numbers = true,
-        conflicts_with_all = ["friction", "shear_strength"]
+        conflicts_with_all = ["friction", "shear_strength"],
+        help_heading = "Contact"
     )]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::HARDNESS, array)]
@@ -99,16 +106,17 @@ pub struct Args {
         alias = "energy-tol",
         default_value_t = Refinement::default().tolerance,
         value_name = "TOL",
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        help_heading = "Accuracy"
     )]
     energy_tolerance: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
     /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body 0]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
     /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap,
     /// PREFIX-section (both surfaces and the pressure along x), with an attraction PREFIX-traction
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }

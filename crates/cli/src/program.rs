@@ -201,46 +201,6 @@ const TERMS: [(&str, &str); 6] = [
     ),
 ];
 
-/// Groups of the flags of single commands: heading, commands (all if empty), keys. The first match counts; flags shared
-/// by commands bring their own group.
-const GROUPS: &[(&str, &[&str], &[&str])] = &[
-    ("Measurements", &["surface"], &["fit_range", "window", "statistics", "boundary"]),
-    (
-        "Punch",
-        &["punch"],
-        &["dim", "n", "punch_fraction", "depth", "contact", "nodes", "mask", "traction", "shift", "refine"],
-    ),
-    ("Solver", &["punch"], &["solver"]),
-    ("Places", &["body"], &["depths", "levels", "deepest", "slice", "quantities"]),
-    ("Places", &["green", "law"], &["z", "depth", "normal", "tangential"]),
-    ("Load", &["theory"], &["p_star", "wavelength"]),
-    ("Body", &["punch", "body", "green"], &["height", "young", "poisson", "e_star"]),
-    ("Flash temperature", &["slide"], &["heat", "friction"]),
-    ("Contact", &[], &["boundary", "components", "hardness", "finite_slope", "friction", "shear_strength"]),
-    ("Accuracy", &[], &["grid_error", "accuracy", "energy_tolerance", "energy_solves"]),
-    ("Solver", &[], &["tolerance", "max_iterations", "range_continuation"]),
-    ("Measurements", &[], &["statistics", "conductor_height", "flow", "flow_threshold"]),
-    ("Output", &[], &["fields", "out", "vtk", "plots", "plot", "report", "list", "compare", "draw"]),
-];
-
-/// Puts the flags of a command into their groups.
-fn grouped(command: clap::Command) -> clap::Command {
-    let name = command.get_name().to_owned();
-    // A sweep, a check and a report have few flags, of one kind.
-    if ["kappa-sweep", "check", "report"].contains(&&*name) {
-        return command;
-    }
-    command.mut_args(|arg| {
-        let fits = |(_, commands, keys): &&(&str, &[&str], &[&str])| {
-            (commands.is_empty() || commands.contains(&&*name)) && keys.contains(&arg.get_id().as_str())
-        };
-        match GROUPS.iter().find(fits) {
-            Some((head, ..)) => arg.help_heading(*head),
-            None => arg,
-        }
-    })
-}
-
 /// Puts the name of the called program into its help; the examples are written for `gfmd`.
 fn named(command: clap::Command, name: &'static str) -> clap::Command {
     let examples = |command: clap::Command| match command.get_after_help() {
@@ -263,7 +223,12 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
         }
         None => command,
     };
-    command.name(name).bin_name(name).mut_subcommands(|command| grouped(examples(command)))
+    command.name(name).bin_name(name).mut_subcommands(examples)
+}
+
+/// Returns the program with its commands, whose flags are a table of all options: keys, headings, defaults, help.
+pub fn command() -> clap::Command {
+    named(Line::<Command>::command(), "gfmd")
 }
 
 impl Command {
@@ -322,7 +287,7 @@ impl Command {
             Self::Theory(args) => whole(theory::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),
             Self::Report(args) => whole(report::run(args, session)?),
-            Self::Completions(args) => whole(Plain(completions::run(args, named(Line::<Self>::command(), "gfmd")))),
+            Self::Completions(args) => whole(Plain(completions::run(args, command()))),
         })
     }
 

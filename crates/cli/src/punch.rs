@@ -62,64 +62,89 @@ Examples:
 )]
 pub struct Args {
     /// Side of the square cell, length
-    #[arg(long, alias = "length", default_value_t = 1.27, value_name = "L", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        alias = "length",
+        default_value_t = 1.27,
+        value_name = "L",
+        allow_negative_numbers = true,
+        help_heading = "Punch"
+    )]
     #[option(kinds = Kinds::LENGTH)]
     size: f64,
     /// Height of the slab, or of the top layer; "inf" for a half-space; default: the length of the cell
-    #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true, help_heading = "Body")]
     #[serde(with = "height_if")]
     #[option(kinds = Kinds::LENGTH)]
     height: Option<Height>,
     /// Young's modulus, stress
-    #[arg(long, default_value_t = 70.0, value_name = "E", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 70.0, value_name = "E", allow_negative_numbers = true, help_heading = "Body")]
     #[option(kinds = Kinds::STRESS)]
     young: f64,
     /// Poisson's ratio, above -1 and up to 0.5
-    #[arg(long, default_value_t = 0.33, value_name = "NU", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.33, value_name = "NU", allow_negative_numbers = true, help_heading = "Body")]
     poisson: f64,
     #[command(flatten)]
     #[serde(flatten)]
     others: OtherArgs,
     /// 3: a square punch; 2: a strip, in plane strain
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3), value_name = "2|3")]
+    #[arg(
+        long,
+        default_value_t = 3,
+        value_parser = clap::value_parser!(u8).range(2..=3),
+        value_name = "2|3",
+        help_heading = "Punch"
+    )]
     #[serde(deserialize_with = "within::<2, 3, _, _>")]
     dim: u8,
     /// Points along each axis; default: the points of --mask, or 128
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", help_heading = "Punch")]
     #[serde(skip_serializing_if = "Option::is_none")]
     n: Option<usize>,
     /// Width of the punch divided by the width of the cell
-    #[arg(long, default_value_t = 0.25, value_name = "F", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.25, value_name = "F", allow_negative_numbers = true, help_heading = "Punch")]
     punch_fraction: f64,
     /// Depth to which the punch is pressed, length; on a half-space, below the mean level of the surface
-    #[arg(long, default_value_t = 0.005, value_name = "D", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.005, value_name = "D", allow_negative_numbers = true, help_heading = "Punch")]
     #[option(kinds = Kinds::LENGTH)]
     depth: f64,
     /// Condition under the punch
-    #[arg(long, value_enum, default_value_t = ContactName::Sticking)]
+    #[arg(long, value_enum, default_value_t = ContactName::Sticking, help_heading = "Punch")]
     contact: ContactName,
     /// Points on the edge of the punch, excluded or included
-    #[arg(long, value_enum, default_value_t = Nodes::Strict)]
+    #[arg(long, value_enum, default_value_t = Nodes::Strict, help_heading = "Punch")]
     nodes: Nodes,
     /// Points under a punch of any shape, in place of --punch-fraction: .npy of shape [N, N] ([N] with --dim 2), or
     /// FILE.h5:/dataset; those other than 0 are under it
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["punch_fraction", "nodes", "refine"])]
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["punch_fraction", "nodes", "refine"],
+        help_heading = "Punch"
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
     mask: Option<ArrayOption>,
     /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim
     /// 2), or FILE.h5:/dataset
-    #[arg(long, value_name = "FILE", conflicts_with = "refine")]
+    #[arg(long, value_name = "FILE", conflicts_with = "refine", help_heading = "Punch")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
     traction: Option<ArrayOption>,
     /// Lateral displacement of a sticking punch, length
-    #[arg(long, value_delimiter = ',', value_name = "X,Y", num_args = 1..=2, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "X,Y",
+        num_args = 1..=2,
+        allow_negative_numbers = true,
+        help_heading = "Punch"
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     #[option(kinds = Kinds::LENGTH)]
     shift: Vec<f64>,
     /// The method (docs/solvers.md)
-    #[arg(long, value_enum, default_value_t = SolverName::Auto)]
+    #[arg(long, value_enum, default_value_t = SolverName::Auto, help_heading = "Solver")]
     solver: SolverName,
     #[command(flatten)]
     #[serde(flatten)]
@@ -128,26 +153,39 @@ pub struct Args {
     #[serde(flatten)]
     trace: TraceArgs,
     /// Largest residual of a converged state
-    #[arg(long, alias = "tol", default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        alias = "tol",
+        default_value_t = 1e-8,
+        value_name = "TOL",
+        allow_negative_numbers = true,
+        help_heading = "Solver"
+    )]
     tolerance: f64,
     /// Largest number of iterations, or time steps
-    #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N")]
+    #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N", help_heading = "Solver")]
     max_iterations: u64,
     /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=8), value_name = "GRIDS")]
+    #[arg(
+        long,
+        default_value_t = 1,
+        value_parser = clap::value_parser!(u8).range(1..=8),
+        value_name = "GRIDS",
+        help_heading = "Punch"
+    )]
     #[serde(deserialize_with = "within::<1, 8, _, _>")]
     refine: u8,
     /// Compare the displacement with a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or
     /// FILE.h5[:/dataset] of another run; if m differs from N, on the points that both grids have
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     #[serde(skip_serializing_if = "Option::is_none")]
     compare: Option<String>,
     /// Write fields and scalars to this HDF5 file
-    #[arg(long, value_name = "FILE.h5")]
+    #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw maps of displacement and pressure, and a cut along x: PREFIX-u_x.svg, .png, ... -pressure, -cut
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Flags of the search for one state of a series.
 #[derive(Args, Options, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Solver")]
 pub(crate) struct SearchArgs {
     /// Largest residual of a converged state
     #[arg(long, alias = "tol", default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]

@@ -69,12 +69,19 @@ pub struct Args {
     heat: HeatArgs,
     /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times and of the
     /// diffusivity; A:B:N is N values from A to B in geometric steps. Each load is solved at each of them
-    #[arg(long, value_delimiter = ',', value_name = "V1|A:B:N,..", required = true, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "V1|A:B:N,..",
+        required = true,
+        allow_negative_numbers = true,
+        help_heading = "Load"
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::VELOCITY)]
     velocity: Vec<Entry>,
     /// Direction of the velocity, degrees from x
-    #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "DEG", allow_negative_numbers = true, help_heading = "Load")]
     direction: f64,
     #[command(flatten)]
     #[serde(flatten)]
@@ -83,12 +90,12 @@ pub struct Args {
     #[serde(skip)]
     resume: ResumeArgs,
     /// Write the states and their fields to this HDF5 file
-    #[arg(long, value_name = "FILE.h5")]
+    #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw the friction against the velocity, with Persson's theory, PREFIX-friction.svg, .png, of heat PREFIX-rise
     /// and PREFIX-temperature; of the last state PREFIX-map (pressure), PREFIX-gap, PREFIX-section
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }

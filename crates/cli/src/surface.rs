@@ -58,42 +58,53 @@ pub struct Args {
     source: SourceArgs,
     /// Wavelengths between which the Hurst exponent is fitted, length [default: the cut-offs of a generated surface;
     /// for a file, half of the cell and 4 grid spacings]
-    #[arg(long, value_delimiter = ',', value_name = "LONGEST,SHORTEST", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "LONGEST,SHORTEST",
+        allow_negative_numbers = true,
+        help_heading = "Measurements"
+    )]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTH)]
     fit_range: Vec<f64>,
     /// Window on the heights before their spectrum is computed, for the fit, the spectrum in a file and in a figure;
     /// heights and their statistics stay
-    #[arg(long, value_enum, default_value_t = Window::None)]
+    #[arg(long, value_enum, default_value_t = Window::None, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "Window::is_none")]
     window: Window,
     /// List the channels of the file with their units and points, and do nothing else
-    #[arg(long, requires = "surface", conflicts_with_all = ["out", "plots", "channel", "statistics", "report"])]
+    #[arg(
+        long,
+        requires = "surface",
+        conflicts_with_all = ["out", "plots", "channel", "statistics", "report"],
+        help_heading = "Output"
+    )]
     #[serde(skip)]
     list: bool,
     /// Write the heights to this file, .npy, .x3p or .h5; a .h5 file also has statistics and radially averaged spectrum
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw the heights, a profile through them and the spectrum: PREFIX-map, PREFIX-profile, PREFIX-spectrum (.svg,
     /// .png); with --statistics also PREFIX-autocorrelation, -correlation-map, -distributions, -slopes, -curvatures and
     /// -bearing
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
     /// Add spectrum, autocorrelation with Sal and Str, distributions of height, slope and curvature, both against
     /// distance, bearing curve with Sk, to JSON, a .h5 file and figures
-    #[arg(long)]
+    #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
     /// Boundary of the surface for these functions: periodic, or free, with differences between points inside alone,
     /// from which rms gradient, rms curvature, m2, m4 and Nayak's parameter then follow, too [default of the functions:
     /// periodic for a surface of method psd and for a mirrored one, else free]
-    #[arg(long, value_parser = parse_choice::<Boundary>())]
+    #[arg(long, value_parser = parse_choice::<Boundary>(), help_heading = "Measurements")]
     #[serde(skip)]
     boundary: Option<Boundary>,
     /// Write a page of HTML about the surface: its numbers, all figures of --statistics, and their definitions
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     #[serde(skip)]
     report: Option<PathBuf>,
 }

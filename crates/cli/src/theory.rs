@@ -39,15 +39,16 @@ pub struct Args {
         value_delimiter = ',',
         value_name = "P1,P2,..",
         default_values_t = [0.001, 0.01, 0.05, 0.1, 0.3, 1.0],
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        help_heading = "Load"
     )]
     p_star: Vec<f64>,
     /// Wavelengths below which the roughness is not seen, for the area at a magnification
-    #[arg(long, value_delimiter = ',', value_name = "L1,L2,..", allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', value_name = "L1,L2,..", allow_negative_numbers = true, help_heading = "Load")]
     #[option(kinds = Kinds::LENGTH)]
     wavelength: Vec<f64>,
     /// Draw area, mean gap and distribution of pressure: PREFIX-area.svg, PREFIX-gap.svg, PREFIX-pressure.svg, and .png
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     plots: Option<PathBuf>,
 }
 

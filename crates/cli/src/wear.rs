@@ -76,7 +76,7 @@ pub struct Args {
     /// Draw wear, area and largest pressure against the distance: PREFIX-wear.svg, .png; of the last step the worn
     /// profile beside the unworn: PREFIX-profile, the depth lost: PREFIX-depth, and PREFIX-map (pressure), PREFIX-gap,
     /// PREFIX-section
-    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
 }

@@ -24,7 +24,13 @@ enum Piece {
 }
 
 /// Python arguments that group several options or have another name than their key.
-const ARGUMENTS: [(&str, &str); 2] = [("param", "law"), ("layer", "layers")];
+const ARGUMENTS: [(&str, &str); 5] = [
+    ("param", "law"),
+    ("layer", "layers"),
+    ("slice", "along"),
+    ("history_mode", "history_modes"),
+    ("history_point", "history_points"),
+];
 
 /// Returns the Python argument of the option with this key.
 pub fn argument(key: &str) -> &str {

@@ -13,6 +13,7 @@ import gfmd
 import numpy as np
 import pytest
 from gfmd._columns import LowerFace, Patches, States, Steps
+from gfmd._options import ContactOptions, InteriorOptions, PathOptions
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -198,6 +199,51 @@ def test_the_package_and_the_examples_are_typed():
     pytest.importorskip("mypy")
     words = ["--strict", "--ignore-missing-imports", "--allow-untyped-calls"]
     checked("mypy", *words, FOLDER / "python" / "gfmd", *sorted((FOLDER / "examples").glob("*.py")))
+
+
+# Calls with an argument that does not exist, or of a wrong type, and good ones.
+CALLS = """
+import gfmd
+import numpy as np
+
+surface, body = gfmd.self_affine(n=16), gfmd.Body()
+gfmd.contact(surface, body, p_star=0.1, tolerence=1e-8)  # wrong
+gfmd.contact(surface, body, p_star=0.1, boundary="open")  # wrong
+gfmd.contacts(surface, body, p_star=[0.1], max_iterations="many")  # wrong
+gfmd.many([surface], body, p_star=0.1, worker=2)  # wrong
+gfmd.friction(surface, body, coefficient=0.3, p_star=0.1, step=2)  # wrong
+contact = gfmd.contact(surface, body, p_star=0.1, tolerance=1e-8, law=None, base_traction=np.zeros((16, 16)), dt=0.5)
+contact.interior(depth=0.1)  # wrong
+contact.interior(levels=3, deepest="1 um", quantities=["stress"])
+gfmd.punch(body).interior([0.1], threads=1)
+gfmd.contacts(surface, body, pressure=["1 MPa", 2.0], hardness="1 GPa", damping=[1.0, 1.0, 0.9], start=contact)
+gfmd.many([surface], body, p_star=[0.1, 0.2], accuracy="1%", workers=2)
+gfmd.friction(surface, body, coefficient=0.3, p_star=0.1, steps=2, energy_solves=None, out="a.h5")
+"""
+
+
+def test_the_types_know_the_options(tmp_path):
+    pytest.importorskip("mypy")
+    (tmp_path / "calls.py").write_text(CALLS, encoding="utf-8")
+    words = ["--strict", "--ignore-missing-imports", "--no-error-summary", tmp_path / "calls.py"]
+    done = subprocess.run([sys.executable, "-m", "mypy", *words], capture_output=True, text=True, cwd=FOLDER / "python")
+    found = {int(line.split(":")[1]) for line in done.stdout.splitlines() if ": error: " in line}
+    wrong = {number for number, line in enumerate(CALLS.splitlines(), 1) if line.endswith("# wrong")}
+    assert found == wrong, done.stdout + done.stderr
+
+
+def test_the_types_of_options_have_the_arguments_of_the_functions():
+    def own(function):
+        return {
+            name
+            for name, of in inspect.signature(function).parameters.items()
+            if of.kind is inspect.Parameter.KEYWORD_ONLY
+        }
+
+    loads = {"pressure", "p_star", "approach"}
+    assert own(gfmd.contact) - loads <= set(ContactOptions.__annotations__)
+    assert set(PathOptions.__annotations__) == own(gfmd.path) - own(gfmd.friction) - {"friction", "law"}
+    assert set(InteriorOptions.__annotations__) == own(gfmd.interior)
 
 
 def test_the_native_half_has_the_types_of_its_stub():

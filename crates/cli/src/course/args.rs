@@ -18,16 +18,26 @@ use gfmd_problem::options::Options;
 #[serde(default)]
 pub(crate) struct PathOptions {
     /// The surroundings of the surface; free: a patch that does not repeat
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
+    #[arg(
+        long,
+        value_parser = parse_choice::<Boundary>(),
+        default_value_t = Boundary::Periodic,
+        help_heading = "Contact"
+    )]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
     pub(crate) boundary: Boundary,
     /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
     /// too
-    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
+    #[arg(
+        long,
+        value_parser = parse_choice::<GridError>(),
+        default_value_t = GridError::Estimate,
+        help_heading = "Accuracy"
+    )]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     grid_error: GridError,
     /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
-    #[arg(long)]
+    #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow: bool,
 }
@@ -49,7 +59,13 @@ impl PathOptions {
 #[serde(default)]
 pub(crate) struct StepArgs {
     /// Steps from one waypoint to the next
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
+    #[arg(
+        long,
+        default_value_t = 20,
+        value_parser = clap::value_parser!(u32).range(1..),
+        value_name = "N",
+        help_heading = "Waypoints"
+    )]
     #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
     pub(crate) steps: u32,
     #[command(flatten)]
@@ -59,7 +75,7 @@ pub(crate) struct StepArgs {
     #[serde(skip)]
     pub(crate) resume: ResumeArgs,
     /// Write the path, and the fields at its waypoints, to this HDF5 file
-    #[arg(long, value_name = "FILE.h5")]
+    #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     pub(crate) out: Option<PathBuf>,
 }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 /// Flags of the heat that friction makes.
 #[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Flash temperature")]
 pub(super) struct HeatArgs {
     /// Conductivity and diffusivity of the body, then of the rough surface if it shares the heat
     #[arg(long, value_delimiter = ',', value_name = "K,ALPHA[,K2,ALPHA2]", allow_negative_numbers = true)]

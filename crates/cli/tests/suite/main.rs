@@ -20,6 +20,7 @@ mod help;
 mod hostile;
 mod interoperability;
 mod law;
+mod options;
 mod pictures;
 mod plastic;
 mod punch;

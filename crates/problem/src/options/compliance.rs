@@ -13,6 +13,7 @@ use crate::{Facts, Support, Unusable, key, words};
 /// Flags of a body that is known by its compliance.
 #[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
+#[command(next_help_heading = "Body")]
 pub struct ComplianceArgs {
     /// Normal compliance of the body, in place of its moduli: FILE of two columns, wavenumber (rad/length) and
     /// compliance (length/stress), or of three, qx, qy and compliance, for a body that is not isotropic; heads may

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,11 @@ from ._hints import hinted
 from ._files import config
 from ._record import Record
 from ._result import Computed
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import InteriorOptions
 
 _QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density")
 
@@ -59,7 +64,7 @@ class Punch(Computed, PunchNumbers):
     components: list[str]
     warnings: list[Record]
 
-    def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
+    def interior(self, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]) -> FieldsBelow:
         """Returns displacement, strain and stress below the punch; see `gfmd.interior`.
 
         Args:

@@ -22,7 +22,10 @@ from ._result import Result
 from ._surface import Surface
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from ._below import FieldsBelow
+    from ._options import InteriorOptions
 
 _HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
 
@@ -469,7 +472,7 @@ class Contact(Result, Numbers, Fields):
         )
         return Gradient({"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error})
 
-    def interior(self, depths: Optional[Sequence[float]] = None, **options: Any) -> FieldsBelow:
+    def interior(self, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.
 
         Args:

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sized
 from concurrent.futures import Future, ThreadPoolExecutor
 from threading import Event
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from ._body import Body
 from ._check import integer
@@ -16,9 +16,21 @@ from ._errors import InputError, Interrupted, NotConverged
 from ._progress import BESIDE, Progress
 from ._solve import contact
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import ContactOptions
+
 
 def many(
-    surfaces: Iterable[Any], body: Body, *, workers: Optional[int] = None, **options: Any
+    surfaces: Iterable[Any],
+    body: Body,
+    *,
+    pressure: Any = None,
+    p_star: Any = None,
+    approach: Any = None,
+    workers: Optional[int] = None,
+    **options: Unpack[ContactOptions],
 ) -> Iterator[Union[Contact, Contacts]]:
     """Computes the contacts of many surfaces with one body in parallel, each on one thread.
 
@@ -29,8 +41,9 @@ def many(
     Args:
         surfaces: surfaces as in `contact`.
         body: the elastic body.
+        pressure, p_star, approach: the load, one of the three, one number or several (stress, 1, length).
         workers: number of contacts computed at once; by default the number of cores available to this process.
-        options: the load, one number or several, and further arguments of `contact`, except `threads` and `start`.
+        options: further arguments of `contact`, except `threads` and `start`.
 
     Raises:
         InputError, NotConverged, Interrupted: as in `contact`, raised in the place of that surface; the message has its
@@ -49,7 +62,8 @@ def many(
             )
     if workers is None:
         workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return _solved(surfaces, body, integer("workers", workers, 1, 4096), options)
+    loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
+    return _solved(surfaces, body, integer("workers", workers, 1, 4096), {**loads, **options})
 
 
 def _solved(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from functools import reduce
-from typing import Any, Literal, Optional, Union
+from typing import TYPE_CHECKING, Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,11 @@ from ._leak import Leaks
 from ._record import Record, by_name
 from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import PathOptions
 
 
 class Path(Leaks, Computed, StepFields):
@@ -286,7 +291,7 @@ def friction(
     p_star: Any = None,
     approach: Any = None,
     lateral: Any = (0.0,),
-    **options: Any,
+    **options: Unpack[PathOptions],
 ) -> Path:
     """Pushes a contact with friction sideways: a `path` with a hard wall and all components of displacement.
 

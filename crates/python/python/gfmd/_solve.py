@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, Optional, Union, overload
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -19,8 +19,12 @@ from ._errors import InputError, Interrupted, NotConverged, warned
 from ._progress import Progress
 from ._hints import argument
 from ._load import of_load
+from ._options import ContactOptions
 from ._record import parsed
 from ._surface import Surface, as_hardness, as_lower, as_surface
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Last problem of each surface in use, with its inputs.
 _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictionary()
@@ -150,18 +154,10 @@ def _checked(options: dict[str, Any]) -> dict[str, Any]:
 
 def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
     """Returns the name and value of the load; refuses unknown options and more than one load."""
-    allowed = [
-        *(
-            key
-            for key in _gfmd.options()
-            if key not in ("law", "param", "law_table", "compliance", "uniform_compliance")
-        ),
-        "stress_unit",
-    ]
-    unknown = next((name for name in options if name not in (*allowed, "law", "threads", "start")), None)
+    allowed = ContactOptions.__annotations__
+    unknown = next((name for name in options if name not in allowed), None)
     if unknown is not None:
-        every = [*loads, *allowed, "law", "threads", "start"]
-        raise TypeError(f"contact has no argument {unknown!r}; {argument(unknown, every)}")
+        raise TypeError(f"contact has no argument {unknown!r}; {argument(unknown, [*loads, *allowed])}")
     found = [(name, value) for name, value in loads.items() if value is not None]
     if len(found) != 1:
         names = ", ".join(name for name, _ in found) or "none"
@@ -177,7 +173,7 @@ def contact(
     pressure: Optional[Quantity] = None,
     p_star: Optional[float] = None,
     approach: Optional[Quantity] = None,
-    **options: Any,
+    **options: Unpack[ContactOptions],
 ) -> Contact: ...
 @overload
 def contact(
@@ -187,7 +183,7 @@ def contact(
     pressure: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
     p_star: Optional[Sequence[float] | npt.NDArray[np.float64]] = None,
     approach: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
-    **options: Any,
+    **options: Unpack[ContactOptions],
 ) -> Contacts: ...
 def contact(
     surface: Surface | npt.ArrayLike | Any,
@@ -307,17 +303,18 @@ def _accurate(
 ) -> list[Contact]:
     """Solves the contacts on the grid where all their numbers meet `accuracy`."""
     (control, values), (surface, body) = loads, (as_surface(pair[0]), pair[1])
+    given: dict[str, Any] = {control: values, **options}
     if options.get("start") is not None or options.get("grid_error") not in (None, "estimate"):
         raise InputError(
             "accuracy is given with start or grid_error; the grid of a start, and its error, are what they are"
         )
     asked = accuracy if isinstance(accuracy, str) else repr(number("accuracy", accuracy))
     _Setup(surface, body, loads=_of_stress(control, values), **options).problem.check_accuracy(asked, control)
-    done = list(contacts(surface, body, **{control: values}, **options))
+    done = list(contacts(surface, body, **given))
     while (times := max(found._state.times(asked) for found in done)) > 1:
         try:
             surface = surface.finer(times)
-            done = list(contacts(surface, body, **{control: values}, **options))
+            done = list(contacts(surface, body, **given))
         except InputError as error:
             state = done[0] if len(done) == 1 else Contacts(done)
             raise NotConverged(
@@ -333,7 +330,7 @@ def contacts(
     pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
-    **options: Any,
+    **options: Unpack[ContactOptions],
 ) -> Contacts:
     """Solves contacts under several loads, one after the other, each started from the last.
 
@@ -351,12 +348,13 @@ def contacts(
         >>> [c.converged for c in cs], cs.kappa.shape
         ([True, True, True], (3,))
     """
-    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach}, options)
+    further: dict[str, Any] = dict(options)
+    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach}, further)
     loads = quantities(control, given, _LOADS[control])
-    accuracy = options.pop("accuracy", None)
+    accuracy = further.pop("accuracy", None)
     if accuracy is not None:
-        return Contacts(_accurate(accuracy, (surface, body), (control, loads), options))
-    setup = _Setup(surface, body, loads=_of_stress(control, loads), **options)
+        return Contacts(_accurate(accuracy, (surface, body), (control, loads), further))
+    setup = _Setup(surface, body, loads=_of_stress(control, loads), **further)
     values = setup.values(control, loads)
     done: list[Contact] = []
     state = setup.start

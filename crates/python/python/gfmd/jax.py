@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +11,11 @@ import numpy as np
 from ._body import Body
 from ._contact import Contact
 from ._differentiable import Outputs, Solver, controlled
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import ContactOptions
 
 __all__ = ["contact"]
 
@@ -22,7 +27,7 @@ def contact(
     pressure: Optional[Any] = None,
     approach: Optional[Any] = None,
     size: Any = None,
-    **options: Any,
+    **options: Unpack[ContactOptions],
 ) -> Outputs:
     """Solves the contact of a rigid surface with an elastic body: fields and numbers are differentiable arrays.
 
@@ -38,7 +43,7 @@ def contact(
     """
     control, load = controlled(pressure, approach)
     surface = jnp.asarray(heights)
-    solver = Solver(body, size, control, options)
+    solver = Solver(body, size, control, dict(options))
     kind, shape = surface.dtype, surface.shape if surface.ndim == 2 else (*surface.shape, 1)
     types = [jax.ShapeDtypeStruct(shape, kind)] * 2 + [jax.ShapeDtypeStruct((), kind)] * 4
     kept: dict[bytes, Contact] = {}

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 import torch
 
 from ._body import Body
 from ._differentiable import Outputs, Solver, controlled
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._options import ContactOptions
 
 __all__ = ["contact"]
 
@@ -37,7 +42,7 @@ def contact(
     pressure: Optional[Any] = None,
     approach: Optional[Any] = None,
     size: Any = None,
-    **options: Any,
+    **options: Unpack[ContactOptions],
 ) -> Outputs:
     """Solves the contact of a rigid surface with an elastic body: fields and numbers are differentiable tensors.
 
@@ -53,4 +58,4 @@ def contact(
     """
     control, load = controlled(pressure, approach)
     given = torch.as_tensor(load, dtype=heights.dtype, device=heights.device)
-    return Outputs(*_Contact.apply(heights, given, Solver(body, size, control, options)))
+    return Outputs(*_Contact.apply(heights, given, Solver(body, size, control, dict(options))))

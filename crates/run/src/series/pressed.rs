@@ -47,22 +47,27 @@ pub struct ContactArgs {
     #[serde(flatten)]
     pub lower: LowerArgs,
     /// The surroundings of the surface
-    #[arg(long, value_parser = parse_choice::<Boundary>(), default_value_t = Boundary::Periodic)]
+    #[arg(
+        long,
+        value_parser = parse_choice::<Boundary>(),
+        default_value_t = Boundary::Periodic,
+        help_heading = "Contact"
+    )]
     #[serde(with = "named")]
     pub boundary: Boundary,
     /// The components of the surface displacement that are unknown
-    #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal)]
+    #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal, help_heading = "Contact")]
     #[serde(skip_serializing_if = "is_normal", with = "named")]
     pub components: Unknown,
     /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
     /// where it is reached the surfaces are pressed into each other
-    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::HARDNESS, array)]
     pub hardness: Option<GivenHardness>,
     /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act
     /// along the normal of the rigid surface
-    #[arg(long)]
+    #[arg(long, help_heading = "Contact")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub finite_slope: bool,
     /// Method.
@@ -88,17 +93,22 @@ pub struct ContactArgs {
     #[serde(flatten)]
     pub law: LawArgs,
     /// Way in which the error of the numbers by the finite grid is found
-    #[arg(long, value_parser = parse_choice::<GridError>(), default_value_t = GridError::Estimate)]
+    #[arg(
+        long,
+        value_parser = parse_choice::<GridError>(),
+        default_value_t = GridError::Estimate,
+        help_heading = "Accuracy"
+    )]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     pub grid_error: GridError,
     /// Largest relative error (95 %) that every number may have by the grid, such as 0.01 or 1%: the grid is made finer
     /// until all are that exact
-    #[arg(long, value_name = "E", conflicts_with = "grid_error")]
+    #[arg(long, value_name = "E", conflicts_with = "grid_error", help_heading = "Accuracy")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
     /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the
     /// other
-    #[arg(long)]
+    #[arg(long, help_heading = "Solver")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub range_continuation: bool,
 }

@@ -1,0 +1,345 @@
+//! The options of all commands as a page (docs/options.md) and as types of Python (_options.py), from the flags of the
+//! program. `GFMD_DOCS=write cargo test -p gfmd-cli -- options` writes both.
+
+use std::any::TypeId;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::{Arg, ArgAction, Command};
+use gfmd_cli::program;
+use gfmd_problem::argument;
+use gfmd_problem::options::flags::keys;
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PronyArgs};
+use gfmd_run::series::ContactArgs;
+use gfmd_run::source::SourceArgs;
+
+/// Compares a file of the repository with a text; writes it first if `GFMD_DOCS=write`.
+fn compare(file: &str, text: &str) {
+    let file = format!("{}/../../{file}", env!("CARGO_MANIFEST_DIR"));
+    if std::env::var_os("GFMD_DOCS").is_some_and(|what| what == "write") {
+        std::fs::write(&file, text).unwrap();
+    }
+    assert_eq!(std::fs::read_to_string(&file).unwrap_or_default(), text, "{file}");
+}
+
+/// Returns the kinds of the numbers of an option; empty if they have no unit.
+fn kinds(key: &str) -> Vec<&'static str> {
+    program::kinds().get(key).map_or_else(Vec::new, |kinds| kinds.in_turn().to_vec())
+}
+
+fn key(arg: &Arg) -> &str {
+    arg.get_id().as_str()
+}
+
+/// Returns the flags of a command, without its file names that have no flag.
+fn flags(command: &Command) -> impl Iterator<Item = &Arg> {
+    command.get_arguments().filter(|arg| arg.get_long().is_some())
+}
+
+/// Returns the names that an option may have as its value.
+fn choices(arg: &Arg) -> Vec<String> {
+    if !takes_value(arg) {
+        return Vec::new();
+    }
+    arg.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect()
+}
+
+fn takes_value(arg: &Arg) -> bool {
+    matches!(arg.get_action(), ArgAction::Set | ArgAction::Append)
+}
+
+/// Returns the flag with the name of its value, or with its choices.
+fn flag(arg: &Arg) -> String {
+    let long = format!("--{}", arg.get_long().unwrap());
+    if !takes_value(arg) {
+        return long;
+    }
+    let name = arg.get_value_names().unwrap_or_default().join(" ");
+    let choices = choices(arg);
+    let value = if choices.is_empty() || arg.get_value_delimiter().is_some() { name } else { choices.join("|") };
+    format!("{long} {value}")
+}
+
+/// Returns meaning and default of an option. A default that depends on others is the end of its help.
+fn meaning_and_default(arg: &Arg) -> (String, String) {
+    let help = arg.get_help().map(ToString::to_string).unwrap_or_default();
+    let (meaning, said) = match help.strip_suffix(']').and_then(|text| text.rsplit_once(" [default: ")) {
+        Some((meaning, default)) => (meaning.to_owned(), default.to_owned()),
+        None => (help, String::new()),
+    };
+    let given: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    let default = match () {
+        () if !takes_value(arg) => String::new(),
+        () if arg.is_required_set() => "required".into(),
+        () if given.is_empty() => said,
+        () => given.iter().map(|value| number(value)).collect::<Vec<_>>().join(","),
+    };
+    let choices = choices(arg);
+    let list = arg.get_value_delimiter().is_some() && !choices.is_empty() && choices.join(",") != default;
+    (if list { format!("{meaning}: {}", choices.join(", ")) } else { meaning }, default)
+}
+
+/// Returns a small number with an exponent, and any other text as it is.
+fn number(text: &str) -> String {
+    match text.parse::<f64>() {
+        Ok(value) if value != 0.0 && value.abs() < 1e-3 => format!("{value:e}"),
+        _ => text.to_owned(),
+    }
+}
+
+/// Returns a text of the help in Markdown: flags as code, asterisks as they are.
+fn marked(text: &str) -> String {
+    let word = |word: &str| {
+        let Some(start) = word.find("--") else { return word.replace('*', "\\*") };
+        let is_end = |letter: char| !letter.is_ascii_alphanumeric() && letter != '-';
+        let end = word[start..].find(is_end).map_or(word.len(), |length| start + length);
+        format!("{}`{}`{}", &word[..start], &word[start..end], &word[end..])
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
+}
+
+/// Row of the page: an option of one or more commands that describe it alike.
+#[derive(PartialEq)]
+struct Row {
+    heading: Option<String>,
+    key: String,
+    cells: [String; 5],
+    commands: Vec<String>,
+}
+
+impl Row {
+    fn of(command: &str, arg: &Arg) -> Self {
+        let name = key(arg);
+        let (meaning, default) = meaning_and_default(arg);
+        let names =
+            if argument(name) == name { format!("`{name}`") } else { format!("`{}`, `{name}`", argument(name)) };
+        let texts = [kinds(name).join(", "), default, meaning].map(|text| marked(&text));
+        let [kinds, default, meaning] = texts;
+        let cells = [format!("`{}`", flag(arg)), names, kinds, default, meaning];
+        let cells = cells.map(|cell| cell.replace('|', "\\|"));
+        let heading = arg.get_help_heading().map(str::to_owned);
+        Self { heading, key: name.to_owned(), cells, commands: vec![command.to_owned()] }
+    }
+
+    fn line(&self) -> String {
+        let [flag, names, kinds, default, meaning] = &self.cells;
+        let row = [flag, names, kinds, default, &self.commands.join(", "), meaning];
+        row.iter()
+            .fold("|".to_owned(), |line, cell| if cell.is_empty() { line + " |" } else { format!("{line} {cell} |") })
+    }
+}
+
+/// Returns the rows of all commands; options that commands describe alike share a row.
+fn rows(program: &Command) -> Vec<Row> {
+    let of = |command: &str, arg: &Arg| Row::of(command, arg);
+    let own = program.get_subcommands().flat_map(|command| flags(command).map(|arg| of(command.get_name(), arg)));
+    let mut rows: Vec<Row> = Vec::new();
+    for row in own.chain(flags(program).map(|arg| of("all", arg))) {
+        match rows.iter_mut().find(|other| (&other.heading, &other.cells) == (&row.heading, &row.cells)) {
+            Some(other) => other.commands.extend(row.commands),
+            None => rows.push(row),
+        }
+    }
+    rows
+}
+
+/// Returns values in the order in which they first occur.
+fn in_order<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    values.fold(Vec::new(), |mut found, value| {
+        if !found.contains(&value) {
+            found.push(value);
+        }
+        found
+    })
+}
+
+const HEAD: &str = "# Options
+
+<!-- Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`. -->
+
+All options of all commands, in the groups of `--help`. The second column is the key in configurations, files and
+messages, and the argument in Python, which comes first where it has another name. The third is the kind of the numbers
+that may have a unit ([units](units.md)), in turn for a list; 1 is a number without one. [Interface](interface.md) says
+what options do, and [together](together.md) which ones exclude each other.
+";
+
+#[test]
+fn the_page_of_options_has_every_option() {
+    let rows = rows(&program::command());
+    let mut page = HEAD.to_owned();
+    let mut headings = in_order(rows.iter().map(|row| &row.heading));
+    // The options without a group come last.
+    headings.sort_by_key(|heading| heading.is_none());
+    for heading in headings {
+        let title = heading.as_deref().unwrap_or("Further options");
+        let head = "| flag | argument, key | kind | default | commands | meaning |\n|---|---|---|---|---|---|";
+        let _ = writeln!(page, "\n## {title}\n\n{head}");
+        let there: Vec<&Row> = rows.iter().filter(|row| &row.heading == heading).collect();
+        for key in in_order(there.iter().map(|row| &row.key)) {
+            for row in there.iter().filter(|row| &row.key == key) {
+                page += &row.line();
+                page.push('\n');
+            }
+        }
+    }
+    compare("docs/options.md", &page);
+}
+
+/// Each flag stands in a group of its own choice, not in the group of a flag before it.
+#[test]
+fn options_of_commands_with_groups_have_one() {
+    for command in program::command().get_subcommands() {
+        let groups: BTreeSet<_> = flags(command).map(Arg::get_help_heading).collect();
+        assert!(groups.len() <= 1 || !groups.contains(&None), "{}: {groups:?}", command.get_name());
+    }
+}
+
+/// Types of arguments that Python takes in a form of its own.
+const TYPES: [(&str, &str); 7] = [
+    ("accuracy", "float | str"),
+    ("damping", "float | Sequence[float]"),
+    ("hardness", "Quantity | npt.ArrayLike"),
+    ("law", "Law | str"),
+    ("lower_surface", "Surface | npt.ArrayLike"),
+    ("slice", "str"),
+    ("time", "Quantity | npt.ArrayLike"),
+];
+
+/// Returns the type of the Python argument of an option.
+fn type_of(arg: &Arg) -> String {
+    if let Some((_, of)) = TYPES.iter().find(|(other, _)| *other == key(arg)) {
+        return (*of).to_owned();
+    }
+    let parser = arg.get_value_parser().type_id();
+    let is_any = |types: &[TypeId]| types.iter().any(|of| parser == *of);
+    let choices = choices(arg);
+    let integers = [TypeId::of::<u8>(), TypeId::of::<u32>(), TypeId::of::<u64>(), TypeId::of::<usize>()];
+    let one = match () {
+        () if !takes_value(arg) => "bool".to_owned(),
+        () if !choices.is_empty() => {
+            let names: Vec<String> = choices.iter().map(|name| format!("\"{name}\"")).collect();
+            format!("Literal[{}]", names.join(", "))
+        }
+        () if !kinds(key(arg)).is_empty() => "Quantity".into(),
+        () if is_any(&[TypeId::of::<f64>()]) => "float".into(),
+        () if is_any(&integers) => "int".into(),
+        () if is_any(&[TypeId::of::<PathBuf>()]) => "str | os.PathLike[str]".into(),
+        () if is_any(&[TypeId::of::<gfmd_problem::options::given::ArrayOption>()]) => "npt.ArrayLike".into(),
+        () => "str".into(),
+    };
+    if matches!(arg.get_action(), ArgAction::Append) { format!("Sequence[{one}]") } else { one }
+}
+
+/// Line of a typed dictionary, as `black` breaks it.
+fn line(name: &str, of: &str, is_optional: bool) -> String {
+    let [open, close] = if is_optional { ["Optional[", "]"] } else { ["", ""] };
+    let whole = format!("    {name}: {open}{of}{close}\n");
+    let names = of.strip_prefix("Literal[").and_then(|rest| rest.strip_suffix(']'));
+    match names {
+        Some(names) if is_optional && whole.chars().count() > 121 => {
+            let names = names.replace(", ", ",\n            ");
+            format!("    {name}: Optional[\n        Literal[\n            {names},\n        ]\n    ]\n")
+        }
+        _ => whole,
+    }
+}
+
+/// Typed dictionary of the arguments that a function takes beside its own.
+struct Class {
+    name: &'static str,
+    text: &'static str,
+    command: &'static str,
+    /// Options of the command, or of all commands, that the function takes.
+    keys: Vec<String>,
+    /// Names and types of arguments without a flag.
+    further: &'static [(&'static str, &'static str)],
+    /// True if None stands for the default of every value.
+    takes_none: bool,
+}
+
+impl Class {
+    fn text(&self, program: &Command) -> String {
+        let command = program.find_subcommand(self.command).unwrap();
+        let args = flags(command).chain(flags(program)).filter(|arg| self.keys.iter().any(|other| other == key(arg)));
+        let is_optional = |arg: &Arg| {
+            let may_lack = self.takes_none || arg.get_default_values().is_empty() || key(arg) == "threads";
+            takes_value(arg) && may_lack
+        };
+        let own = args.map(|arg| line(argument(key(arg)), &type_of(arg), is_optional(arg)));
+        let further = self.further.iter().map(|(name, of)| line(name, of, self.takes_none));
+        let lines: String = own.chain(further).collect();
+        format!("\n\nclass {}(TypedDict, total=False):\n    \"\"\"{}\"\"\"\n\n{lines}", self.name, self.text)
+    }
+}
+
+/// Returns keys, without those of other groups and further ones, that Python has elsewhere.
+fn without(keys: Vec<String>, elsewhere: &[Vec<String>], further: &[&str]) -> Vec<String> {
+    let is_elsewhere = |key: &String| elsewhere.iter().flatten().any(|other| other == key);
+    keys.into_iter().filter(|key| !is_elsewhere(key) && !further.contains(&&**key)).collect()
+}
+
+const TYPES_HEAD: &str = r#""""Types of the options that functions pass on, as keyword arguments.
+
+Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, Optional, TypedDict
+
+import numpy.typing as npt
+
+from ._check import Quantity
+
+if TYPE_CHECKING:
+    from ._body import Law
+    from ._contact import Contact
+    from ._surface import Surface
+"#;
+
+#[test]
+fn python_has_the_types_of_the_options() {
+    let program = program::command();
+    let all = |command: &str| flags(program.find_subcommand(command).unwrap()).map(|arg| key(arg).to_owned()).collect();
+    let body = [keys::<SourceArgs>(), keys::<BodyArgs>(), keys::<ComplianceArgs>(), keys::<PronyArgs>()];
+    let law = without(keys::<LawArgs>(), &[], &["coarse"]);
+    let with = |mut keys: Vec<String>, further: &[&str]| {
+        keys.extend(further.iter().map(|key| (*key).to_owned()));
+        keys
+    };
+    let contact = with(without(keys::<ContactArgs>(), &body, &["param", "law_table"]), &["stress_unit", "threads"]);
+    let loads = ["pressure", "p_star", "approach", "lateral", "friction", "shear_strength", "plots", "resume"];
+    let path = without(all("path"), &[&body[..], &[law]].concat(), &loads);
+    let places = ["levels", "deepest", "slice", "quantities", "out", "threads"];
+    let classes = [
+        Class {
+            name: "ContactOptions",
+            text: "Arguments of `contact` beside the load; None is the default.",
+            command: "contact",
+            keys: contact,
+            further: &[("start", "Contact")],
+            takes_none: true,
+        },
+        Class {
+            name: "PathOptions",
+            text: "Arguments of `path` beside those of `friction`.",
+            command: "path",
+            keys: with(path, &["stress_unit", "threads"]),
+            further: &[],
+            takes_none: false,
+        },
+        Class {
+            name: "InteriorOptions",
+            text: "Arguments of `interior` beside the depths.",
+            command: "body",
+            keys: with(Vec::new(), &places),
+            further: &[],
+            takes_none: false,
+        },
+    ];
+    let text = classes.iter().map(|class| class.text(&program)).collect::<String>();
+    compare("crates/python/python/gfmd/_options.py", &(TYPES_HEAD.to_owned() + &text));
+}

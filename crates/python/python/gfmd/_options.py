@@ -1,0 +1,91 @@
+"""Types of the options that functions pass on, as keyword arguments.
+
+Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, Optional, TypedDict
+
+import numpy.typing as npt
+
+from ._check import Quantity
+
+if TYPE_CHECKING:
+    from ._body import Law
+    from ._contact import Contact
+    from ._surface import Surface
+
+
+class ContactOptions(TypedDict, total=False):
+    """Arguments of `contact` beside the load; None is the default."""
+
+    stress_unit: Optional[str]
+    base_displacement: Optional[npt.ArrayLike]
+    base_traction: Optional[npt.ArrayLike]
+    lower_surface: Optional[Surface | npt.ArrayLike]
+    lower_seed: Optional[int]
+    boundary: Optional[Literal["periodic", "free"]]
+    components: Optional[Literal["normal", "all", "held"]]
+    hardness: Optional[Quantity | npt.ArrayLike]
+    finite_slope: bool
+    solver: Optional[
+        Literal[
+            "auto",
+            "cg",
+            "projected-cg",
+            "preconditioned-cg",
+            "verlet",
+            "verlet-critical",
+            "verlet-modes",
+            "fire",
+            "fire2",
+            "augmented-lagrangian",
+            "newton",
+        ]
+    ]
+    tolerance: Optional[float]
+    max_iterations: Optional[int]
+    stiffness_tolerance: Optional[float]
+    dt: Optional[float]
+    damping: Optional[float | Sequence[float]]
+    law: Optional[Law | str]
+    coarse: bool
+    grid_error: Optional[Literal["none", "estimate", "refine"]]
+    accuracy: Optional[float | str]
+    range_continuation: bool
+    threads: Optional[int]
+    start: Optional[Contact]
+
+
+class PathOptions(TypedDict, total=False):
+    """Arguments of `path` beside those of `friction`."""
+
+    stress_unit: Optional[str]
+    coarse: bool
+    boundary: Literal["periodic", "free"]
+    grid_error: Literal["none", "estimate", "refine"]
+    flow: bool
+    hardness: Optional[Quantity | npt.ArrayLike]
+    time: Optional[Quantity | npt.ArrayLike]
+    direction: float
+    steps: int
+    tolerance: float
+    max_iterations: int
+    out: Optional[str | os.PathLike[str]]
+    energy_tolerance: float
+    energy_solves: Optional[int]
+    threads: Optional[int]
+
+
+class InteriorOptions(TypedDict, total=False):
+    """Arguments of `interior` beside the depths."""
+
+    levels: Optional[int]
+    deepest: Optional[Quantity]
+    along: Optional[str]
+    quantities: Sequence[Literal["displacement", "strain", "stress", "von-mises", "energy-density"]]
+    out: Optional[str | os.PathLike[str]]
+    threads: Optional[int]
