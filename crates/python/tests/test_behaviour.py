@@ -106,7 +106,7 @@ def test_unusable_heights_are_refused_in_one_line(given):
         ),
         (
             lambda: gfmd.contact(SMALL, BODY, p_star=1, dt=0.1),
-            "dt is 0.1; it must be left out without solver verlet-critical",
+            'dt is 0.1; it must be left out without solver="verlet-critical"',
         ),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=-1), "threads is -1"),
         (lambda: gfmd.contact(SMALL, BODY, p_star=1, threads=10**9), "threads is 1000000000"),

@@ -483,7 +483,7 @@ def test_entry(name):
     [
         lambda: gfmd.contact(),
         lambda: gfmd.contact(SURFACE, BODY, 0.1),
-        lambda: gfmd.contact(SURFACE, BODY, pressure=0.1),
+        lambda: gfmd.contact(SURFACE, BODY, mean_pressure=0.1),
         lambda: gfmd.contacts(SURFACE, BODY, p_star=[1], e_star=1),
         lambda: gfmd.law(),
         lambda: SURFACE.detrend(1, 2),
