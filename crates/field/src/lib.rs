@@ -5,8 +5,8 @@
 //! (plane strain) is a grid with one point along y, with the same types and calls.
 //!
 //! Start with [`Grid`], then [`Transform`]; [`Convolution`] and [`Cosines`] are for patches. The conventions are
-//! `f(r) = Σ_q f̃(q) e^{+i q·r}` and `f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}` (theory.md, section 0). Half of the spectrum of
-//! a real field is stored, in the order of [`Grid::modes`].
+//! `f(r) = Σ_q f̃(q) e^{+i q·r}` and `f̃(q) = (1/N) Σ_r f(r) e^{−i q·r}` (theory.md, section 0). Half of the spectrum
+//! of a real field is stored, in the order of [`Grid::modes`].
 //!
 //! The spectrum of a cosine has one entry, and half a transform gives an energy:
 //!
