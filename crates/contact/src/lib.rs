@@ -1,5 +1,12 @@
-//! Contact of a rigid rough surface with an elastic body, with a hard wall and without friction: pressure, displacement
-//! and gap at equilibrium, with residuals that are recomputed from the result, not taken from the solver.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
+//!
+//! Start at [`Contact`]; use a free [`Boundary`] for a surface that does not repeat. Types common to all contacts are
+//! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
+//! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. The states of [`Resumable`] contacts can be saved outside the
+//! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] excludes it;
+//! [`Dynamics`] sets time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
+//! allows finite slopes, and [`Conductors`] touch at the contact points of any contact.
 //!
 //! | method                                  | unknown           | cost of a step     |
 //! |-----------------------------------------|-------------------|--------------------|
@@ -9,35 +16,6 @@
 //! | [`Solver::AugmentedLagrangian`]         | both              | 1                  |
 //! | [`Solver::Verlet`], [`Solver::Fire`]    | displacement      | 1                  |
 //! | [`Solver::VerletModes`]                 | displacement      | 2                  |
-//!
-//! ```
-//! use gfmd_contact::{Contact, Equilibrium, Load};
-//! use gfmd_field::Grid;
-//! use gfmd_green::{Body, Material};
-//! use ndarray::Array2;
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let n = 64;
-//! let grid = Grid::square(n, 1.0)?;
-//! let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0)?);
-//! let wave = |i: usize| (std::f64::consts::TAU * i as f64 / n as f64).cos();
-//! let heights = Array2::from_shape_fn((n, n), |(i, j)| 0.01 * wave(i) * wave(j));
-//!
-//! let contact = Contact::new(&body, &grid, &heights)?;
-//! let solution = contact.press(Load::MeanPressure(0.005)).tolerance(1e-10).solve()?;
-//! assert!(solution.residual.worst() <= 1e-10);
-//! assert!((solution.pressure.mean().unwrap() - 0.005).abs() < 1e-16);
-//! # Ok(())
-//! # }
-//! ```
-//!
-//! Start at [`Contact`]; use a free [`Boundary`] for a surface that does not repeat. Types common to all contacts are
-//! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
-//! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. The states of [`Resumable`] contacts can be saved outside the
-//! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] excludes it;
-//! [`Dynamics`] sets time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
-//! allows finite slopes, and [`Conductors`] touch at the contact points of any contact. Other crates generate heights
-//! (`gfmd-surface`), have adhesion, cohesion and friction (`gfmd-interface`), and evaluate the result (`gfmd-measure`).
 
 mod effort;
 mod equilibrium;
@@ -78,11 +56,14 @@ pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
 pub use fields::{Fields, Solved};
 pub use full::{FullContact, FullSolution};
+pub use gfmd_field::Grid;
+pub use gfmd_green::{Body, Material};
 pub use gfmd_measure::{Boundary, UnknownBoundary};
 pub use gfmd_relax::{Budget, Factors, MemoryCheckpoint, Progress, Variables, Visit, Watch, Why};
 pub use gradient::{Cotangents, Gradient, GradientError};
 pub use hardness::Hardness;
 pub use load::{Drive, Load};
+pub use ndarray;
 pub use refusal::Refusal;
 pub use resumable::Resumable;
 pub use rigid_surface::RigidSurface;

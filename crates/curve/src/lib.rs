@@ -1,21 +1,9 @@
-//! Shape-preserving cubic interpolation of tabulated laws and bodies.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
-//! Piecewise cubics with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 300 (1984)), as in
-//! `scipy.interpolate.PchipInterpolator`: the curve and its slope are continuous, the curve is monotone where the
-//! points are, and no extremum lies between points. The error is of third order in the spacing, and of second order
-//! near an extremum of the points.
-//!
-//! ```
-//! use gfmd_curve::Curve;
-//!
-//! let curve = Curve::new(&[[0.0, 1.0], [1.0, 0.5], [2.0, 0.1], [4.0, 0.0]])?;
-//! assert_eq!(curve.at(1.0)[0], 0.5);
-//! let [value, slope] = curve.at(1.5);
-//! assert!(0.1 < value && value < 0.5 && slope < 0.0);
-//! assert_eq!(Curve::new(&[[0.0, 1.0], [0.0, 2.0], [1.0, 2.0], [2.0, 3.0]]).unwrap_err().to_string(),
-//!     "row 2 begins with 0; it must begin with a number above that of row 1, 0");
-//! # Ok::<(), gfmd_curve::CurveError>(())
-//! ```
+//! The slopes are those by Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 300 (1984)), as in
+//! `scipy.interpolate.PchipInterpolator`: the curve and its slope are continuous. The error is of third order in the
+//! spacing, and of second order near an extremum of the points.
 
 use std::fmt;
 

@@ -1,4 +1,5 @@
-//! Safe reading and writing of contact mechanics data. The crate contains no physics and uses no clock and no terminal.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! - [`Output`] claims a path. Every writer writes to a part file, syncs it, and renames it, so that an older file of
 //!   that name is valid until the new one is complete.
@@ -9,22 +10,6 @@
 //! - [`Journal`] preserves the finished parts of long work if the process is killed; [`Checksum`] identifies files and
 //!   arrays.
 //! - [`vti::Image`] writes fields for ParaView, [`vtp::write`] a surface; [`npy`] reads and writes NumPy arrays.
-//!
-//! ```
-//! use gfmd_files::{Archive, Dimension, Output, Provenance, Reader, Variable};
-//!
-//! # let folder = tempfile::tempdir().unwrap();
-//! # let path = folder.path().join("contact.h5");
-//! let output = Output::claim(&path)?;
-//! let provenance = Provenance { command: "gfmd contact".into(), ..Provenance::default() };
-//! let mut archive = Archive::create(&output, &provenance)?;
-//! let load = Dimension::index("load", 2, "load step");
-//! let area = Variable { dimensions: &[&load], units: "1", long_name: "contact area fraction" };
-//! archive.write("/loads/area_fraction", &area, &[0.02, 0.1])?;
-//! archive.finish()?;
-//! assert_eq!(Reader::open(&path)?.values::<f64>("/loads/area_fraction")?, [0.02, 0.1]);
-//! # Ok::<(), gfmd_files::FileError>(())
-//! ```
 
 mod archive;
 mod attribute;

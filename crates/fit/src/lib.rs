@@ -1,4 +1,5 @@
-//! Extrapolation to the thermodynamic, fractal and continuum limit (theory.md, section 11).
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! kappa(eps_t, eps_f, eps_c) = kappa_TFC + C_t eps_t^alpha_t + C_f eps_f^alpha_f + C_c eps_c^alpha_c, fitted to all
 //! data of a sweep at once by weighted least squares; with [`Model::crossed`] the term in eps_t is C_t eps_t^alpha_t
@@ -13,22 +14,6 @@
 //!   by Student's t for few realisations and by √(χ²/degrees of freedom) where it is above one.
 //! - The intervals do not contain errors of the form that χ² does not reveal. Check `kappa_tfc_without`, the profiles,
 //!   and a second fit with other exponents.
-//!
-//! ```
-//! use gfmd_fit::{Datum, Exponent, Model, Settings, fit};
-//!
-//! // kappa = 2 + 1.5 eps_c at four levels, with three surfaces (seeds) common to all levels.
-//! let data: Vec<Datum> = [0.5, 0.25, 0.125, 0.0625]
-//!     .iter()
-//!     .map(|&eps_c| {
-//!         let kappa = [(7, -0.01), (8, 0.0), (9, 0.01)].map(|(seed, noise)| (seed, 2.0 + 1.5 * eps_c + noise));
-//!         Datum::new([0.5, 0.1, eps_c], kappa.into())
-//!     })
-//!     .collect();
-//! let free = Model { c: Some(Exponent::Free { min: 0.25, max: 4.0 }), ..Model::default() };
-//! let fit = fit(&data, &Settings { model: free, ..Settings::default() }).unwrap();
-//! assert!((fit.kappa_tfc.value - 2.0).abs() < 1e-8 && (fit.terms[0].exponent.value - 1.0).abs() < 1e-8);
-//! ```
 
 mod datum;
 mod error;

@@ -1,45 +1,12 @@
-//! Contact mechanics of rough surfaces by Green's function molecular dynamics: how much two rough solids really touch,
-//! at which pressure, and how far apart they are elsewhere.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! The elastic response of a body is condensed onto its surface, one matrix for each wave vector. The surface is
 //! pressed against a rigid rough one and brought to rest, by damped dynamics or by faster solvers of the same problem.
 //! Every result is certified: its residuals are recomputed from the final fields, and a state that does not meet the
 //! tolerance is an error that carries the state.
 //!
-//! # A first contact
-//!
-//! A self-affine surface on a slab, at four loads, each started from the state before:
-//!
-//! ```
-//! use gfmd::prelude::*;
-//!
-//! fn main() -> Result<(), Box<dyn std::error::Error>> {
-//!     let grid = Grid::square(128, 1.0)?; // 128² points, cell of length 1
-//!     let rough = SelfAffine {
-//!         hurst: 0.8,
-//!         longest_wavelength: 0.5,
-//!         shortest_wavelength: 1.0 / 16.0,
-//!         ..SelfAffine::with_rms_gradient(0.1)
-//!     };
-//!     let heights = rough.heights(&grid, 1)?; // Array2<f64>, seed 1
-//!     let body = Body::slab(Material::from_young(70e9, 0.33)?, 0.5)?;
-//!     let contact = Contact::new(&body, &grid, &heights)?; // owns what it needs: Send + Sync + 'static
-//!     let unit = contact.reduced_pressure_unit(); // E* times the rms gradient
-//!     let mut last = None;
-//!     for p_star in [0.005, 0.01, 0.02, 0.05] {
-//!         let load = Load::MeanPressure(p_star * unit);
-//!         let solution = contact.press(load).tolerance(1e-8).starting_from(last.as_ref()).solve()?;
-//!         let summary = solution.summary();
-//!         let (area, kappa) = (summary.area_fraction, summary.kappa);
-//!         println!("{p_star:6.3}  a = {area:.5}  kappa = {kappa:.4}  {}", solution.effort);
-//!         # assert!((1.5..3.0).contains(&summary.kappa), "{}", summary.kappa);
-//!         last = Some(solution);
-//!     }
-//!     Ok(())
-//! }
-//! ```
-//!
-//! With adhesion one line differs, and loads may pull:
+//! With adhesion one line of the example differs, and loads may pull:
 //!
 //! ```
 //! # use gfmd::prelude::*;

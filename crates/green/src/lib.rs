@@ -1,5 +1,5 @@
-//! Surface stiffness and compliance of elastic half-spaces and slabs, one Fourier mode at a time, in 2-D and 3-D:
-//! t(q) = K(q) u(q).
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! | body                     | frictionless stiffness 1/G_zz(q)                    | derived in             |
 //! |--------------------------|-----------------------------------------------------|------------------------|
@@ -16,34 +16,10 @@
 //! stresses inside. A [`Layer`] has two moving faces. A [`Conductor`] conducts heat or electric current. Displacement u
 //! and traction t refer to the surface of the body, +z points out of the body, and fields vary as e^(+i q·r). The mode
 //! q = 0 is identified by its indices, never by a small wavenumber. ν = 1/2 is exact, and no product q·height
-//! overflows. Formulas are derived in [theory.md](../gfmd/theory/index.html).
+//! overflows. Formulas are derived in theory.md.
 //!
 //! [`patch_compliance`] gives the displacements of a body loaded on a patch of its surface, without periodic images:
 //! one number for each distance between two cells.
-//!
-//! Not included: transforms (`gfmd-field`), contact conditions (`gfmd-contact`), dynamics and damping (`gfmd-relax`).
-//!
-//! ```
-//! use gfmd_field::Grid;
-//! use gfmd_green::{Body, Material, normal_stiffness_table};
-//!
-//! let rubber = Material::from_young(1.0, 0.5)?;
-//! let half_space = Body::half_space(rubber);
-//! let slab = Body::slab(rubber, 0.2)?;
-//!
-//! // Thin confined rubber is much stiffer than a half-space, and equal to it at large q·height.
-//! assert!(slab.normal_stiffness(1.0) > 100.0 * half_space.normal_stiffness(1.0));
-//! let ratio = slab.normal_stiffness(200.0) / half_space.normal_stiffness(200.0);
-//! assert!((ratio - 1.0).abs() < 1e-12);
-//!
-//! // A table has one number per mode of a grid, to be multiplied with a spectrum; the caller chooses the entry at
-//! // q = 0.
-//! let grid = Grid::square(64, 1.0).unwrap();
-//! let table = normal_stiffness_table(&slab, &grid, slab.normal_stiffness(0.0));
-//! assert_eq!(table.len(), grid.spectrum_len());
-//! assert_eq!(table[0], f64::INFINITY); // incompressible: no mean pressure moves the mean surface
-//! # Ok::<(), gfmd_green::GreenError>(())
-//! ```
 
 mod blocks;
 mod body;
@@ -68,6 +44,7 @@ pub use blocks::{Blocks, Matrix2, Matrix3};
 pub use body::{Base, Body, Height};
 pub use conductor::Conductor;
 pub use error::GreenError;
+pub use gfmd_field::Grid;
 pub use ground::{Condition, Ground};
 pub use layer::Layer;
 pub use material::Material;

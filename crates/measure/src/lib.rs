@@ -1,24 +1,8 @@
-//! Measured quantities of contact fields, and closed forms for comparison.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
-//! Fields are `[x, y]` arrays. Pressure is positive in compression and exactly zero out of contact. The fields may come
-//! from a solver or from a file. Formulas are derived in [theory.md](../gfmd/theory/index.html).
-//!
-//! ```
-//! use gfmd_measure::{Boundary, contact_area, kappa, theory};
-//! use ndarray::array;
-//!
-//! let pressure = array![[0.0, 0.0, 0.0, 0.0], [0.0, 2.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
-//! let area = contact_area(pressure.view(), Boundary::Periodic);
-//! assert_eq!(area.nodes, 2);
-//! assert_eq!(area.fraction, 2.0 / 16.0);
-//! assert_eq!(area.boundary_links, 6);
-//!
-//! // At vanishing load Persson's theory says a_r = √(8/π) p*.
-//! let p_star = 1e-6;
-//! assert!((kappa(theory::persson_area(p_star), p_star) - (8.0 / std::f64::consts::PI).sqrt()).abs() < 1e-9);
-//! ```
-//!
-//! Related crates: solvers (`gfmd-contact`), extrapolation of kappa over many contacts (`gfmd-sweep`, `gfmd-fit`).
+//! Fields are `[x, y]` arrays. Pressure is positive in compression and exactly zero out of contact. Formulas are
+//! derived in theory.md.
 
 mod area;
 mod boundary;
@@ -38,6 +22,7 @@ pub use boundary::{Boundary, UnknownBoundary};
 pub use distribution::{Distribution, density_over_decades};
 pub use grid_error::{GridLimit, GridLimits, NoLimit, Refined};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
+pub use ndarray;
 pub use patches::{Patch, Patches};
 pub use peak::{Peak, top};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, ShapesDiffer, elastic_energy_density, pressure_statistics};

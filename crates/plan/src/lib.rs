@@ -1,19 +1,5 @@
-//! Plans of fast Fourier transforms, compiled once.
-//!
-//! The planners of RustFFT, `realfft` and `rustdct` are generic and take a minute to compile. The functions here are
-//! not generic, so the planners are compiled once instead of with every crate and test that uses transforms.
-//!
-//! ```
-//! use gfmd_plan::Plans;
-//!
-//! let (ahead, back) = f64::real(4);
-//! let (mut row, mut spectrum) = (vec![1.0, 2.0, 3.0, 4.0], ahead.make_output_vec());
-//! ahead.process(&mut row, &mut spectrum)?;
-//! assert_eq!(spectrum[0].re, 10.0);
-//! back.process(&mut spectrum, &mut row)?;
-//! assert_eq!(row, [4.0, 8.0, 12.0, 16.0]);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 
 use std::sync::Arc;
 

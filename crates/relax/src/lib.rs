@@ -1,5 +1,5 @@
-//! Relaxation methods for constrained minimisation: U(u) → min, with bounds on each entry of u. The crate contains no
-//! physics.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! | method                            | required of the problem          | suitable for                            |
 //! |-----------------------------------|----------------------------------|-----------------------------------------|

@@ -1,4 +1,5 @@
-//! Presentation of results: figures of a state, of areas and of sweeps, and the HTML page of a file.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! [`contact`], [`path`], [`slide`], [`wear`], [`punch`], [`body`] and [`kappa`] build the [`Page`] of a file of this
 //! kind from its numbers and fields alone. [`whole_page`] adds the sections common to all results and writes the page,

@@ -1,4 +1,5 @@
-//! Run of a command: computes what the description of a problem asks for.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! [`source`], [`base`], [`lower`] and [`hardness`] read the arrays that options name. [`series`] computes the states
 //! at the loads of `contact` and at the steps of `path`, keeps them in a file and beside it, and checks stored ones;

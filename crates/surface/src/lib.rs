@@ -1,5 +1,5 @@
-//! Rough surfaces and profiles: synthesis from a self-affine spectrum and a seed, and measured statistics
-//! ([theory.md](../gfmd/theory/index.html), section 9).
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! | question                                           | start at                                     |
 //! |----------------------------------------------------|----------------------------------------------|
@@ -17,24 +17,6 @@
 //!
 //! Heights are `Array2<f64>` of shape `[nx, ny]`, index `[x, y]`; a profile is `[n, 1]`. Lengths are in any consistent
 //! unit. Gradients are full gradients |∇h|, computed from the spectrum unless stated otherwise.
-//!
-//! ```
-//! use gfmd_field::Grid;
-//! use gfmd_surface::{Discretisation, PowerSpectrum, SelfAffine, Statistics};
-//!
-//! let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: 16.0, eps_c_inv: 4.0 };
-//! let grid = Grid::square(numbers.points()?, 1.0)?; // 128 points along a side of length 1
-//! let spectrum = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) };
-//! let heights = numbers.self_affine(1.0, spectrum).heights(&grid, 42)?;
-//!
-//! let measured = Statistics::of(&heights, &grid)?;
-//! assert!((measured.moments.rms_gradient() - 0.1).abs() < 1e-13);
-//! let fit = PowerSpectrum::of(&heights, &grid)?.fit_hurst(1.0 / 2.0, 1.0 / 32.0)?;
-//! assert!((fit.hurst - 0.8).abs() < 4.0 * fit.standard_error);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! Related crates: `gfmd-files` reads files, `gfmd-contact` solves contacts, `gfmd-measure` evaluates them.
 #![warn(missing_docs)]
 
 mod discretisation;
@@ -63,6 +45,7 @@ pub use discretisation::Discretisation;
 pub use error::SurfaceError;
 pub use fill::{Fill, fill};
 pub use finer::{Interpolation, finer};
+pub use gfmd_field::Grid;
 pub use moments::{Dimension, Moments};
 pub use pair::{composite, composite_inside};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};

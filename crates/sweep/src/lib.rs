@@ -1,4 +1,5 @@
-//! Study of many rough contacts: kappa in the thermodynamic, fractal and continuum limit (theory.md, sections 9 to 11).
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! | step | contents |
 //! |---|---|
@@ -8,31 +9,8 @@
 //! | [`Analysis`] | kappa of every point and load; extrapolations, also one axis at a time ([`Protocol`]) |
 //! | [`Study`] | all of these steps, in one call |
 //!
-//! ```
-//! use gfmd_sweep::{Config, Plan, PointsConfig, StatisticsConfig, Study};
-//!
-//! # fn main() -> Result<(), gfmd_sweep::SweepError> {
-//! let config = Config {
-//!     points: PointsConfig {
-//!         eps_t_inv: vec![1.0, 2.0],
-//!         eps_f_inv: vec![4.0, 8.0],
-//!         eps_c_inv: vec![4.0, 8.0],
-//!         centre: [2.0, 4.0, 4.0],
-//!         ..PointsConfig::default()
-//!     },
-//!     statistics: StatisticsConfig { realisations: 4, ..StatisticsConfig::default() },
-//!     ..Config::default()
-//! };
-//! let study = Study::new(Plan::new(config)?, &())?;
-//! let kappa = study.analysis.result().fit.kappa_tfc;
-//! assert!((1.0..3.0).contains(&kappa.value), "{kappa:?}");
-//! # Ok(())
-//! # }
-//! ```
-//!
 //! Start at [`Study`]. The bits of a result depend on the configuration alone: not on the number of threads, nor on a
-//! continuation from kept runs ([`Keep`]). Files, clocks and the terminal are in `gfmd-cli`, and the fit itself is in
-//! `gfmd-fit`.
+//! continuation from kept runs ([`Keep`]).
 
 mod analysis;
 mod composition;

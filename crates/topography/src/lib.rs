@@ -1,17 +1,8 @@
-//! Height maps from files of instruments and programs. The format is recognised from the content of a file, not from
-//! its name.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! Heights are returned as `[x, y]`, a 1-D array as `[n, 1]`: x to the right, y up, heights up, in the unit of the
-//! lengths. `docs/formats.md` has the table of formats, with the sizes, units and row order of each.
-//!
-//! ```
-//! # let folder = tempfile::tempdir().unwrap();
-//! # let path = folder.path().join("scan.txt");
-//! std::fs::write(&path, "# Width: 3 µm\n# Height: 2 µm\n# Value units: nm\n1 2 3\n4 5 6\n").unwrap();
-//! let scan = gfmd_topography::Topography::read(path.to_str().unwrap(), None)?;
-//! assert_eq!((scan.heights.dim(), scan.lengths, scan.unit.as_deref()), ((3, 2), Some([3000.0, 2000.0]), Some("nm")));
-//! # Ok::<(), gfmd_topography::TopographyError>(())
-//! ```
+//! lengths.
 //!
 //! Formats that need other crates are features, all enabled by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
 //! Rust), `zip` for X3P, plux, containers and NumPy archives, `zlib` for MATLAB and Digital Surf. Files of disabled

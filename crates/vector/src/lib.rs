@@ -1,38 +1,15 @@
-//! Threaded passes over long vectors with results that do not depend on the number of threads.
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
 //!
 //! A pass splits its vectors in halves down to [`LEAF`] values, works on the leaves in parallel, and merges the results
 //! pairwise on the way back. The tree depends on the length alone, so a sum has the same bits for any number of
 //! threads, and its rounding error grows with the logarithm of the length. Nothing is allocated.
-//!
-//! ```
-//! use gfmd_vector::{add, pass, sum};
-//!
-//! let x = vec![0.5; 100_000];
-//! let mut y = vec![1.0; 100_000];
-//! // y ← y + 2 x and, in the same sweep, Σ y and Σ y².
-//! let [total, squares] = pass(
-//!     [&mut y[..]],
-//!     &|start, [y]| {
-//!         let mut sums = [0.0; 2];
-//!         for (y, x) in y.iter_mut().zip(&x[start..]) {
-//!             *y += 2.0 * x;
-//!             sums = add(sums, [*y, *y * *y]);
-//!         }
-//!         sums
-//!     },
-//!     &add,
-//! );
-//! assert_eq!([total, squares], [200_000.0, 400_000.0]);
-//! assert_eq!(sum(x.len(), &|range| x[range].iter().sum()), 50_000.0);
-//! ```
 //!
 //! From a thread outside rayon's pool, each pass over more than one leaf hands its work over and waits, which takes
 //! about ten microseconds; `rayon::scope` around many passes saves this time.
 //!
 //! Several processes ([`Ranks`]) may own the rows of one field: a [`Share`] passes over the rows of this process, and
 //! its sums have the same bits as with one process.
-//!
-//! The methods that use these passes are in `gfmd-relax`.
 
 mod layout;
 mod ranks;
