@@ -17,21 +17,21 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Fields as _, Load, Refusal, Stiffness};
+use gfmd_contact::{Boundary, Drive, Fields as _, Refusal, Stiffness};
 use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
 use gfmd_law::LawKind;
-use gfmd_problem::{AnyState, Facts, NoStiffness, Posed, Unknown, Words, key, words};
+use gfmd_problem::{AnyState, Facts, NoStiffness, Posed, Unknown, key, words};
 use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
 use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
+use crate::loads::LoadArgs;
 use crate::progress::Progress;
 use gfmd_problem::options::flags::toml_of;
-use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, SceneFields, parse_prefix};
 use gfmd_run::accuracy;
@@ -77,7 +77,7 @@ pub struct Args {
     problem: ContactArgs,
     #[command(flatten)]
     #[serde(flatten)]
-    control: ControlArgs,
+    control: LoadArgs,
     /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -130,77 +130,6 @@ pub struct Args {
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
-}
-
-/// Flags of the loads. Exactly one is given.
-#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
-#[serde(default)]
-#[group(required = true, multiple = false)]
-#[command(next_help_heading = "Load")]
-pub(crate) struct ControlArgs {
-    /// Mean pressures, stress; A:B:N is N values from A to B in geometric steps
-    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    #[option(kinds = Kinds::STRESS)]
-    pressure: Vec<Entry>,
-    /// Reduced pressures p/(E* g)
-    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    p_star: Vec<Entry>,
-    /// Rigid approaches beyond first touch, length
-    #[arg(
-        long,
-        alias = "displacement",
-        value_delimiter = ',',
-        value_name = "D1|A:B:N,..",
-        allow_negative_numbers = true
-    )]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    #[option(kinds = Kinds::LENGTH)]
-    approach: Vec<Entry>,
-}
-
-impl ControlArgs {
-    /// Returns the keys of the loads with their values.
-    fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
-        [("pressure", &self.pressure), ("p_star", &self.p_star), ("approach", &self.approach)]
-    }
-
-    /// Returns the key of the given load.
-    pub(crate) fn option(&self) -> &'static str {
-        self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("approach", |(option, _)| option)
-    }
-
-    /// Checks the loads and returns their number. Only a contact with an attraction accepts tension.
-    pub(crate) fn check(&self, pulls: bool) -> Result<usize, Failure> {
-        let given = self.given();
-        if given.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
-            return Err(Failure::refused(words![
-                "loads are given by none or several of ",
-                one_of_loads(),
-                "; it must be one of them",
-            ]));
-        }
-        let allowed = if pulls { "finite" } else { "positive and finite" };
-        for (option, values) in given {
-            if let Some(bad) = numbers(values).find(|v| !(v.is_finite() && (pulls || *v > 0.0))) {
-                return Err(Failure::value(key(option), bad, allowed));
-            }
-        }
-        Ok(given.iter().map(|(_, values)| numbers(values).count()).sum())
-    }
-
-    /// Returns the loads; `unit_pressure` is the unit of reduced pressures.
-    pub(crate) fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
-        (numbers(&self.pressure).map(Load::MeanPressure))
-            .chain(numbers(&self.p_star).map(move |p| Load::MeanPressure(p * unit_pressure)))
-            .chain(numbers(&self.approach).map(Load::Approach))
-    }
-}
-
-/// Names the options that prescribe a load.
-pub(crate) fn one_of_loads() -> Words {
-    words![key("pressure"), ", ", key("p_star"), ", ", key("approach")]
 }
 
 fn help_of_fields() -> String {
@@ -279,7 +208,8 @@ struct Loads {
 impl Loads {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.checkpoint.every()?;
-        let count = args.control.check(args.problem.law.law != LawKind::HardWall)?;
+        args.control.check(args.problem.law.law != LawKind::HardWall)?;
+        let count = args.control.given_values().len();
         args.problem.check()?;
         args.check_history()?;
         if args.flow_threshold {

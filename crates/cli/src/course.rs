@@ -25,7 +25,7 @@ use gfmd_run::series::{
 use gfmd_run::session::Session;
 
 pub(crate) use self::args::{PathOptions, StepArgs};
-pub(crate) use self::waypoints::{LoadArgs, counted, legs, lengths};
+pub(crate) use self::waypoints::{counted, legs, lengths};
 
 /// Input of a path, checked before the first solve.
 pub(crate) struct PathInput {

@@ -4,7 +4,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use crate::program::kinds;
+use crate::kinds::kinds;
 use clap::{Arg, Command};
 use gfmd_run::failure::Failure;
 use gfmd_run::units::has_long;

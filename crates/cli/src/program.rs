@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -14,6 +14,7 @@ use gfmd_problem::{Task, rules_of};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
+use crate::kinds::kinds;
 use crate::session::Common;
 use crate::{
     body, check, completions, contact, green, guess, inputs, kappa_sweep, law, path, processes, punch, report, session,
@@ -21,7 +22,6 @@ use crate::{
 };
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
-use gfmd_problem::options::{KindsByKey, add_kinds};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::processes::agree;
 use gfmd_run::session::Session;
@@ -68,25 +68,6 @@ pub enum Command {
     Report(Box<report::Args>),
     /// Print a script by which a shell completes commands and flags
     Completions(completions::Args),
-}
-
-/// Returns the kinds of the numbers of all options, by key. Options of one key have the same kinds in all commands.
-pub fn kinds() -> &'static KindsByKey {
-    static ALL: OnceLock<KindsByKey> = OnceLock::new();
-    ALL.get_or_init(|| {
-        let mut all = KindsByKey::new();
-        add_kinds::<contact::Args>(&mut all);
-        add_kinds::<punch::Args>(&mut all);
-        add_kinds::<body::Args>(&mut all);
-        add_kinds::<surface::Args>(&mut all);
-        add_kinds::<green::Args>(&mut all);
-        add_kinds::<path::Args>(&mut all);
-        add_kinds::<slide::Args>(&mut all);
-        add_kinds::<wear::Args>(&mut all);
-        add_kinds::<law::Args>(&mut all);
-        add_kinds::<theory::Args>(&mut all);
-        all
-    })
 }
 
 /// Parses the command line of the program called `name`, runs the command, and returns the exit status.

@@ -30,7 +30,7 @@ use gfmd_viscoelastic::{SlidingContact, Velocity, VelocityError};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::ControlArgs;
+use crate::loads::LoadArgs;
 use crate::progress::Progress;
 use crate::search::SearchArgs;
 
@@ -62,7 +62,7 @@ pub struct Args {
     prony: PronyArgs,
     #[command(flatten)]
     #[serde(flatten)]
-    control: ControlArgs,
+    control: LoadArgs,
     #[command(flatten)]
     #[serde(flatten)]
     #[option(kinds = Kinds::HEAT)]
@@ -152,7 +152,7 @@ impl SlideInput {
         let facts = |line: bool| Facts {
             line,
             relaxes: args.prony.relaxing(),
-            approach: args.control.option() == "approach",
+            approach: args.control.is_approach(),
             grid_error: GridError::None,
             ..args.body.facts()
         };

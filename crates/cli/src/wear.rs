@@ -22,7 +22,8 @@ use gfmd_run::source::SourceArgs;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::course::{Followed, LoadArgs, PathInput, PathOptions, PathSettings, StepArgs, counted, legs, lengths};
+use crate::course::{Followed, PathInput, PathOptions, PathSettings, StepArgs, counted, legs, lengths};
+use crate::loads::LoadArgs;
 use gfmd_problem::options::{Kinds, Options};
 
 pub use self::report::Report;
@@ -86,7 +87,7 @@ impl Args {
         Facts {
             wears: true,
             line,
-            approach: self.loads.given() == "approach",
+            approach: self.loads.is_approach(),
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
         }
     }
@@ -142,10 +143,11 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     }
     let prepared = Prepared::new(&args.asked(), |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
-    let (values, load) = args.loads.values(prepared.unit_pressure(), true)?;
+    args.loads.check(false)?;
+    let (values, load) = args.loads.values(prepared.unit_pressure());
     let pressure = values.iter().map(|&value| if let Load::MeanPressure(p) = load(value) { p } else { 0.0 });
     check_distance(args.coefficient()? * pressure.fold(0.0, f64::max), &distances, &prepared.surface.heights)?;
-    let lists = [(args.loads.given(), values.len()), ("distance", distances.len())];
+    let lists = [(args.loads.option(), values.len()), ("distance", distances.len())];
     let count = counted(&lists, args.steps.steps, |count| count)?;
     let (drives, places) = legs((&values, &distances, count), args.steps.steps, |value, distance| {
         Drive::from(load(value)).after(distance)
@@ -162,7 +164,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let input = path_input(args, session)?;
     let settings = PathSettings {
         asked: args.asked(),
-        option: args.loads.given(),
+        option: args.loads.option(),
         resume: args.steps.resume,
         // Steps are never subdivided.
         refinement: Refinement { solves_per_step: 0, ..Refinement::default() },

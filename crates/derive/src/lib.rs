@@ -17,8 +17,8 @@
 //! }
 //! ```
 //!
-//! The default of a field is `default_value_t` or `default_values_t` of its clap attribute, else `#[option(default = ..)]`, else the default
-//! of its type.
+//! The default of a field is `default_value_t` or `default_values_t` of its clap attribute, else
+//! `#[option(default = ..)]`, else the default of its type.
 
 use proc_macro2::TokenStream;
 use quote::quote;

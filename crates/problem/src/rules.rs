@@ -88,13 +88,19 @@ parts! {
     /// Profile.
     Line: |_| (key("dim"), "2", words!["a profile (", setting("dim", 2), ")"]), |f| f.line;
     /// Displacement known up to a constant.
-    NoLevel: |_| (key("boundary"), "free", words!["a profile on a half-space (", setting("boundary", "free"), ", ", setting("dim", 2), ")"]), |f| !f.has_level();
+    NoLevel: |_| {
+        let settings = words![setting("boundary", "free"), ", ", setting("dim", 2)];
+        (key("boundary"), "free", words!["a profile on a half-space (", settings, ")"])
+    }, |f| !f.has_level();
     /// Prescribed approach.
     Approach: |_| (key("approach"), "given", key("approach")), |f| f.approach;
     /// Prescribed approach of a load, not of a path.
     FixedApproach: |_| (key("approach"), "given", key("approach")), |f| f.approach && f.task == Task::Loads;
     /// Lateral motion without friction.
-    Lateral: |_| (key("lateral"), "given", words![key("lateral"), ", unless there is ", key("friction"), " or ", key("shear_strength")]),
+    Lateral: |_| {
+        let friction = words![key("friction"), " or ", key("shear_strength")];
+        (key("lateral"), "given", words![key("lateral"), ", unless there is ", friction])
+    },
         |f| f.lateral && f.friction.is_none();
     /// Friction on a patch.
     FreeFriction: |_| (key("boundary"), "free", words!["friction and ", setting("boundary", "free")]),

@@ -9,7 +9,8 @@ use std::time::Duration;
 
 use clap::{CommandFactory as _, Parser};
 use gfmd_cli::inputs::stay_in;
-use gfmd_cli::program::{Command, kinds, status, tune_allocator};
+use gfmd_cli::kinds::kinds;
+use gfmd_cli::program::{Command, status, tune_allocator};
 use gfmd_files::{Draft, Memory, Output};
 use gfmd_problem::options::given::{ArrayOption, Arrays, StoredLoad};
 use gfmd_run::failure::{Failure, Outcome};

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use gfmd_cli::contact::{Args, measure, stiffness};
-use gfmd_cli::program::kinds;
+use gfmd_cli::kinds::kinds;
 use gfmd_contact::{
     Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
 };

@@ -25,8 +25,8 @@ pub enum NoValue {
     },
     /// The problem has no unit of length.
     #[error(
-        "it has a unit, and the lengths have none; name their unit, or leave this one out: a number is then in the units \
-             of the other numbers"
+        "it has a unit, and the lengths have none; name their unit, or leave this one out: a number is then in the \
+             units of the other numbers"
     )]
     NoLength,
     /// The unit of length is unknown.

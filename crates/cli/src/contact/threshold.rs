@@ -61,9 +61,7 @@ struct Sample {
 /// # Errors
 /// Returns an error for a single load.
 pub(super) fn check(args: &Args) -> Result<(), Failure> {
-    let given = args.control.given();
-    let mut loads: Vec<f64> =
-        given.into_iter().flat_map(|(_, values)| gfmd_problem::options::values::numbers(values)).collect();
+    let mut loads = args.control.given_values();
     loads.sort_by(f64::total_cmp);
     loads.dedup();
     if loads.len() < 2 {

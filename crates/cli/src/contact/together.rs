@@ -4,14 +4,13 @@ use gfmd_contact::{Contact, Solver};
 use gfmd_problem::{Facts, key};
 
 use super::Args;
-use gfmd_problem::options::values::numbers;
 use gfmd_run::failure::Failure;
 
 impl Args {
     /// Returns the facts of the contact; `line` is true for a profile.
     pub(super) fn facts(&self, line: bool) -> Facts {
         Facts {
-            approach: !self.control.approach.is_empty(),
+            approach: self.control.is_approach(),
             statistics: self.statistics,
             flow: self.flow,
             flow_threshold: self.flow_threshold,
@@ -23,7 +22,7 @@ impl Args {
 
     /// Checks that a recorded search has a single load.
     pub(super) fn check_history(&self) -> Result<(), Failure> {
-        let loads: usize = self.control.given().into_iter().map(|(_, values)| numbers(values).count()).sum();
+        let loads = self.control.given_values().len();
         if self.trace.is_wanted() && loads > 1 {
             return Err(Failure::input(key("history"), format!("{loads} loads; it records the search for one load")));
         }

@@ -1,86 +1,17 @@
 //! Loads or approaches at the waypoints of a path, and the steps of the legs between them.
 
-use crate::contact::one_of_loads;
-use clap::Args as ClapArgs;
-use gfmd_contact::{Drive, Load};
-use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
-use gfmd_problem::options::{Kinds, Options};
+use gfmd_contact::Drive;
+use gfmd_problem::options::values::{Entry, numbers};
 use gfmd_problem::{key, words};
 use gfmd_run::failure::Failure;
 use gfmd_run::memory;
 use gfmd_run::series::Places;
-use serde::{Deserialize, Serialize};
 
 /// Largest number of steps of a path.
 const MOST_STEPS: u64 = 1_000_000;
 
 /// Bytes of a step: drive, record and text.
 const STEP_BYTES: u64 = 4096;
-
-/// The flags of the loads, or of the approaches. A single value holds for all waypoints.
-#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
-#[serde(default)]
-#[command(next_help_heading = "Waypoints")]
-pub(crate) struct LoadArgs {
-    /// Mean pressures, stress; a negative one pulls; A:B:N is N values from A to B in geometric steps
-    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    #[option(kinds = Kinds::STRESS)]
-    pressure: Vec<Entry>,
-    /// Reduced pressures p/(E* g); a negative one pulls
-    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", group = "drive", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    p_star: Vec<Entry>,
-    /// Rigid approaches beyond first touch, length; a negative one is a separation
-    #[arg(
-        long,
-        alias = "displacement",
-        value_delimiter = ',',
-        value_name = "D1|A:B:N,..",
-        group = "drive",
-        required_unless_present_any = ["pressure", "p_star"],
-        allow_negative_numbers = true
-    )]
-    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
-    #[option(kinds = Kinds::LENGTH)]
-    approach: Vec<Entry>,
-}
-
-/// Function that returns the load or approach of a number.
-type LoadOf = fn(f64) -> Load;
-
-impl LoadArgs {
-    /// Returns the loads or approaches, and the function from a value to its load. With `hard` surfaces none may pull.
-    ///
-    /// # Errors
-    /// Returns an error for a value that cannot be used, or for several flags.
-    pub(crate) fn values(&self, unit_pressure: f64, hard: bool) -> Result<(Vec<f64>, LoadOf), Failure> {
-        let option = self.given();
-        let given = [&self.pressure, &self.p_star, &self.approach];
-        if given.into_iter().filter(|values| !values.is_empty()).count() > 1 {
-            return Err(Failure::refused(words![key(option), " is given beside another of ", one_of_loads()]));
-        }
-        let (given, unit, load): (_, f64, LoadOf) = match option {
-            "pressure" => (&self.pressure, 1.0, Load::MeanPressure),
-            "p_star" => (&self.p_star, unit_pressure, Load::MeanPressure),
-            _ => (&self.approach, 1.0, Load::Approach),
-        };
-        let allowed = if hard { "positive and finite" } else { "finite" };
-        match numbers(given).find(|value| !(value.is_finite() && (!hard || *value > 0.0))) {
-            Some(bad) => Err(Failure::value(key(option), bad, allowed)),
-            None => Ok((numbers(given).map(|value| value * unit).collect(), load)),
-        }
-    }
-
-    /// Returns the key of the loads or approaches.
-    pub(crate) fn given(&self) -> &'static str {
-        match (self.pressure.is_empty(), self.p_star.is_empty()) {
-            (false, _) => "pressure",
-            (_, false) => "p_star",
-            _ => "approach",
-        }
-    }
-}
 
 /// Returns the lengths of legs, in time or in distance, given by the `option`.
 ///

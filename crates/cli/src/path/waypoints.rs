@@ -9,7 +9,8 @@ use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_run::failure::Failure;
 use gfmd_run::series::Places;
 
-use crate::course::{LoadArgs, counted, legs, lengths};
+use crate::course::{counted, legs, lengths};
+use crate::loads::LoadArgs;
 use gfmd_problem::options::{Kinds, Options};
 
 /// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
@@ -43,7 +44,8 @@ impl WaypointArgs {
     /// Returns an error naming a flag that cannot be used.
     pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<(Vec<Drive>, Places), Failure> {
         let option = self.given();
-        let (values, load) = self.loads.values(unit_pressure, hard)?;
+        self.loads.check(!hard)?;
+        let (values, load) = self.loads.values(unit_pressure);
         let all = self.lateral.iter().map(|value| ("lateral", value)).chain([("direction", &self.direction)]);
         if let Some((option, bad)) = all.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(Failure::value(key(option), bad, "finite"));
@@ -72,7 +74,7 @@ impl WaypointArgs {
 
     /// Returns the flag of the loads or approaches.
     pub(super) fn given(&self) -> &'static str {
-        self.loads.given()
+        self.loads.option()
     }
 
     /// Returns the unit vector of the lateral displacement.

@@ -25,7 +25,7 @@ fn compare(file: &str, text: &str) {
 
 /// Returns the kinds of the numbers of an option; empty if they have no unit.
 fn kinds(key: &str) -> Vec<&'static str> {
-    program::kinds().get(key).map_or_else(Vec::new, |kinds| kinds.in_turn().to_vec())
+    gfmd_cli::kinds::kinds().get(key).map_or_else(Vec::new, |kinds| kinds.in_turn().to_vec())
 }
 
 fn key(arg: &Arg) -> &str {

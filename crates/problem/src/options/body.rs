@@ -33,7 +33,13 @@ pub struct BodyArgs {
     #[option(kinds = Kinds::STRESS)]
     pub e_star: Option<f64>,
     /// Height of the slab, or of the top layer; "inf" for a half-space
-    #[arg(long, default_value_t = Height::Infinite, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        default_value_t = Height::Infinite,
+        value_name = "ZM",
+        value_parser = parse_height,
+        allow_negative_numbers = true
+    )]
     #[serde(with = "height")]
     #[option(kinds = Kinds::LENGTH)]
     pub height: Height,

@@ -83,7 +83,12 @@ pub struct GeneratorArgs {
     #[option(kinds = Kinds::LENGTH)]
     pub roll_off: Option<f64>,
     /// Shape of the transition from the power law to the flat part of the spectrum
-    #[arg(long, value_parser = parse_choice::<RollOffShape>(), default_value_t = RollOffShape::Plateau, requires = "roll_off")]
+    #[arg(
+        long,
+        value_parser = parse_choice::<RollOffShape>(),
+        default_value_t = RollOffShape::Plateau,
+        requires = "roll_off"
+    )]
     #[serde(with = "named")]
     pub roll_off_shape: RollOffShape,
     /// Amplitudes of the modes: random, or the expected ones with random phases

@@ -1,0 +1,94 @@
+//! Flags of the loads: mean pressures, reduced pressures, or approaches.
+
+use clap::Args;
+use gfmd_contact::Load;
+use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
+use gfmd_problem::options::{Kinds, Options};
+use gfmd_problem::{key, words};
+use gfmd_run::failure::Failure;
+use serde::{Deserialize, Serialize};
+
+/// Flags of the loads, or of the loads at waypoints. Exactly one is given.
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
+#[group(required = true, multiple = false)]
+#[command(next_help_heading = "Load")]
+pub(crate) struct LoadArgs {
+    /// Mean pressures, stress; with a law a negative one pulls; A:B:N is N values from A to B in geometric steps
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::STRESS)]
+    pressure: Vec<Entry>,
+    /// Reduced pressures p/(E* g)
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    p_star: Vec<Entry>,
+    /// Rigid approaches beyond first touch, length; a negative one is a separation
+    #[arg(
+        long,
+        alias = "displacement",
+        value_delimiter = ',',
+        value_name = "D1|A:B:N,..",
+        allow_negative_numbers = true
+    )]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::LENGTH)]
+    approach: Vec<Entry>,
+}
+
+impl LoadArgs {
+    /// Returns the keys of the loads with their values.
+    fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
+        [("pressure", &self.pressure), ("p_star", &self.p_star), ("approach", &self.approach)]
+    }
+
+    /// Returns the key of the given loads.
+    pub(crate) fn option(&self) -> &'static str {
+        self.given().into_iter().find(|(_, values)| !values.is_empty()).map_or("approach", |(option, _)| option)
+    }
+
+    /// Returns true if approaches are given.
+    pub(crate) fn is_approach(&self) -> bool {
+        self.option() == "approach"
+    }
+
+    /// Returns the given values; reduced pressures are not yet pressures.
+    pub(crate) fn given_values(&self) -> Vec<f64> {
+        self.given().into_iter().flat_map(|(_, values)| numbers(values)).collect()
+    }
+
+    /// Checks the loads. Only a contact that may be pulled accepts tension.
+    ///
+    /// # Errors
+    /// Returns an error unless exactly one option is given, with values that can be used.
+    pub(crate) fn check(&self, pulls: bool) -> Result<(), Failure> {
+        let given = self.given();
+        if given.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
+            let names = words![key("pressure"), ", ", key("p_star"), ", ", key("approach")];
+            let found = "loads are given by none or several of ";
+            return Err(Failure::refused(words![found, names, "; it must be one of them"]));
+        }
+        let allowed = if pulls { "finite" } else { "positive and finite" };
+        for (option, values) in given {
+            if let Some(bad) = numbers(values).find(|value| !(value.is_finite() && (pulls || *value > 0.0))) {
+                return Err(Failure::value(key(option), bad, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the values, reduced pressures times `unit_pressure`, and the function from a value to its load.
+    pub(crate) fn values(&self, unit_pressure: f64) -> (Vec<f64>, fn(f64) -> Load) {
+        match self.option() {
+            "pressure" => (numbers(&self.pressure).collect(), Load::MeanPressure),
+            "p_star" => (numbers(&self.p_star).map(|p| p * unit_pressure).collect(), Load::MeanPressure),
+            _ => (numbers(&self.approach).collect(), Load::Approach),
+        }
+    }
+
+    /// Returns the loads; `unit_pressure` is the unit of reduced pressures.
+    pub(crate) fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
+        let (values, load) = self.values(unit_pressure);
+        values.into_iter().map(load)
+    }
+}
