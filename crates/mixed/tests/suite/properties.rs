@@ -107,8 +107,8 @@ proptest! {
         for ((found, expected), held) in solution.traction.iter().zip(&t).zip(&held) {
             prop_assert!((found - expected).abs() <= if *held { 1e-8 } else { 0.0 }, "{} {}", found, expected);
         }
-        // The residual, at most 1e-12, is relative to the displacement that the free traction alone leaves at held entries:
-        // of the case that is kept it is 249 times the displacement, and the error 1e-12 of it.
+        // The residual, at most 1e-12, is relative to the displacement that the free traction alone leaves at held
+        // entries: in the case that is kept 249 times the displacement, and the error 1e-12 of it.
         let free = Zip::from(&held).and(&t).map_collect(|held, t| if *held { 0.0 } else { *t });
         let left = Zip::from(&held).and(&u).and(&displacement(&response, &free)).map_collect(|held, u, alone| {
             if *held { u - alone } else { 0.0 }
