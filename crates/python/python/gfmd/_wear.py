@@ -7,12 +7,13 @@ from typing import Any, Literal, Optional
 
 import numpy.typing as npt
 
-from . import _command
+from . import _command, _show
 from ._body import Body, as_body
 from ._check import Quantity, flag, integer, number, quantities, quantity, word
 from ._columns import Steps, WearFields
 from ._hints import hinted
 from ._leak import Leaks
+from ._load import Residual, residual_of
 from ._path import drive_keys, gathered
 from ._record import Record
 from ._result import Computed
@@ -33,7 +34,7 @@ class Wear(Leaks, Computed, WearFields):
         grid_error: how the grid error was found: `mode`, `n`, `assumes`, `orders`.
         undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
-        surface, n, length, unit, rms_gradient, rms_height, e_star, law: parameters of the problem.
+        surface, n, size, unit, rms_gradient, rms_height, e_star, law: parameters of the problem.
 
     Example:
         >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
@@ -51,7 +52,7 @@ class Wear(Leaks, Computed, WearFields):
     grid_error: Record
     surface: Surface
     n: list[int]
-    length: list[float]
+    size: list[float]
     unit: Optional[str]
     rms_gradient: float
     rms_height: float
@@ -59,6 +60,11 @@ class Wear(Leaks, Computed, WearFields):
     law: str
     undefined: dict[str, str]
     warnings: list[Record]
+
+    @property
+    def residual(self) -> Residual:
+        """The parts of the residual by name, arrays [step], without unit; `residual.largest` is the largest part."""
+        return residual_of(self.steps)
 
     def __repr__(self) -> str:
         names = ("distance", "mean_pressure", "p_star", "area_fraction", "mean_gap", "wear_volume")
@@ -74,9 +80,7 @@ class Wear(Leaks, Computed, WearFields):
             >>> worn.to_dataframe().shape[0]  # doctest: +SKIP
             5
         """
-        from . import _show
-
-        return _show.steps_frame(self, self.steps)
+        return _show.table_frame(self, self.steps)
 
     def plot(self, x: str = "distance", y: str = "area_fraction", ax: Any = None) -> Any:
         """Draws one scalar of the steps against another with matplotlib. Returns the axes.
@@ -93,8 +97,6 @@ class Wear(Leaks, Computed, WearFields):
             >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
             >>> ax = worn.plot("distance", "wear_volume")
         """
-        from . import _show
-
         return _show.steps(self, (x, y), ax)
 
     def to_xarray(self) -> Any:
@@ -109,9 +111,7 @@ class Wear(Leaks, Computed, WearFields):
             >>> worn.to_xarray().wear_depth.dims
             ('waypoint', 'y', 'x')
         """
-        from . import _show
-
-        return _show.steps_dataset(self)
+        return _show.table_dataset(self, self.steps, "step", "waypoint")
 
 
 @hinted
