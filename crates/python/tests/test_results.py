@@ -89,6 +89,11 @@ def test_numbers_have_units_and_errors(results):
     assert " kPa" in repr(results["below"]) and "µm" in repr(results["below"])
     adhesion = results["adhesive"].adhesion()
     assert type(adhesion).__name__ == "Adhesion" and "50 mJ/m²" in repr(adhesion) and "µm" in repr(adhesion)
+    rough = results["contact"].surface
+    squeezed = gfmd.contacts(
+        rough, gfmd.Body(e_star="1 MPa", height="9 um"), p_star=[0.05], lower_surface=0 * rough.heights
+    )
+    assert "mean_gap" in repr(squeezed[0].lower) and "kPa" in repr(squeezed[0].lower) and "kPa" in repr(squeezed.lower)
     flow = results["contact"].flow()
     assert type(flow).__name__ == "Flow" and "m³" in repr(flow)
     assert "µm" in repr(results["contact"].surface.statistics()) or "nm" in repr(

@@ -14,7 +14,7 @@ from . import _gfmd, _hints, _leak, _show
 from ._below import FieldsBelow, interior
 from ._body import Body, Law
 from ._check import Array, Quantity, array, frozen, in_units, number, shown, word
-from ._columns import Fields, Numbers, Patches
+from ._columns import Fields, LowerFace, Numbers, Patches
 from ._errors import InputError
 from ._load import Residual, of_load, residual_of_all
 from ._record import LINES, Measured, Record, json_of, same, table, without_null
@@ -179,6 +179,8 @@ class Contact(Result, Numbers, Fields):
             names, (*parts, {name: frozen(field) for name, field in fields.items()}, settings, state)
         ):
             object.__setattr__(self, name, value)
+        if "lower" in values:
+            self._values["lower"] = LowerFace(values["lower"], self.units)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Contact, (self._values, (self.surface, self.body, self.law), self._fields, self._settings)
@@ -643,7 +645,7 @@ class Contacts(Result, Sequence[Contact]):
                 numbers = {
                     key: frozen(np.array([float(face[key]) for face in faces])) for key in faces[0] if key != "residual"
                 }
-                return Record({**numbers, "residual": residual_of_all([face.residual for face in faces])})
+                return Record({**numbers, "residual": residual_of_all([face.residual for face in faces])}, self.units)
             if name == "approach" or name in self._contacts[0]:
                 return frozen(np.array([getattr(contact, name) for contact in self._contacts]))
         hint = "" if name.startswith("_") else _hints.attribute(name, dir(self))
