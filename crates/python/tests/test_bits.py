@@ -177,7 +177,7 @@ def test_contacts_have_the_numbers_of_the_program(name, run_program, tmp_path):
     for contact, load in zip(found, wanted["loads"]):
         same(contact, load)
         assert set(load) == set(contact), "each number of the program, and no other"
-        assert dict(contact.adhesion or {}) == wanted.get("adhesion", {})
+        assert dict(contact.adhesion() or {}) == wanted.get("adhesion", {})
     read = gfmd.load(file)
     read = [read] if isinstance(read, gfmd.Contact) else read
     for contact, written in zip(found, read):

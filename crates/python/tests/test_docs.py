@@ -48,6 +48,9 @@ def words(tmp_path_factory):
         "c": contacts[1],
         "cs": contacts,
         "punch": gfmd.punch(n=32),
+        "sliding": gfmd.slide(
+            gfmd.self_affine(n=16), gfmd.Body(prony=[(0.1, 0.3)]), velocity=[0.01, 1.0], p_star=[0.02, 0.05]
+        ),
         "loop": gfmd.path(
             gfmd.self_affine(n=32, eps_f_inv=4), gfmd.Body(), law=law, approach=[-0.004, 0.004, -0.007], steps=4
         ),
@@ -155,10 +158,12 @@ def test_results_have_the_attributes_that_are_documented(words):
             ],
         ),
         (gfmd.Path, [words["loop"], rubbed, indented]),
+        (gfmd.Adhesion, [adhesive.adhesion()]),
+        (gfmd.Flow, [words["c"].flow()]),
         (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn)]),
         (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),
         (LowerFace, [squeezed.lower]),
-        (Patches, [words["c"].patches]),
+        (Patches, [words["c"].patches()]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
         (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),

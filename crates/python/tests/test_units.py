@@ -195,7 +195,7 @@ def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
         f" --statistics --flow --out {tmp_path}/c.h5"
     )
     gfmd._gfmd.report_of(words.split())
-    patches, distributions, flow = pressed.patches, pressed.distributions, pressed.flow()
+    patches, distributions, flow = pressed.patches(), pressed.distributions(), pressed.flow()
     with h5py.File(tmp_path / "c.h5") as file:
         for name in ("area", "perimeter", "force", "x", "y"):
             assert np.array_equal(file["patches"][name], patches[name], equal_nan=True), name
@@ -210,7 +210,7 @@ def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
     assert (patches.area.sum() / 2500.0) == pytest.approx(pressed.area_fraction)
     pressed.save(tmp_path / "p.h5")
     stored = gfmd.load(tmp_path / "p.h5")
-    assert np.array_equal(stored.patches.force, patches.force) and stored.flow().conductivity[0, 0] == pytest.approx(
+    assert np.array_equal(stored.patches().force, patches.force) and stored.flow().conductivity[0, 0] == pytest.approx(
         flow.conductivity[0, 0]
     )
 

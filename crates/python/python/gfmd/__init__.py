@@ -15,7 +15,7 @@ Example:
 from ._body import Body, Law, law
 from ._below import FieldsBelow, Green, Punch, green, interior, punch
 from ._cite import cite
-from ._contact import Contact, Contacts, Gradient
+from ._contact import Adhesion, Contact, Contacts, Flow, Gradient
 from ._errors import Error, InputError, Interrupted, NotConverged
 from ._files import load
 from ._gfmd import VERSION as __version__
@@ -32,11 +32,13 @@ from ._surface import Statistics, Surface, read, read_heights, self_affine
 from ._wear import Wear, wear
 
 __all__ = [
+    "Adhesion",
     "Body",
     "Contact",
     "Contacts",
     "Error",
     "FieldsBelow",
+    "Flow",
     "Gradient",
     "Green",
     "InputError",

@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _command
+from . import _command, _show
 from ._body import Body, as_body
 from ._check import Array, Quantity, array, flag, integer, number, numbers, quantity, shown, texts, word
 from ._check import quantities as lengths
 from ._columns import PunchNumbers
-from ._contact import Contact
 from ._errors import InputError
 from ._hints import hinted
-from ._files import config
-from ._record import Record
+from ._record import LINES, Record, table
 from ._result import Computed
+from ._types import Loaded
+from ._units import attributes, known, label
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -63,6 +63,77 @@ class Punch(Computed, PunchNumbers):
     dim: int
     components: list[str]
     warnings: list[Record]
+    _main = (
+        "mean_pressure",
+        "max_pressure",
+        "depth",
+        "punch_width",
+        "mean_traction",
+        "elastic_energy",
+        "refinement",
+        "contact",
+        "nodes",
+        "n",
+        "size",
+        "residual",
+        "converged",
+    )
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers as a pandas.DataFrame of one row; units in `attrs["units"]`.
+
+        Raises:
+            Error: pandas is not installed.
+
+        Example:
+            >>> punch.to_dataframe().shape[0]  # doctest: +SKIP
+            1
+        """
+        columns = {name: [self[name]] for name in self._numbers()}
+        return _show.framed(columns, dict(zip(columns, columns)), self.units)
+
+    def to_xarray(self) -> Any:
+        """Returns an xarray.Dataset of the numbers and the fields [y, x, component].
+
+        Raises:
+            Error: xarray is not installed.
+
+        Example:
+            >>> punch.to_xarray().traction.sel(component="z").dims
+            ('y', 'x')
+        """
+        words = _show.described
+        found: dict[str, Any] = {name: ((), self[name], words(self, name)) for name in self._numbers()}
+        found["mean_traction"] = ("component", np.array(self["mean_traction"]), words(self, "mean_traction"))
+        for name in ("displacement", "traction", "under_punch"):
+            field = np.swapaxes(self[name], 0, 1)
+            found[name] = (("y", "x", "component")[: field.ndim], field, words(self, name))
+        places = {**_show.places(self.size, self.n, None), "component": ("component", self.components)}
+        return _show.needed("xarray", "to_xarray").Dataset(found, places)
+
+    def plot(self, field: str = "traction", component: str = "z", ax: Any = None) -> Any:
+        """Draws a map of a field (a curve for a strip) with matplotlib. Returns the axes.
+
+        Args:
+            field: "traction", "displacement", or "under_punch", which has no components.
+            component: a name in `components`.
+            ax: the axes to draw into; new ones by default.
+
+        Raises:
+            InputError: an unknown field or component. Error: matplotlib is not installed.
+
+        Example:
+            >>> ax = punch.plot("displacement", "x")
+        """
+        if field not in ("traction", "displacement", "under_punch"):
+            raise InputError(f"field is {shown(field)}; it must be 'traction', 'displacement' or 'under_punch'")
+        if field == "under_punch":
+            return _show.map_of(self[field], self.size, field, None, self.units, ax)
+        values = self[field][..., _place("component", component, self.components)]
+        return _show.map_of(values, self.size, field, component, self.units, ax)
+
+    def _numbers(self) -> list[str]:
+        return [name for name, value in self.items() if name in self._declared() and np.ndim(value) == 0]
 
     def interior(self, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]) -> FieldsBelow:
         """Returns displacement, strain and stress below the punch; see `gfmd.interior`.
@@ -79,6 +150,13 @@ class Punch(Computed, PunchNumbers):
             (1, 32, 32, 6)
         """
         return interior(self, depths, **options)
+
+    def _loading(self) -> tuple[dict[str, Any], Any]:
+        # Summed in the same order as in the program.
+        columns = self.traction.reshape(-1, self.traction.shape[-1]).T
+        mean_traction = [float(np.cumsum(column)[-1] / column.size) for column in columns]
+        keys = {"size": [self.size[0]], "mean_traction": mean_traction}
+        return {**keys, **_elastic(self, self.get("layer", ()))}, self.displacement
 
 
 class FieldsBelow(Computed):
@@ -114,6 +192,126 @@ class FieldsBelow(Computed):
     n: list[int]
     size: list[float]
     warnings: list[Record]
+    _main = ("displacement", "strain", "stress", "von_mises", "energy_density", "mean_traction")
+
+    def __repr__(self) -> str:
+        names = [name for name in self._main if name in self]
+        fields = [f"{name:<14} {self._text(name, self[name])}" for name in names]
+        columns = {}
+        for name, values in self._numbers().items():
+            factor, head = label(name, name, values, self.units)
+            columns[head] = [f"{value * factor:.6g}" for value in values]
+        rows = table(columns, LINES - 2 - len(fields))
+        title = f"{type(self).__name__} at {len(self.levels)} depth{'s' if len(self.levels) != 1 else ''}"
+        return title + rows + "".join(f"\n  {line}" for line in fields)
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers of the depths as a pandas.DataFrame with a row for each; units in `attrs["units"]`.
+
+        Raises:
+            Error: pandas is not installed.
+
+        Example:
+            >>> len(c.interior(depths=[0.01, 0.02]).to_dataframe())  # doctest: +SKIP
+            2
+        """
+        columns = self._numbers()
+        return _show.framed(columns, dict(zip(columns, columns)), self.units)
+
+    def to_xarray(self) -> Any:
+        """Returns an xarray.Dataset of the fields [depth, y, x], with an axis of components, and the numbers [depth].
+
+        Raises:
+            Error: xarray is not installed.
+
+        Example:
+            >>> c.interior(depths=[0.01, 0.02]).to_xarray().stress.sel(tensor="zz").dims
+            ('depth', 'y', 'x')
+        """
+        units = self.units
+        planar = ("depth", *reversed(self._axes()))
+        found: dict[str, Any] = {}
+        for name in ("displacement", "strain", "stress", "von_mises", "energy_density"):
+            if name in self:
+                values = np.swapaxes(self[name], 1, 2) if len(planar) == 3 else self[name]
+                last = {"displacement": "component", "strain": "tensor", "stress": "tensor"}.get(name, "")
+                found[name] = ((*planar, last)[: values.ndim], values, attributes(name, units))
+        numbers_of = self._numbers()
+        depth = numbers_of.pop("depth")
+        for name, values in numbers_of.items():
+            found[name] = ("depth", values, attributes(name, units))
+        found["mean_traction"] = ("component", self.mean_traction, attributes("mean_traction", units))
+        cell = _show.places(self.size, self.n, units[0])
+        places = {
+            **{axis: cell[axis] for axis in self._axes()},
+            "depth": ("depth", depth, attributes("depth", units)),
+            "component": ("component", self._vector()),
+            "tensor": ("tensor", self._tensor()),
+        }
+        used = {dimension for dimensions, *_ in found.values() for dimension in np.atleast_1d(dimensions)}
+        return _show.needed("xarray", "to_xarray").Dataset(
+            found, {name: place for name, place in places.items() if name in used}
+        )
+
+    def plot(
+        self, field: Optional[str] = None, component: Optional[str] = None, level: Optional[int] = None, ax: Any = None
+    ) -> Any:
+        """Draws a field with matplotlib: a map at one depth; below a line or in a slice, a curve. Returns the axes.
+
+        Args:
+            field: "von_mises", "energy_density", "displacement", "strain" or "stress"; by default the first of these
+                that was requested.
+            component: "x", "y", "z" of the displacement, "xx", "zz", "xz" ... of strain and stress; the one along z by
+                default.
+            level: index of the depth; by default the depth with the largest value.
+            ax: the axes to draw into; new ones by default.
+
+        Raises:
+            InputError: an unknown field, component or level. Error: matplotlib is not installed.
+
+        Example:
+            >>> ax = c.interior(depths=[0.01, 0.02]).plot("stress", "xz", level=0)
+        """
+        there = [name for name in ("von_mises", "energy_density", "displacement", "strain", "stress") if name in self]
+        field = there[0] if field is None else field
+        if field not in there:
+            raise InputError(f"field is {shown(field)}; it must be one of {', '.join(there)}")
+        values = self[field]
+        if field in ("displacement", "strain", "stress"):
+            vector = field == "displacement"
+            component = component or ("z" if vector else "zz")
+            names = self._vector() if vector else self._tensor()
+            values = values[..., _place("component", component, names)]
+        elif component is not None:
+            raise InputError(f"component is {shown(component)}; it must be left out for {field}")
+        if level is None:
+            level = int(np.argmax(np.abs(values).reshape(len(values), -1).max(axis=1)))
+        index = integer("level", level, 0, len(values) - 1)
+        axes = self._axes()
+        size = [dict(zip("xy", self.size))[axis] for axis in axes]
+        plane = values[index] if len(axes) == 2 else values[index][:, np.newaxis]
+        ax = _show.map_of(plane, size, field, component, self.units, ax, axes[0])
+        ax.set_title(f"depth {self.levels[index]._text('depth', self.levels[index].depth)}")
+        return ax
+
+    def _numbers(self) -> dict[str, list[float]]:
+        """Returns the numbers of the depths by name, without those whose fields were not requested."""
+        return {
+            name: [level[name] for level in self.levels] for name in self.levels[0] if self.levels[0][name] is not None
+        }
+
+    def _axes(self) -> list[str]:
+        """Returns the axes of the points: no axis across a slice, and no y axis below a line."""
+        across = self["slice"][0] if "slice" in self else "y" if self.n[1] == 1 else ""
+        return [axis for axis in "xy" if axis != across]
+
+    def _vector(self) -> list[str]:
+        """Returns the names of the components of displacement and traction."""
+        return list("xyz" if len(self.mean_traction) == 3 else "xz")
+
+    def _tensor(self) -> list[str]:
+        """Returns the names of the components of strain and stress."""
+        return ["xx", "yy", "zz", "yz", "xz", "xy"] if len(self.mean_traction) == 3 else ["xx", "yy", "zz", "xz"]
 
 
 class Green(Record):
@@ -251,6 +449,13 @@ def punch(
     return _command.ended(Punch({**reported, **fields}, file), failure)
 
 
+def _place(name: str, value: object, allowed: Sequence[str]) -> int:
+    """Returns the place of a name in a list."""
+    if value not in allowed:
+        raise InputError(f"{name} is {shown(value)}; it must be one of {', '.join(allowed)}")
+    return list(allowed).index(str(value))
+
+
 def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
     try:
         return [(first, second, component) for first, second, component in rows]
@@ -272,7 +477,7 @@ def _history(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def interior(
-    source: Union[Contact, Punch],
+    source: Loaded,
     depths: Optional[Sequence[Quantity]] = None,
     *,
     levels: Optional[int] = None,
@@ -314,12 +519,16 @@ def interior(
         quantities=texts("quantities", quantities),
         slice=None if along is None else word("along", along),
     )
-    own, given = _source(source)
+    if not isinstance(source, Loaded):
+        raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
+    own, given = source._loading()
     values, failure, fields, file = _command.solve("body", {**problem, **own}, {"surface": given}, threads, out)
     del values["surface"]
     named = {name.replace("-", "_") for name in problem["quantities"]}
     found = {name: field for name, field in fields.items() if name in named}
     reported = {name: _command.records(value) for name, value in values.items()}
+    units = known(values.get("unit"), values.get("stress_unit"))
+    reported["levels"] = [Record(level, units) for level in values["levels"]]
     return _command.ended(FieldsBelow({**reported, **found}, file), failure)
 
 
@@ -330,21 +539,6 @@ def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
     young = next((modulus for modulus in (given[0], given[2]) if isinstance(modulus, str)), values.young)
     elastic = {"young": young, "poisson": values.poisson, "height": _command.height_key(values.height)}
     return {**elastic, **_command.other_keys(values, layers)}
-
-
-def _source(source: Union[Contact, Punch]) -> tuple[dict[str, Any], Any]:
-    """Returns the configuration keys of the body and the cell, and the surface displacement."""
-    if isinstance(source, Contact):
-        shear = {f"mean_shear_{axis}": np.array(value) for axis, value in zip("xy", source.get("mean_shear", ()))}
-        units = {"unit": source.surface.unit} if source.surface.unit else {}
-        return {"size": list(source.surface.size)}, ({**config([source]), **units}, {**source._fields, **shear})
-    if isinstance(source, Punch):
-        # Summed in the same order as in the program.
-        columns = source.traction.reshape(-1, source.traction.shape[-1]).T
-        mean_traction = [float(np.cumsum(column)[-1] / column.size) for column in columns]
-        keys = {"size": [source.size[0]], "mean_traction": mean_traction}
-        return {**keys, **_elastic(source, source.get("layer", ()))}, source.displacement
-    raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
 
 
 @hinted

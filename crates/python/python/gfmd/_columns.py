@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any, Optional
 
 from ._record import Record
+from ._units import DEFINED
 
 
 def _attribute(name: str, text: str, held_in: Optional[str]) -> property:
@@ -22,6 +21,5 @@ def _class(name: str, text: str, held_in: Optional[str], attributes: dict[str, s
     return type(name, base, {"__doc__": text, "__module__": __name__, **made})
 
 
-_FOUND = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
-FLOW: dict[str, str] = _FOUND["flow"]
-globals().update({name: _class(name, **found) for name, found in _FOUND["classes"].items()})
+FLOW: dict[str, str] = DEFINED["flow"]
+globals().update({name: _class(name, **found) for name, found in DEFINED["classes"].items()})

@@ -10,41 +10,22 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, Union, ove
 import numpy as np
 import numpy.typing as npt
 
-from . import _gfmd, _hints, _leak
+from . import _gfmd, _hints, _leak, _show
+from ._below import FieldsBelow, interior
 from ._body import Body, Law
 from ._check import Array, Quantity, array, frozen, in_units, number, shown, word
-from ._columns import Fields, Numbers, Patches
-from ._command import records
+from ._columns import Fields, LowerFace, Numbers, Patches
 from ._errors import InputError
-from ._load import of_load
-from ._record import Record, json_of
+from ._load import Residual, of_load, residual_of_all
+from ._record import LINES, Measured, Record, json_of, same, table, without_null
 from ._result import Result
 from ._surface import Surface
+from ._units import Units, known, label, metre
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._below import FieldsBelow
     from ._options import InteriorOptions
-
-_HEAD = ["p_star", "approach", "area", "kappa", "mean gap", "steps", "residual"]
-
-
-# Numbers in the representation of a contact.
-_SHOWN = [
-    "mean_pressure",
-    "p_star",
-    "approach",
-    "area_fraction",
-    "kappa",
-    "mean_gap",
-    "max_pressure",
-    "stiffness",
-    "elastic_energy",
-    "plastic_fraction",
-    "residual",
-    "converged",
-]
 
 
 class Settings(NamedTuple):
@@ -58,13 +39,74 @@ class Settings(NamedTuple):
     load: Optional[tuple[str, float]] = None
 
 
-# Kinds of the numbers and fields, by name.
-KINDS: dict[str, str] = dict(_gfmd.kinds())
+class Flow(Measured):
+    """Flow of a fluid through the gap of a contact, from `Contact.flow`.
+
+    Attributes:
+        conductivity: [[xx, xy], [yx, yy]], without unit: the mean flux along x and y (rows) under a pressure gradient
+            along x and y (columns), divided by the flux through a uniform gap of height `mean_gap`. NaN where the gap
+            is closed.
+        percolates: True if the gap lets a fluid through along x, along y.
+        residual: largest relative residual of the flow, without unit.
+        transmissivity: conductivity times mean_gap³/12, length³; zero where the gap is closed.
+        conductivity_limit, conductivity_limit_error, conductivity_grid_error: estimate on an infinitely fine grid, its
+            error and the grid error, on the diagonal; NaN where unknown. Not with `grid_error="none"`.
+
+    Example:
+        >>> c.flow().conductivity.shape
+        (2, 2)
+    """
+
+    conductivity: Array
+    percolates: list[bool]
+    residual: float
+    transmissivity: Array
+    conductivity_limit: Array
+    conductivity_limit_error: Array
+    conductivity_grid_error: Array
+    _main = ("conductivity", "percolates", "transmissivity", "residual")
+
+    def _text(self, name: str, value: Any) -> str:
+        if name != "conductivity" or "conductivity_limit" not in self:
+            return super()._text(name, value)
+        limits, errors = (self[f"{name}_{part}"].tolist() for part in ("limit", "limit_error"))
+        cells = [
+            [
+                _gfmd.with_limit(entry, limits[i][j], errors[i][j]) if i == j else f"{entry:.3g}"
+                for j, entry in enumerate(row)
+            ]
+            for i, row in enumerate(value.tolist())
+        ]
+        return f"[[{', '.join(cells[0])}], [{', '.join(cells[1])}]]"
+
+    def _rest(self, count: int) -> str:
+        return "grid errors: dict(r)"
 
 
-def metre(unit: Optional[str]) -> float:
-    """Returns the length unit in metres; 1 if it is unknown."""
-    return 1.0 if unit is None else _gfmd.in_units("unit", f"1 {unit}", "length", "m") or 1.0
+class Adhesion(Measured):
+    """Numbers of an attraction on the surface and grid of a contact, from `Contact.adhesion` (docs/laws/adhesion.md).
+
+    Attributes:
+        work: work of adhesion, stress * length.
+        range, process_zone: range of the law and width of its process zone, length.
+        process_zone_points, process_zone_needed: width of the process zone in grid steps, and the smallest width that
+            is solved without `coarse`; without unit.
+        wang_zhou_muser, tabor, pastewka_robbins: dimensionless numbers of adhesion.
+
+    Example:
+        >>> law = gfmd.law("morse", gamma=1e-4, range=5e-3)
+        >>> gfmd.contact(s, gfmd.Body(), approach=0.001, law=law).adhesion().work
+        0.0001
+    """
+
+    work: float
+    range: float
+    process_zone: float
+    process_zone_points: float
+    process_zone_needed: float
+    wang_zhou_muser: float
+    tabor: float
+    pastewka_robbins: float
 
 
 class Gradient(Record):
@@ -111,6 +153,20 @@ class Contact(Result, Numbers, Fields):
     body: Body
     law: Law
     undefined: dict[str, str]
+    _main = (
+        "mean_pressure",
+        "p_star",
+        "approach",
+        "area_fraction",
+        "kappa",
+        "mean_gap",
+        "max_pressure",
+        "stiffness",
+        "elastic_energy",
+        "plastic_fraction",
+        "residual",
+        "converged",
+    )
     _settings: Settings
     _state: Any
 
@@ -128,6 +184,8 @@ class Contact(Result, Numbers, Fields):
             names, (*parts, {name: frozen(field) for name, field in fields.items()}, settings, state)
         ):
             object.__setattr__(self, name, value)
+        if "lower" in values:
+            self._values["lower"] = LowerFace(values["lower"], self.units)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Contact, (self._values, (self.surface, self.body, self.law), self._fields, self._settings)
@@ -167,20 +225,18 @@ class Contact(Result, Numbers, Fields):
         own = self._fields.get("repulsion")
         return frozen(np.maximum(self.pressure, 0.0)) if own is None else own
 
-    @property
-    def adhesion(self) -> Optional[Record]:
-        """Numbers of the attraction on this surface and grid, by name; None without attraction.
+    def adhesion(self) -> Optional[Adhesion]:
+        """Returns the numbers of the attraction on this surface and grid, by name; None without attraction.
 
-        A `Record` of `work` (stress * length), `range`, `process_zone` (length), `process_zone_points`,
-        `process_zone_needed`, `wang_zhou_muser`, `tabor` and `pastewka_robbins` (docs/laws/adhesion.md).
+        Example:
+            >>> c.adhesion() is None
+            True
         """
         if self.law.name == "hard-wall":
             return None
         problem, arrays = self._settings[:2]
-        found: Optional[Record] = records(
-            json.loads(_gfmd.adhesion(problem, {**arrays, "surface": self.surface.heights}))
-        )
-        return found
+        found = json.loads(_gfmd.adhesion(problem, {**arrays, "surface": self.surface.heights}))
+        return None if found is None else Adhesion(without_null(found), self.units)
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
@@ -198,20 +254,22 @@ class Contact(Result, Numbers, Fields):
             or self._fields.keys() != other._fields.keys()
         ):
             return False
-        numbers = [
-            {name: value for name, value in contact._values.items() if name != "seconds"} for contact in (self, other)
-        ]
-        same = json_of(numbers[0]) == json_of(numbers[1]) and (self.body, self.law) == (other.body, other.law)
-        return same and all(np.array_equal(field, other._fields[name]) for name, field in self._fields.items())
+        return (
+            (self.body, self.law) == (other.body, other.law)
+            and same(self, other)
+            and all(np.array_equal(field, other._fields[name]) for name, field in self._fields.items())
+        )
 
     def __hash__(self) -> int:
         return hash((self.surface.n, self.body, self.iterations))
 
     @property
-    def units(self) -> tuple[Optional[str], Optional[str]]:
+    def units(self) -> Units:
         """The length unit and the stress unit of all numbers, None where unknown."""
-        stress = self._settings.description.get("stress_unit")
-        return self.surface.unit, stress or ("Pa" if self.surface.unit == "m" else None)
+        return known(self.surface.unit, self._settings.description.get("stress_unit"))
+
+    def _units_shown(self) -> Units:
+        return self.units
 
     def reason(self, name: str) -> Optional[str]:
         """Returns the reason why a number is NaN; None if it has a value.
@@ -231,32 +289,13 @@ class Contact(Result, Numbers, Fields):
         found: Optional[str] = self.get("undefined", {}).get(name)
         return found
 
-    def __repr__(self) -> str:
-        shown = [name for name in _SHOWN if name in self]
-        rows = "".join(f"\n  {name:<16} {self._with_error(name)}" for name in shown)
+    def _title(self) -> str:
         law = "" if self.law.name == "hard-wall" else f", law {self.law.name}"
         nx, ny = self.surface.n
-        rest = f"\n  {len(self) - len(shown)} more numbers: dict(c); fields: {', '.join(self._fields)}"
-        return f"Contact of {nx} x {ny} points{law}; value(error of the last digits), ~ if not known{rows}{rest}"
+        return f"Contact of {nx} x {ny} points{law}; value(error of the last digits), ~ if not known"
 
-    def _with_error(self, name: str) -> str:
-        """Formats a number for tables: its grid-converged limit with the certain digits."""
-        value, limit = self[name], self.get(f"{name}_limit")
-        if limit is None or not math.isfinite(value):
-            return self._text(name, value)
-        kind = KINDS.get(name)
-        unit = None if kind is None else _gfmd.readable(kind, value, *self.units)
-        factor, after = (1.0, "") if unit is None else (unit[0], f" {unit[1]}")
-        error = self.get(f"{name}_limit_error", math.nan)
-        return _gfmd.with_limit(value * factor, limit * factor, error * factor) + after
-
-    def _text(self, name: str, value: Any) -> str:
-        kind = KINDS.get(name)
-        if isinstance(value, float) and kind is not None and math.isfinite(value):
-            unit = _gfmd.readable(kind, value, *self.units)
-            if unit is not None:
-                return f"{float(f'{value * unit[0]:.6g}'):g} {unit[1]}"
-        return super()._text(name, value)
+    def _rest(self, count: int) -> str:
+        return f"{count} more numbers: dict(c); fields: {', '.join(self._fields)}"
 
     def _posed(self) -> tuple[Any, Any]:
         """Returns the problem, set up again, and the state."""
@@ -275,20 +314,22 @@ class Contact(Result, Numbers, Fields):
         }
         return of_load(record), found
 
-    @property
     def patches(self) -> Patches:
-        """The patches of points in contact that `gfmd contact --statistics` measures, as a `Record` of arrays [patch].
+        """Measures the patches of points in contact, as `gfmd contact --statistics` does: a `Record` of arrays [patch].
 
         Raises:
             InputError: a contact with a lower surface, which has two faces.
+
+        Example:
+            >>> c.patches().area.sum() < 1.0
+            np.True_
         """
         arrays = self._measured(statistics=True)[1]
         names = {path.split("/")[2]: values for path, (values, _) in arrays.items() if path.startswith("/patches/")}
         return Patches({name: values for name, values in names.items() if name != "load"})
 
-    @property
     def distributions(self) -> Record:
-        """Distributions and spectra that `gfmd contact --statistics` measures, as a `Record` of arrays.
+        """Measures distributions and spectra, as `gfmd contact --statistics` does: a `Record` of arrays.
 
         Probability densities over the whole surface: `pressure` (1/stress) against `pressure_at` (stress), `gap`
         (1/length) against `gap_at` (length). With periodic boundaries, also `pressure_spectrum` (stress² length²)
@@ -297,6 +338,11 @@ class Contact(Result, Numbers, Fields):
 
         Raises:
             InputError: a contact with a lower surface, which has two faces.
+
+        Example:
+            >>> d = c.distributions()
+            >>> d.pressure.shape == d.pressure_at.shape
+            True
         """
         found = {}
         axes = {
@@ -314,14 +360,11 @@ class Contact(Result, Numbers, Fields):
         return Record(found)
 
     @_hints.hinted
-    def flow(self) -> Record:
+    def flow(self) -> Flow:
         """Computes the flow of a fluid through the gap by Reynolds' equation, as `gfmd contact --flow` does.
 
         Returns:
-            A `Record` of `conductivity` [[xx, xy], [yx, yy]], the mean flux along x and y (rows) under a pressure
-            gradient along x and y (columns), divided by the flux through a uniform gap of height `mean_gap`;
-            `percolates` along x and y; `residual`; `transmissivity`, conductivity times mean_gap³/12, length³. See
-            `leak_rate` for the volume per time.
+            The conductivity, percolation and transmissivity, as a `Flow`. See `leak_rate` for the volume per time.
 
         Raises:
             InputError: a profile, a lower surface.
@@ -332,13 +375,14 @@ class Contact(Result, Numbers, Fields):
             ([True, True], (2, 2))
         """
         found = dict(self._measured(flow=True)[0]["flow"])
-        conductivity = np.array(
-            [[math.nan if entry is None else entry for entry in row] for row in found["conductivity"]], dtype=np.float64
+        for name in ("conductivity", *(f"conductivity_{part}" for part in ("limit", "limit_error", "grid_error"))):
+            if name in found:
+                found[name] = frozen(np.array(found[name], dtype=np.float64))
+        through = _leak.transmissivity(
+            found["conductivity"], np.array(found["percolates"])[:, np.newaxis], self.mean_gap
         )
-        open_along = np.array(found["percolates"])
-        found["conductivity"] = frozen(conductivity)
-        found["transmissivity"] = frozen(_leak.transmissivity(conductivity, open_along[:, np.newaxis], self.mean_gap))
-        return Record(found)
+        found["transmissivity"] = frozen(through)
+        return Flow(found, self.units)
 
     @_hints.hinted
     def leak_rate(self, *, viscosity: Quantity, pressure_drop: Quantity) -> Array:
@@ -486,8 +530,6 @@ class Contact(Result, Numbers, Fields):
             >>> c.interior(depths=[0.01, 0.02]).von_mises.shape
             (2, 64, 64)
         """
-        from ._below import interior
-
         return interior(self, depths, **options)
 
     def to_dataframe(self) -> Any:
@@ -500,14 +542,15 @@ class Contact(Result, Numbers, Fields):
             >>> c.to_dataframe().shape[0]  # doctest: +SKIP
             1
         """
-        from . import _show
-
         return _show.frame([self])
 
     def _write(self, path: str) -> None:
-        from ._files import save
+        _save(path, [self])
 
-        save(path, [self])
+    def _loading(self) -> tuple[dict[str, Any], Any]:
+        shear = {f"mean_shear_{axis}": np.array(value) for axis, value in zip("xy", self.get("mean_shear", ()))}
+        units = {"unit": self.surface.unit} if self.surface.unit else {}
+        return {"size": list(self.surface.size)}, ({**_config([self]), **units}, {**self._fields, **shear})
 
     def to_xarray(self) -> Any:
         """Returns an xarray.Dataset of the fields [y, x], with coordinates and units, and the scalars.
@@ -521,8 +564,6 @@ class Contact(Result, Numbers, Fields):
             >>> c.to_xarray().pressure.sel(x=0.5, method="nearest").shape
             (64,)
         """
-        from . import _show
-
         return _show.dataset([self]).isel(load=0)
 
     def to_pyvista(self) -> Any:
@@ -534,8 +575,6 @@ class Contact(Result, Numbers, Fields):
         Example:
             >>> c.to_pyvista().save("c.vti")  # doctest: +SKIP
         """
-        from . import _show
-
         return _show.grid(self.surface, {"height": self.surface.heights, **self._fields})
 
     def plot(self, field: str = "pressure", ax: Any = None) -> Any:
@@ -551,8 +590,6 @@ class Contact(Result, Numbers, Fields):
         Example:
             >>> ax = c.plot("gap")
         """
-        from . import _show
-
         fields = self._fields
         if not isinstance(field, str) or field not in fields:
             raise InputError(f"field is {shown(field)}; it must be one of {', '.join(map(repr, fields))}")
@@ -566,8 +603,8 @@ class Contact(Result, Numbers, Fields):
 class Contacts(Result, Sequence[Contact]):
     """A sequence of `Contact`, one for each load.
 
-    The numbers of a contact become arrays [load], in the same units: `cs.area_fraction`, `cs.mean_pressure`;
-    `residual` is the largest part for each load, `lower` a Record of arrays. The fields, such as `pressure`, `gap` and
+    The numbers of a contact become arrays [load], in the same units: `cs.area_fraction`, `cs.mean_pressure`; the parts
+    of `residual` are arrays, `lower` is a Record of arrays. The fields, such as `pressure`, `gap` and
     `displacement_z`, become arrays [load, x, y].
 
     Example:
@@ -607,14 +644,13 @@ class Contacts(Result, Sequence[Contact]):
             if name in self._contacts[0]._fields:
                 return frozen(np.stack([getattr(contact, name) for contact in self._contacts]))
             if name == "residual":
-                return frozen(np.array([float(contact.residual) for contact in self._contacts]))
+                return residual_of_all([contact.residual for contact in self._contacts])
             if name == "lower" and name in self._contacts[0]:
-                return Record(
-                    {
-                        key: frozen(np.array([float(contact.lower[key]) for contact in self._contacts]))
-                        for key in self._contacts[0].lower
-                    }
-                )
+                faces = [contact.lower for contact in self._contacts]
+                numbers = {
+                    key: frozen(np.array([float(face[key]) for face in faces])) for key in faces[0] if key != "residual"
+                }
+                return Record({**numbers, "residual": residual_of_all([face.residual for face in faces])}, self.units)
             if name == "approach" or name in self._contacts[0]:
                 return frozen(np.array([getattr(contact, name) for contact in self._contacts]))
         hint = "" if name.startswith("_") else _hints.attribute(name, dir(self))
@@ -625,9 +661,12 @@ class Contacts(Result, Sequence[Contact]):
         return [*super().__dir__(), "approach", *(name for contact in first for name in (*contact._fields, *contact))]
 
     def _write(self, path: str) -> None:
-        from ._files import save
+        _save(path, self._contacts)
 
-        save(path, self._contacts)
+    @property
+    def units(self) -> Units:
+        """The length unit and the stress unit of all numbers, None where unknown."""
+        return self._contacts[0].units if self._contacts else (None, None)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Contacts) and self._contacts == other._contacts
@@ -645,8 +684,6 @@ class Contacts(Result, Sequence[Contact]):
             >>> cs.to_dataframe().kappa.shape  # doctest: +SKIP
             (2,)
         """
-        from . import _show
-
         self._check_some()
         return _show.frame(self._contacts)
 
@@ -660,8 +697,6 @@ class Contacts(Result, Sequence[Contact]):
             >>> cs.to_xarray().area_fraction.dims
             ('load',)
         """
-        from . import _show
-
         self._check_some()
         return _show.dataset(self._contacts)
 
@@ -677,8 +712,6 @@ class Contacts(Result, Sequence[Contact]):
         Example:
             >>> ax = cs.plot()
         """
-        from . import _show
-
         self._check_some()
         return _show.area(self._contacts, ax)
 
@@ -686,37 +719,64 @@ class Contacts(Result, Sequence[Contact]):
         if not self._contacts:
             raise InputError("there are no contacts here")
 
-    def _rows(self) -> list[list[str]]:
-        """Returns the rows of the table, headings first."""
-        head, digits = list(_HEAD), ".4e"
-        approach, gap = (np.array([contact[name] for contact in self._contacts]) for name in ("approach", "mean_gap"))
-        if self._contacts and self._contacts[0].units[0] is not None:
-            from . import _show
-
-            for place, values in ((1, approach), (4, gap)):
-                factor, unit = _show.read("length", values, self._contacts[0].units)
-                values *= factor
-                head[place], digits = f"{head[place]} / {unit}", ".5g"
-        rows = [
-            [
-                f"{c.p_star:.4e}",
-                f"{u:{digits}}",
-                f"{c.area_fraction:.6f}",
-                f"{c.kappa:.4f}",
-                f"{g:{digits}}",
-                f"{c.iterations}",
-                f"{float(c.residual):.1e}",
-            ]
-            for c, u, g in zip(self._contacts, approach, gap)
-        ]
-        return [head, *rows]
+    def _columns(self) -> dict[str, list[str]]:
+        """Returns the cells of the table by heading."""
+        found = {}
+        for head, name in _HEADS.items():
+            factor, shown = label(head, name, [contact[name] for contact in self._contacts], self.units)
+            found[shown] = [_cell(contact, name, factor) for contact in self._contacts]
+        found["residual"] = [f"{float(contact.residual):.1e}" for contact in self._contacts]
+        return found
 
     def __repr__(self) -> str:
-        rows = "".join("\n" + " ".join(f"{cell:>13}" for cell in row) for row in self._rows())
-        return f"{len(self)} contacts{rows}"
+        return f"{len(self)} contacts{table(self._columns(), LINES - 2)}"
 
     def _repr_html_(self) -> str:
-        from . import _show
-
         pictures = self._pictures(sum(contact.pressure.size for contact in self._contacts))
-        return f"<b>{len(self)} contacts</b>{pictures}{_show.table_html(self._rows()[0], self._rows()[1:])}"
+        columns = self._columns()
+        rows = [list(row) for row in zip(*columns.values())]
+        return f"<b>{len(self)} contacts</b>{pictures}{_show.table_html(list(columns), rows)}"
+
+
+# Columns of the table of contacts: heading and name.
+_HEADS = {
+    "pressure": "mean_pressure",
+    "p_star": "p_star",
+    "approach": "approach",
+    "area": "area_fraction",
+    "kappa": "kappa",
+    "mean gap": "mean_gap",
+    "iterations": "iterations",
+}
+
+
+def _cell(contact: Contact, name: str, factor: float) -> str:
+    """Formats a number with a factor, with the digits that its grid error leaves certain, if it has a limit."""
+    limit, error = contact.get(f"{name}_limit"), contact.get(f"{name}_limit_error", math.nan)
+    if limit is None:
+        return f"{contact[name] * factor:.6g}"
+    return _gfmd.with_limit(contact[name] * factor, limit * factor, error * factor)
+
+
+def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
+    """Returns the prescribed loads; the mean pressures if different quantities were prescribed."""
+    given = [contact._settings.load for contact in contacts]
+    if None not in given and len({load[0] for load in given if load}) == 1:
+        return {given[0][0]: [load[1] for load in given if load]}  # type: ignore[index]
+    return {"pressure": [contact["mean_pressure"] for contact in contacts]}
+
+
+def _config(contacts: Sequence[Contact]) -> dict[str, Any]:
+    """Returns the configuration of contacts of one surface, as stored in a file."""
+    return {**contacts[0]._settings.description, **_asked(contacts)}
+
+
+def _save(path: str, contacts: Sequence[Contact]) -> None:
+    """Writes contacts of one surface to a file."""
+    if not contacts:
+        raise InputError("there are no contacts to write")
+    first = contacts[0]
+    problem, arrays, lower, _ = first._settings
+    loads = [(json_of(contact._values), list(contact._fields.values())) for contact in contacts]
+    words = [(surface.unit, surface.description) for surface in (first.surface, lower) if surface is not None]
+    _gfmd.save(path, problem, {**arrays, "surface": first.surface.heights}, words, loads, _config(contacts))

@@ -16,7 +16,6 @@ from ._command import body_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError
 from ._load import of_load
-from ._record import json_of
 from ._surface import Surface, _surface
 
 _CONTROLS = ("pressure", "p_star", "approach")
@@ -27,29 +26,6 @@ _ARRAYS = {
     "base_displacement": "/base/displacement",
     "base_traction": "/base/traction",
 }
-
-
-def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
-    """Returns the prescribed loads; the mean pressures if different quantities were prescribed."""
-    given = [contact._settings.load for contact in contacts]
-    if None not in given and len({load[0] for load in given if load}) == 1:
-        return {given[0][0]: [load[1] for load in given if load]}  # type: ignore[index]
-    return {"pressure": [contact["mean_pressure"] for contact in contacts]}
-
-
-def config(contacts: Sequence[Contact]) -> dict[str, Any]:
-    """Returns the configuration of contacts of one surface, as stored in a file."""
-    return {**contacts[0]._settings.description, **_asked(contacts)}
-
-
-def save(path: str, contacts: Sequence[Contact]) -> None:
-    if not contacts:
-        raise InputError("there are no contacts to write")
-    first = contacts[0]
-    problem, arrays, lower, _ = first._settings
-    loads = [(json_of(contact._values), list(contact._fields.values())) for contact in contacts]
-    words = [(surface.unit, surface.description) for surface in (first.surface, lower) if surface is not None]
-    _gfmd.save(path, problem, {**arrays, "surface": first.surface.heights}, words, loads, config(contacts))
 
 
 def _stored(name: str, group: str, given: Sequence[float]) -> Surface:

@@ -12,11 +12,12 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
-from . import _command
+from . import _command, _show
 from ._check import flag, path
 from ._errors import InputError, Interrupted, NotConverged
-from ._record import Record, json_of
+from ._record import LINES, Record, table
 from ._result import Computed, Contents
+from ._units import attributes
 
 
 class KappaSweep(Computed):
@@ -56,14 +57,9 @@ class KappaSweep(Computed):
             >>> k.to_xarray().kappa.dims
             ('point',)
         """
-        from . import _show
-
-        names = dict.fromkeys(name for point in self.points for name in point)
-        columns = {
-            name: ("point", [np.nan if point.get(name) is None else point[name] for point in self.points])
-            for name in names
-        }
-        return _show.needed("xarray", "to_xarray").Dataset(columns)
+        columns = {name: ("point", values, attributes(name, self.units)) for name, values in self._columns().items()}
+        point = {"point": ("point", np.arange(len(self.points)), {"long_name": "discretisation and load"})}
+        return _show.needed("xarray", "to_xarray").Dataset(columns, point)
 
     def to_dataframe(self) -> Any:
         """Returns the points as a pandas.DataFrame with a row for each discretisation and load; all without unit.
@@ -75,18 +71,13 @@ class KappaSweep(Computed):
             >>> k.to_dataframe().kappa.shape == (len(k.points),)  # doctest: +SKIP
             True
         """
-        from . import _show
+        columns = self._columns()
+        return _show.framed(columns, dict(zip(columns, columns)), self.units)
 
-        return _show.needed("pandas", "to_dataframe").DataFrame([dict(point) for point in self.points])
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, KappaSweep):
-            return False
-        numbers = [{name: value for name, value in sweep.items() if name != "seconds"} for sweep in (self, other)]
-        return json_of(numbers[0]) == json_of(numbers[1])
-
-    def __hash__(self) -> int:
-        return hash((self.fit.kappa_tfc, len(self.points)))
+    def _columns(self) -> dict[str, list[Any]]:
+        """Returns the numbers of the points by name, with NaN in place of None."""
+        names = dict.fromkeys(name for point in self.points for name in point)
+        return {name: [np.nan if point.get(name) is None else point[name] for point in self.points] for name in names}
 
     def plot(self, ax: Any = None) -> Any:
         """Draws kappa at the load of the fit against the number of points along a side, and the limit, with matplotlib.
@@ -101,23 +92,26 @@ class KappaSweep(Computed):
         Example:
             >>> ax = k.plot()
         """
-        from . import _show
-
         return _show.kappa(self.points, self.fit, ax)
 
     def __repr__(self) -> str:
         def number(value: Any) -> str:
             return "-" if value is None else f"{value:.4f}"
 
-        head = f"{'H':>5} {'1/eps_t':>8} {'1/eps_f':>8} {'1/eps_c':>8} {'n':>6} {'p_star':>8} {'kappa':>8} {'+-':>8}"
-        rows = [
-            f"{p.hurst:>5g} {p.eps_t_inv:>8g} {p.eps_f_inv:>8g} {p.eps_c_inv:>8g} {p.n:>6} {p.p_star:>8g}"
-            f" {number(p.kappa):>8} {number(p.kappa_sem):>8}"
-            for p in self.points
-        ]
+        columns = {
+            "H": [f"{p.hurst:g}" for p in self.points],
+            "1/eps_t": [f"{p.eps_t_inv:g}" for p in self.points],
+            "1/eps_f": [f"{p.eps_f_inv:g}" for p in self.points],
+            "1/eps_c": [f"{p.eps_c_inv:g}" for p in self.points],
+            "n": [f"{p.n}" for p in self.points],
+            "p_star": [f"{p.p_star:g}" for p in self.points],
+            "kappa": [number(p.kappa) for p in self.points],
+            "+-": [number(p.kappa_sem) for p in self.points],
+        }
         total = self.fit.total_ci95
         interval = "" if total is None else " (95 %, with the error of the form: {:.4f} to {:.4f})".format(*total)
-        return "\n".join(["KappaSweep", head, *rows, f"kappa_tfc = {self.fit.kappa_tfc:.4f}{interval}"])
+        head = f"KappaSweep of {len(self.points)} points{table(columns, LINES - 3)}"
+        return f"{head}\nkappa_tfc = {self.fit.kappa_tfc:.4f}{interval}"
 
 
 def kappa_sweep(

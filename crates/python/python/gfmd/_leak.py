@@ -11,6 +11,7 @@ import numpy.typing as npt
 from ._check import Array, Quantity, in_units
 from ._errors import InputError
 from ._hints import hinted
+from ._units import metre
 
 
 def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_gap: Any) -> Array:
@@ -60,8 +61,6 @@ class Leaks:
             >>> bool(leak[-1, 0] < leak[0, 0])
             True
         """
-        from ._contact import metre
-
         steps, surface = self.steps, self.surface  # type: ignore[attr-defined]
         if "flow_xx" not in steps:
             raise InputError("the result has no flow; path and wear take flow=True")

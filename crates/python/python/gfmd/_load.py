@@ -3,33 +3,55 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from ._check import frozen
 from ._columns import LowerFace, Residuals
 from ._record import Record, by_name, parsed, without_null
 
 
 class Residual(Residuals):
-    """Parts of the residual by name, all without unit. `float(residual)` is the largest part.
+    """Parts of the residual by name, all without unit; arrays for several loads, steps or states.
+
+    `largest` is the largest part, for each of them; `float(residual)` is the largest of all. NaN if a part is NaN.
 
     Example:
         >>> float(c.residual) <= 1e-8, c.residual.load <= 1e-8
         (True, True)
+        >>> loop.residual.largest.shape, float(loop.residual) == max(loop.residual.largest)
+        ((9,), np.True_)
     """
+
+    @property
+    def largest(self) -> Any:
+        """The largest part, a number or an array [load], [step] or [state]; without unit."""
+        parts = [np.asarray(part, dtype=np.float64) for part in self._values.values()]
+        found = np.asarray(np.max(parts, axis=0) if parts else math.nan)
+        return float(found) if found.ndim == 0 else frozen(found)
+
+    def _title(self) -> str:
+        return f"Residual, the largest {float(self):.1e}"
 
     def _short(self) -> str:
         return f"{float(self):.1e}, the largest of {', '.join(self)}"
 
     def __float__(self) -> float:
-        parts = [float(part) for part in self._values.values()]
-        return math.nan if any(math.isnan(part) for part in parts) else max(parts)
+        return float(np.max(self.largest, initial=-math.inf)) if np.size(self.largest) else math.nan
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Mapping) and self._values == dict(other)
 
-    def __hash__(self) -> int:
-        return hash(tuple(self._values.items()))
+def residual_of(table: Mapping[str, Any]) -> Residual:
+    """Returns the residual of steps or states from the columns of a table, `residual_...`."""
+    start = "residual_"
+    return Residual({name[len(start) :]: values for name, values in table.items() if name.startswith(start)})
+
+
+def residual_of_all(parts: Sequence[Residual]) -> Residual:
+    """Returns the residuals of loads as one of arrays [load]."""
+    names = dict.fromkeys(name for residual in parts for name in residual)
+    return Residual({name: frozen(np.array([float(residual.get(name, 0.0)) for residual in parts])) for name in names})
 
 
 def of_load(record: str) -> dict[str, Any]:

@@ -9,16 +9,19 @@ from typing import TYPE_CHECKING, Any, Literal, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _command
+from . import _command, _show
 from ._body import Body, Law, as_body, as_law
 from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
 from ._columns import FLOW, StepFields, Steps
+from ._contact import Adhesion
 from ._errors import InputError
 from ._hints import hinted
 from ._leak import Leaks
-from ._record import Record, by_name
+from ._load import Residual, residual_of
+from ._record import Record, by_name, without_null
 from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
+from ._units import known
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -33,9 +36,7 @@ class Path(Leaks, Computed, StepFields):
         steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints
             that were not reached.
         hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
-        adhesion: numbers of the attraction on this grid before the solve, with an attraction only: `work` (stress *
-            length), `range`, `process_zone` (length), `process_zone_points`, `process_zone_needed`, `wang_zhou_muser`,
-            `tabor`, `pastewka_robbins` (docs/laws/adhesion.md).
+        adhesion: numbers of the attraction on this grid before the solve, an `Adhesion`; with an attraction only.
         dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the step
             errors; None if unknown. The error is also None if one of its terms is unknown.
         work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; for a viscoelastic body
@@ -61,7 +62,7 @@ class Path(Leaks, Computed, StepFields):
 
     steps: Steps
     hardness: Union[float, Array]
-    adhesion: dict[str, float]
+    adhesion: Adhesion
     dissipated: Optional[float]
     dissipated_error: Optional[float]
     sliding: list[Record]
@@ -81,6 +82,11 @@ class Path(Leaks, Computed, StepFields):
     undefined: dict[str, str]
     warnings: list[Record]
 
+    @property
+    def residual(self) -> Residual:
+        """The parts of the residual by name, arrays [step], without unit; `residual.largest` is the largest part."""
+        return residual_of(self.steps)
+
     def __repr__(self) -> str:
         names = ("mean_pressure", "p_star", "approach", "lateral", "time", "area_fraction", "mean_gap")
         return self._answer("steps", names, ("dissipated", "lowest_mean_pressure", "sliding", "parted_at"))
@@ -95,9 +101,7 @@ class Path(Leaks, Computed, StepFields):
             >>> loop.to_dataframe().shape[0]  # doctest: +SKIP
             9
         """
-        from . import _show
-
-        return _show.steps_frame(self, self.steps)
+        return _show.table_frame(self, self.steps)
 
     def plot(self, x: str = "approach", y: str = "mean_pressure", ax: Any = None) -> Any:
         """Draws one scalar of the steps against another with matplotlib: filled where `x` rises, hollow where it falls.
@@ -113,8 +117,6 @@ class Path(Leaks, Computed, StepFields):
         Example:
             >>> ax = loop.plot("approach", "area_fraction")
         """
-        from . import _show
-
         return _show.steps(self, (x, y), ax)
 
     def to_xarray(self) -> Any:
@@ -127,9 +129,7 @@ class Path(Leaks, Computed, StepFields):
             >>> loop.to_xarray().mean_pressure.dims
             ('step',)
         """
-        from . import _show
-
-        return _show.steps_dataset(self)
+        return _show.table_dataset(self, self.steps, "step", "waypoint")
 
 
 def _column(values: list[Any]) -> Array:
@@ -168,6 +168,11 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
     reported = {name: _command.records(value) for name, value in values.items()}
+    units = known(values.get("unit"), values.get("stress_unit"))
+    if values.get("adhesion") is not None:
+        reported["adhesion"] = Adhesion(without_null(values["adhesion"]), units)
+    if "sliding" in values:
+        reported["sliding"] = [Record(leg, units) for leg in values["sliding"]]
     return {**reported, "steps": Steps(columns), "undefined": undefined}
 
 

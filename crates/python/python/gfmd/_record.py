@@ -5,32 +5,35 @@ from __future__ import annotations
 import html
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from . import _hints
+from . import _hints, _units
+from ._units import Units
 
-# Size of the largest array shown in full.
-_FEW = 6
-
-# Number of rows shown; of a longer table, the first and the last ones.
-_ROWS = 12
+# Size of the largest array shown in full, number of lines of a representation, and largest length of a line.
+_FEW, LINES, _WIDTH = 6, 15, 118
 
 
-def table(columns: Mapping[str, Any]) -> str:
-    """Formats columns of equal length below their names: all lines, or the first and the last ones."""
-    count = max((len(values) for values in columns.values()), default=0)
-    half = _ROWS // 2
-    shown = list(range(count)) if count <= _ROWS else [*range(half), *range(count - half, count)]
+def table(columns: Mapping[str, Sequence[str]], most: int) -> str:
+    """Formats columns of equal length below their names, in at most this number of lines below the first one."""
+    count = max((len(cells) for cells in columns.values()), default=0)
+    first, last = (count, 0) if count < most else (most // 2 - 1, most - most // 2 - 1)
     rows = [["", *columns]]
-    for index in shown:
-        if index == count - half and count > _ROWS:
+    for index in [*range(first), *range(count - last, count)]:
+        if index == count - last and last:
             rows.append(["...", *("" for _ in columns)])
-        rows.append([str(index), *(_short(values[index].item()) for values in columns.values())])
+        rows.append([str(index), *(cells[index] for cells in columns.values())])
     widths = [max(len(row[place]) for row in rows) for place in range(len(rows[0]))]
     return "".join("\n" + "  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths)).rstrip() for row in rows)
+
+
+def cut(text: str, width: int = _WIDTH) -> str:
+    """Returns a text in one line of at most this length."""
+    line = " ".join(text.split())
+    return line if len(line) <= width else line[: width - 3] + "..."
 
 
 def _short(value: Any) -> str:
@@ -39,17 +42,49 @@ def _short(value: Any) -> str:
     if isinstance(value, Record):
         return value._short()
     if isinstance(value, list) and value and isinstance(value[0], Record):
-        return f"{len(value)} records"
+        return "; ".join(_short(entry) for entry in value)
     if isinstance(value, np.ndarray):
-        few = value.size <= _FEW and value.dtype.kind in "fiub"
-        shown = np.array2string(value, precision=6, separator=", ").replace("\n", "") if few else ""
-        return shown or f"array {list(value.shape)}"
-    text = str(value)
-    return text if len(text) <= 100 else text[:97] + "..."
+        return _of_array(value)
+    if isinstance(value, list):
+        return f"[{', '.join(_short(entry) for entry in value)}]"
+    return str(value)
+
+
+def _of_array(values: Any) -> str:
+    """Formats an array: all of it, the first and last values of a row, or shape and range."""
+    if values.dtype.kind not in "fiub" or values.size == 0:
+        return f"array {list(values.shape)}"
+    if values.size <= _FEW:
+        return _short(values.tolist())
+    if values.ndim == 1:
+        ends = [", ".join(_short(value) for value in part.tolist()) for part in (values[:2], values[-2:])]
+        return f"[{ends[0]}, ..., {ends[1]}] ({values.size})"
+    there = values[np.isfinite(values)]
+    span = f", {_short(there.min().item())} to {_short(there.max().item())}" if there.size else ""
+    return f"array {list(values.shape)}{span}"
+
+
+def same(one: Any, other: Any) -> bool:
+    """Returns True if two values of results are equal, whatever the wall times; NaN equals NaN."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        if not (isinstance(one, np.ndarray) and isinstance(other, np.ndarray)) or one.dtype.kind != other.dtype.kind:
+            return False
+        return np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        names = [set(values) - {"seconds"} for values in (one, other)]
+        return names[0] == names[1] and all(same(one[name], other[name]) for name in names[0])
+    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
+        return len(one) == len(other) and all(same(*pair) for pair in zip(one, other))
+    return bool(one == other) or (
+        isinstance(one, float) and isinstance(other, float) and math.isnan(one) and math.isnan(other)
+    )
 
 
 class Record(Mapping[str, Any]):
     """Immutable named values, as attributes and as a mapping: `r.kappa`, `r["kappa"]`, `dict(r)`.
+
+    Records are equal if their values are equal, apart from wall times (`seconds`). A representation has at most 15
+    lines; `dict(r)` has everything.
 
     Example:
         >>> r = gfmd.self_affine(n=64).statistics()
@@ -57,10 +92,14 @@ class Record(Mapping[str, Any]):
         (True, True)
     """
 
+    # Names of the values to show first.
+    _main: tuple[str, ...] = ()
     _values: dict[str, Any]
+    _known: Units
 
-    def __init__(self, values: Mapping[str, Any]) -> None:
+    def __init__(self, values: Mapping[str, Any], units: Units = (None, None)) -> None:
         object.__setattr__(self, "_values", dict(values))
+        object.__setattr__(self, "_known", units)
 
     def __getattr__(self, name: str) -> Any:
         return self._value(name)
@@ -101,31 +140,66 @@ class Record(Mapping[str, Any]):
         return [*(set(super().__dir__()) - set(self._declared())), *self._values]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._values,)
+        return type(self), (self._values, self._known)
 
     def __eq__(self, other: object) -> bool:
-        return self is other
+        return self is other or (type(self) is type(other) and isinstance(other, Record) and same(self, other))
 
-    __hash__ = object.__hash__
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, frozenset(name for name in self._values if name != "seconds")))
+
+    def _units_shown(self) -> Units:
+        """Returns the length unit and the stress unit of the values, None where unknown."""
+        return self._known
 
     def _short(self) -> str:
         """Formats the record as a value in another one."""
-        return f"{type(self).__name__} of {', '.join(self)}"
+        return ", ".join(f"{name} {self._text(name, value)}" for name, value in self._values.items())
 
     def _text(self, name: str, value: Any) -> str:
-        """Formats a value."""
+        """Formats a value: a number with its unit, and with the digits that its grid error leaves certain."""
+        if isinstance(value, float):
+            limit, error = self.get(f"{name}_limit"), self.get(f"{name}_limit_error", math.nan)
+            return _units.text(name, value, self._units_shown(), limit, error)
+        if isinstance(value, list) and value and all(isinstance(entry, float) for entry in value):
+            value = np.array(value)
+        if isinstance(value, np.ndarray) and value.dtype.kind == "f" and name in _units.KINDS:
+            factor, unit = _units.label("", name, value, self._units_shown())
+            return _short(value * factor) + unit.replace(" /", "")
         return _short(value)
 
+    def _title(self) -> str:
+        """Returns the first line of the representation."""
+        return type(self).__name__
+
+    def _rest(self, count: int) -> str:
+        """Returns the last line of the representation, about the values that it leaves out."""
+        return f"{count} more values: dict(r)"
+
     def __repr__(self) -> str:
-        rows = "".join(f"\n  {name:<30} {self._text(name, value)}" for name, value in self._values.items())
-        return f"{type(self).__name__}{rows}"
+        names = [name for name in self._main if name in self] or list(self)
+        names = names if len(names) == len(self) < LINES else names[: LINES - 2]
+        width = max(map(len, names), default=0)
+        rows = [f"{name:<{width}} {cut(self._text(name, self[name]), _WIDTH - width - 3)}" for name in names]
+        if len(names) < len(self):
+            rows.append(self._rest(len(self) - len(names)))
+        return "\n".join([self._title(), *(f"  {row}" for row in rows)])
 
     def _repr_html_(self) -> str:
         cells = (
-            f"<tr><td>{html.escape(name)}</td><td>{html.escape(self._text(name, value))}</td></tr>"
+            f"<tr><td>{html.escape(name)}</td><td>{html.escape(cut(self._text(name, value)))}</td></tr>"
             for name, value in self._values.items()
         )
         return f"<b>{type(self).__name__}</b><table>{''.join(cells)}</table>"
+
+
+class Measured(Record):
+    """Numbers measured on a result, with its units."""
+
+    @property
+    def units(self) -> Units:
+        """The length unit and the stress unit of all numbers, None where unknown."""
+        return self._known
 
 
 def parsed(text: str) -> dict[str, Any]:

@@ -12,18 +12,19 @@ from typing import Any, Optional
 
 import numpy as np
 
-from . import _check, _gfmd
+from . import _check, _gfmd, _units
 from ._check import Array
 from ._errors import Error, InputError
-from ._record import Record, table
+from ._record import Record, LINES, cut, table
 from ._surface import Surface
+from ._units import Units
 
 # Limits for figures in a notebook: points of the grid, bytes, number of figures.
 _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
 
 
 class Result:
-    """A result with the file, the page and the figures that the program makes from it.
+    """A result with the file, the page and the figures that the program makes from it, as tables, and with a plot.
 
     `Contact`, `Contacts`, `Path`, `Slide`, `Wear`, `Punch`, `FieldsBelow` and `KappaSweep` are results.
 
@@ -33,6 +34,35 @@ class Result:
     """
 
     __slots__ = ()
+
+    @property
+    def units(self) -> Units:
+        """The length unit and the stress unit of all numbers, None where unknown."""
+        raise NotImplementedError
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers as a pandas.DataFrame, units in `attrs["units"]`: a row for each load, step or depth.
+
+        Raises:
+            Error: pandas is not installed.
+
+        Example:
+            >>> len(loop.to_dataframe())  # doctest: +SKIP
+            9
+        """
+        raise NotImplementedError
+
+    def to_xarray(self) -> Any:
+        """Returns numbers and fields as an xarray.Dataset, with `units` and `long_name` of each.
+
+        Raises:
+            Error: xarray is not installed.
+
+        Example:
+            >>> cs.to_xarray()["load"].long_name, cs.to_xarray().area_fraction.units
+            ('load step', '1')
+        """
+        raise NotImplementedError
 
     def _write(self, path: str) -> None:
         raise NotImplementedError
@@ -190,27 +220,36 @@ class Computed(Result, Record):
     def _write(self, path: str) -> None:
         self._file.write(path)
 
+    @property
+    def units(self) -> Units:
+        """The length unit and the stress unit of all numbers, None where unknown."""
+        return _units.known(self.get("unit"), self.get("stress_unit"))
+
+    def _units_shown(self) -> Units:
+        return self.units
+
     def _answer(self, steps: str, names: tuple[str, ...], others: tuple[str, ...]) -> str:
-        """Formats the main numbers: `names` of `steps` in a table, `others` below, and the names of the rest."""
-        of = self[steps]
-        columns: dict[str, Any] = {}
+        """Formats the main numbers: `names` of `steps` in a table, `others` below, and where the rest is."""
+        of, units = self[steps], self.units
+        columns: dict[str, list[str]] = {}
         for name in names:
             values = of.get(name)
-            if isinstance(values, np.ndarray) and np.isfinite(values).any():
-                parts = (
-                    [(name, values)]
-                    if values.ndim == 1
-                    else [(f"{name}_{a}", values[:, k]) for k, a in ((0, "x"), (1, "y"))]
-                )
-                columns.update((part, found) for part, found in parts if values.ndim == 1 or np.any(found))
+            if not isinstance(values, np.ndarray) or not np.isfinite(values).any():
+                continue
+            factor, head = _units.label(name, name, values, units)
+            if values.ndim == 2:
+                parts = [(f"{name}_{axis}", values[:, k]) for k, axis in enumerate("xy") if np.any(values[:, k])]
+                columns.update((part + head[len(name) :], _cells(found, factor)) for part, found in parts)
+            else:
+                limit = (of.get(f"{name}_limit"), of.get(f"{name}_limit_error"))
+                columns[head] = _cells(values, factor, *limit)
         count = len(next(iter(of.values()))) if len(of) else 0
-        rows = "".join(
-            f"\n  {name} {self._text(name, self[name])}" for name in others if self.get(name) not in (None, [])
-        )
-        rest = [name for name in self if name not in (steps, *others)]
-        plain = (name for name in of if "_limit" not in name and not name.endswith("_grid_error"))
-        also = f"\n  also: {steps} of {', '.join(plain)}; {', '.join(rest)}"
-        return f"{type(self).__name__}: {count} {steps}{table(columns)}{rows}{also}"
+        below = [f"{name} {self._text(name, self[name])}" for name in others if self.get(name) not in (None, [])]
+        fields = [name for name, value in self.items() if isinstance(value, np.ndarray) and value.ndim > 2]
+        rest = [f"{len(of)} numbers: dict(r.{steps}); fields: {', '.join(fields)}; the rest: dict(r)"] if count else []
+        rows = "".join(f"\n  {cut(line)}" for line in (*below, *rest))
+        title = f"{type(self).__name__}: {count} {steps if count != 1 else steps[:-1]}"
+        return title + table(columns, LINES - 3 - len(below)) + rows
 
     def _repr_html_(self) -> str:
         fields = [
@@ -219,3 +258,10 @@ class Computed(Result, Record):
             if isinstance(value, np.ndarray) and value.ndim > 1 and len(value)
         ]
         return self._pictures(max(fields, default=0)) + super()._repr_html_()
+
+
+def _cells(values: Array, factor: float, limits: Optional[Array] = None, errors: Optional[Array] = None) -> list[str]:
+    """Formats the cells of a column, with the digits that their grid errors leave certain, if they have limits."""
+    if limits is None or errors is None:
+        return [f"{value * factor:.6g}" for value in values.tolist()]
+    return [_gfmd.with_limit(*(number * factor for number in row)) for row in zip(values, limits, errors)]

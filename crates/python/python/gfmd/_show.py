@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import base64
 import html
+import re
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Optional
+from typing import Any, Optional
 
 import numpy as np
 
-from . import _gfmd
-from ._check import Array
+from ._check import Array, shown
 from ._errors import Error, InputError
 from ._record import Record
-
-if TYPE_CHECKING:
-    from ._contact import Contact
-    from ._surface import Surface
-
-
-# Length unit and stress unit.
-Units = tuple[Optional[str], Optional[str]]
+from ._types import Cell, Pressed
+from ._units import Units, attributes, kind, readable
 
 
 def needed(module: str, use: str) -> Any:
@@ -40,46 +34,39 @@ def axes(ax: Any) -> Any:
     return needed("matplotlib.pyplot", "plot").subplots()[1]
 
 
-def kind(name: str) -> str:
-    """Returns the kind of a number or field."""
-    return "length" if name == "height" else _KINDS.get(name, "1")
-
-
-_KINDS: dict[str, str] = dict(_gfmd.kinds())
-
-
-def read(of: str, values: Any, units: Units) -> tuple[float, str]:
-    """Returns the factor and the name of a readable unit for values of a kind."""
-    finite = np.abs(np.asarray(values, dtype=np.float64))
-    largest = float(np.max(finite[np.isfinite(finite)], initial=0.0))
-    return _gfmd.readable(of, largest, *units) or (1.0, _gfmd.unit_name(of, *units))
-
-
-def attributes(name: str, units: Units) -> dict[str, str]:
-    """Returns the attributes of a variable: its unit, if known."""
-    of = kind(name)
-    unit = _gfmd.unit_name(of, units[0], units[1] or ("Pa" if units[0] == "m" else None))
-    return {"units": unit} if unit != of or of == "1" else {}
-
-
-def field(
-    values: Array, surface: Surface, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None
-) -> Any:
+def field(values: Array, surface: Cell, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None) -> Any:
     """Draws a map, or the curve of a profile; points in `contact`, if given, have their own colour."""
+    named, component = (name[:-2], name[-1]) if name[:-1].endswith("displacement_") else (name, None)
+    return map_of(values, surface.size, named, component, units or (surface.unit, None), ax, contact=contact)
+
+
+def map_of(
+    values: Array,
+    size: Sequence[float],
+    name: str,
+    component: Optional[str],
+    units: Units,
+    ax: Any,
+    along: str = "x",
+    contact: Any = None,
+) -> Any:
+    """Draws a map of a number [x, y] in a cell, or a curve if there is one point across."""
     ax = axes(ax)
-    known = units or (surface.unit, None)
-    nx, ny = surface.n
-    side, unit = read("length", surface.size[: 1 if ny == 1 else 2], known)
-    lx, ly = (length * side for length in surface.size)
-    factor, shown = read(kind(name), values, known)
+    nx, ny = values.shape
+    side, unit = readable("length", size[: 1 if ny == 1 else 2], units)
+    factor, in_unit = readable(kind(name), values, units)
     values = values * factor
-    lengthwise = name[:-1].endswith("displacement_")
-    words = f"{name[:-2].replace('_', ' ')} $u_{name[-1]}$" if lengthwise else name.replace("_", " ")
-    label = f"{words} ({shown})"
+    words = name.replace("_", " ")
+    if component is not None:
+        symbol = {"displacement": "u", "traction": "t", "strain": r"\epsilon", "stress": r"\sigma"}.get(words, "u")
+        words = f"{words} ${symbol}_{component if len(component) == 1 else f'{{{component}}}'}$"
+    label = f"{words} ({in_unit})"
+    lx = size[0] * side
     if ny == 1:
         ax.plot(np.arange(nx) * lx / nx, values[:, 0])
         ax.set_ylabel(label)
     else:
+        ly = size[1] * side
         if contact is not None and np.any(contact):
             image = ax.imshow(
                 np.where(contact.T, 1.0, np.nan),
@@ -96,35 +83,87 @@ def field(
         image = ax.imshow(values.T, origin="lower", extent=(0, lx, 0, ly), cmap=colours, interpolation="nearest")
         ax.figure.colorbar(image, ax=ax, label=label)
         ax.set_ylabel(f"y ({unit})")
-    ax.set_xlabel(f"x ({unit})")
+    ax.set_xlabel(f"{along} ({unit})")
     return ax
+
+
+def described(of: Any, name: str, units: Optional[Units] = None) -> dict[str, str]:
+    """Returns the attributes of a variable of a record: the first sentence of its definition, and its unit."""
+    found = attributes(name, of.units if units is None else units)
+    defined = getattr(type(of), name, None)
+    _, colon, text = (defined.__doc__ or "").partition(": ") if isinstance(defined, property) else ("", "", "")
+    return {**found, "long_name": re.split(r"\. |\.$|;", text)[0]} if colon else found
+
+
+def column(table: Record, name: Any) -> tuple[str, Array]:
+    """Returns the name and values of a scalar of the steps or states of a result."""
+    if not isinstance(name, str) or name not in table or table[name].ndim != 1:
+        scalars = (key for key, values in table.items() if values.ndim == 1)
+        raise InputError(f"the scalar is {shown(name)}; it must be one of {', '.join(scalars)}")
+    return name, table[name]
 
 
 def steps(result: Any, names: tuple[str, str], ax: Any) -> Any:
     """Draws one scalar of the steps of a result against another."""
-    for name in names:
-        if name not in result.steps:
-            raise InputError(f"the scalar is {name!r}; it must be one of {', '.join(result.steps)}")
-    x, y = ((name, result.steps[name]) for name in names)
-    return loop(x, y, (result.surface.unit, None), ax)
+    x, y = (column(result.steps, name) for name in names)
+    return loop(x, y, result.units, ax)
 
 
-def steps_dataset(result: Any) -> Any:
-    """Returns an xarray.Dataset of the scalars of the steps and the fields of a result."""
-    units = (result.unit, result.get("stress_unit"))
-    axes = ("step", "axis")
-    columns = result.steps.items()
-    variables = {name: (axes[: values.ndim], values, attributes(name, units)) for name, values in columns}
+def states(result: Any, names: tuple[str, str], ax: Any) -> Any:
+    """Draws one scalar of the states of a result against another, with a curve for each load."""
+    (along, x), (name, y) = (column(result.states, name) for name in names)
+    ax = axes(ax)
+    velocity = result.states.get("velocity", x)
+    # The k-th state of each velocity has the k-th load.
+    load = np.array([np.sum(velocity[:index] == value) for index, value in enumerate(velocity)], dtype=int)
+    (x_factor, x_label), (y_factor, y_label) = (caption(*pair, result.units) for pair in ((along, x), (name, y)))
+    for index in range(load.max(initial=-1) + 1):
+        own = np.flatnonzero(load == index)
+        own = own[np.argsort(x[own], kind="stable")]
+        p_star = float(np.mean(result.states.p_star[own]))
+        ax.plot(x[own] * x_factor, y[own] * y_factor, "o-", ms=4, label=f"$p^* = {p_star:.3g}$")
+    if load.max(initial=0) > 0:
+        ax.legend()
+    if along == "velocity" and x.size and 0.0 < 10.0 * x.min() < x.max():
+        ax.set_xscale("log")
+    ax.set_xlabel(x_label)
+    ax.set_ylabel(y_label)
+    return ax
+
+
+def caption(name: str, values: Array, units: Units) -> tuple[float, str]:
+    """Returns the factor to a readable unit, and the label of an axis."""
+    factor, unit = readable(kind(name), values, units)
+    words = name.replace("_", " ")
+    return factor, words if unit == "1" else f"{words} ({unit})"
+
+
+def table_dataset(result: Any, table: Record, row: str, field_row: str) -> Any:
+    """Returns an xarray.Dataset of the scalars [row] and the fields [field_row, y, x] of a result."""
+    units, count = result.units, max((len(values) for values in table.values()), default=0)
+    along = {"velocity"} & set(table)
+    variables = {
+        name: ((row, "axis")[: values.ndim], values, described(table, name, units))
+        for name, values in table.items()
+        if name not in along
+    }
     for name in result._declared():
         if name in result:
-            variables[name] = (("waypoint", "y", "x"), np.swapaxes(result[name], 1, 2), attributes(name, units))
-    return needed("xarray", "to_xarray").Dataset(variables, coordinates(result.surface))
+            # A state that was not reached has a field, of NaN.
+            values = result[name][:count] if field_row == row else result[name]
+            variables[name] = ((field_row, "y", "x"), np.swapaxes(values, 1, 2), described(result, name))
+    rows: dict[str, Any] = {row: (row, np.arange(count), {"long_name": row})}
+    if field_row != row:
+        reached = max((len(values) for name, values in result.items() if name in result._declared()), default=0)
+        rows[field_row] = (field_row, np.arange(reached), {"long_name": field_row})
+    if any(values.ndim == 2 for values in table.values()):
+        rows["axis"] = ("axis", ["x", "y"])
+    rows.update({name: (row, table[name], described(table, name, units)) for name in along})
+    return needed("xarray", "to_xarray").Dataset(variables, {**coordinates(result.surface), **rows})
 
 
-def steps_frame(result: Any, columns: Any) -> Any:
+def table_frame(result: Any, columns: Record) -> Any:
     """Returns the numbers of steps or states as a pandas.DataFrame; vector components end in the name of the axis."""
-    pandas = needed("pandas", "to_dataframe")
-    units = (result.unit, result.get("stress_unit"))
     found: dict[str, Array] = {}
     names: dict[str, str] = {}
     for name, values in columns.items():
@@ -132,21 +171,24 @@ def steps_frame(result: Any, columns: Any) -> Any:
             [(name, values)] if values.ndim == 1 else [(f"{name}_{axis}", values[:, k]) for k, axis in enumerate("xy")]
         )
         found.update(parts)
-        names.update({part: unit for part, _ in parts for unit in attributes(name, units).values()})
-    made = pandas.DataFrame(found)
-    made.attrs["units"] = names
+        names.update({part: name for part, _ in parts})
+    return framed(found, names, result.units)
+
+
+def framed(columns: Any, names: dict[str, str], units: Units) -> Any:
+    """Returns a pandas.DataFrame with the units of its columns, which are numbers by `names`, in `attrs["units"]`."""
+    made = needed("pandas", "to_dataframe").DataFrame(columns)
+    found = {column: attributes(name, units).get("units") for column, name in names.items()}
+    made.attrs["units"] = {column: unit for column, unit in found.items() if unit is not None}
     return made
 
 
 def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> Any:
     """Draws numbers of steps: filled points where x rises, hollow points and a dashed line where it falls."""
     ax = axes(ax)
-    shown = []
-    for name, values in (x, y):
-        factor, unit = read(kind(name), values, units)
-        label = name.replace("_", " ")
-        shown.append((values * factor, label if unit == "1" else f"{label} ({unit})"))
-    (along, x_label), (values, y_label) = shown
+    (along, x_label), (values, y_label) = (
+        (of * factor, label) for name, of in (x, y) for factor, label in [caption(name, of, units)]
+    )
     # The first step has no direction and takes the second one's. A step of zero length keeps the last direction.
     signs = np.sign(np.diff(along, prepend=along[:1]))
     for k in range(1, len(signs)):
@@ -174,7 +216,7 @@ def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> A
     return ax
 
 
-def area(contacts: Sequence[Contact], ax: Any) -> Any:
+def area(contacts: Sequence[Pressed], ax: Any) -> Any:
     ax = axes(ax)
     p_star = [contact["p_star"] for contact in contacts]
     ax.plot(p_star, [contact["area_fraction"] for contact in contacts], "o-", label="counted points")
@@ -212,42 +254,48 @@ def kappa(points: Sequence[Any], fit: Any, ax: Any) -> Any:
     return ax
 
 
-def coordinates(surface: Surface) -> dict[str, Any]:
-    (lx, ly), (nx, ny) = surface.size, surface.n
-    unit = {} if surface.unit is None else {"units": surface.unit}
-    return {"x": ("x", np.arange(nx) * lx / nx, unit), "y": ("y", np.arange(ny) * ly / ny, unit)}
+def coordinates(surface: Cell) -> dict[str, Any]:
+    """Returns the coordinates x and y of the points."""
+    return places(surface.size, surface.n, surface.unit)
+
+
+def places(size: Sequence[float], n: Sequence[int], unit: Optional[str]) -> dict[str, Any]:
+    """Returns the coordinates of the points of a cell along x, and along y if there are lengths of both."""
+    own = {} if unit is None else {"units": unit}
+    return {
+        axis: (axis, np.arange(points) * length / points, {"long_name": axis, **own})
+        for axis, length, points in zip("xy", size, n)
+    }
 
 
 def _columns(records: Sequence[Any], before: str = "") -> Iterator[tuple[str, list[Any]]]:
     """Yields the numbers of records as columns; nested names are prefixed with the outer name."""
     for name, value in records[0].items():
-        column = [record[name] for record in records]
+        column = [record[name] for record in records] if name != "undefined" else []
         if isinstance(value, Record):
             yield from _columns(column, f"{before}{name}_")
-        else:
+        elif column:
             yield f"{before}{name}", column
 
 
-def dataset(contacts: Sequence[Contact]) -> Any:
+def dataset(contacts: Sequence[Pressed]) -> Any:
     xarray = needed("xarray", "to_xarray")
     surface = contacts[0].surface
     units = contacts[0].units
     variables: dict[str, Any] = {"height": (("y", "x"), surface.heights.T, attributes("height", units))}
     for name in contacts[0]._fields:
         values = np.stack([contact._fields[name].T for contact in contacts])
-        variables[name] = (("load", "y", "x"), values, attributes(name, units))
+        variables[name] = (("load", "y", "x"), values, described(contacts[0], name))
     for name, of_loads in _columns(contacts):
-        variables[name] = (("load", "axis")[: np.ndim(of_loads)], of_loads, attributes(name, units))
-    return xarray.Dataset(variables, coordinates(surface))
+        variables[name] = (("load", "axis")[: np.ndim(of_loads)], of_loads, described(contacts[0], name))
+    load = {"load": ("load", np.arange(len(contacts)), {"long_name": "load step"})}
+    return xarray.Dataset(variables, {**coordinates(surface), **load})
 
 
-def frame(contacts: Sequence[Contact]) -> Any:
+def frame(contacts: Sequence[Pressed]) -> Any:
     """Returns the numbers of contacts as a pandas.DataFrame."""
-    pandas = needed("pandas", "to_dataframe")
     columns = {name: values for name, values in _columns(contacts) if not isinstance(values[0], (list, dict))}
-    found = pandas.DataFrame(columns)
-    found.attrs["units"] = {name: unit for name in columns for unit in attributes(name, contacts[0].units).values()}
-    return found
+    return framed(columns, dict(zip(columns, columns)), contacts[0].units)
 
 
 def _png(values: Array) -> bytes:
@@ -280,7 +328,7 @@ def table_html(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<table><tr>{names}</tr>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>"
 
 
-def grid(surface: Surface, fields: dict[str, Array]) -> Any:
+def grid(surface: Cell, fields: dict[str, Array]) -> Any:
     """Returns a pyvista.ImageData with fields as point data, x fastest as in VTK."""
     pyvista = needed("pyvista", "to_pyvista")
     (lx, ly), (nx, ny) = surface.size, surface.n

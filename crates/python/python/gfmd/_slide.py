@@ -9,12 +9,13 @@ from typing import Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _command
+from . import _command, _show
 from ._body import Body, as_body
 from ._check import integer, number, quantities, quantity, shown, word
 from ._errors import InputError
 from ._hints import hinted
 from ._columns import StateFields, States
+from ._load import Residual, residual_of
 from ._path import drive_keys
 from ._record import Record
 from ._result import Computed
@@ -54,9 +55,16 @@ class Slide(Computed, StateFields):
     e_star: float
     warnings: list[Record]
 
+    @property
+    def residual(self) -> Residual:
+        """The parts of the residual by name, arrays [state], without unit; `residual.largest` is the largest part."""
+        return residual_of(self.states)
+
     def __repr__(self) -> str:
-        names = ("velocity", "mean_pressure", "p_star", "area_fraction", "friction", "persson_friction")
-        return self._answer("states", (*names, "heat_max_rise", "heat_mean_rise"), ())
+        theory = ("persson_friction",) if self.get("prony") else ()
+        heat = ("heat_max_rise", "heat_mean_rise") if "heat_max_rise" in self.states else ("p_star", "mean_gap")
+        names = ("velocity", "mean_pressure", "area_fraction", "friction", *theory, *heat)
+        return self._answer("states", names, ())
 
     def to_dataframe(self) -> Any:
         """Returns the numbers of the states as a pandas.DataFrame with a row for each; units in `attrs["units"]`.
@@ -68,9 +76,34 @@ class Slide(Computed, StateFields):
             >>> sliding.to_dataframe().shape[0]  # doctest: +SKIP
             2
         """
-        from . import _show
+        return _show.table_frame(self, self.states)
 
-        return _show.steps_frame(self, self.states)
+    def plot(self, x: str = "velocity", y: str = "friction", ax: Any = None) -> Any:
+        """Draws one scalar of the states against another with matplotlib, a curve for each load. Returns the axes.
+
+        Args:
+            x, y: names of arrays in `states`. Velocities over more than a decade are on a logarithmic axis.
+            ax: the axes to draw into; new ones by default.
+
+        Raises:
+            InputError: an unknown name. Error: matplotlib is not installed.
+
+        Example:
+            >>> ax = sliding.plot("velocity", "area_fraction")
+        """
+        return _show.states(self, (x, y), ax)
+
+    def to_xarray(self) -> Any:
+        """Returns an xarray.Dataset of the scalars [state] and the fields [state, y, x], with the velocity of each.
+
+        Raises:
+            Error: xarray is not installed.
+
+        Example:
+            >>> sliding.to_xarray().pressure.dims, sliding.to_xarray().velocity.dims
+            (('state', 'y', 'x'), ('state',))
+        """
+        return _show.table_dataset(self, self.states, "state", "state")
 
 
 def _thermal(heat: Any) -> list[Any]:

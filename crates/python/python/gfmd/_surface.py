@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _check, _gfmd
+from . import _check, _gfmd, _show
 from ._check import Array, frozen, in_units, integer, number, numbers, optional, quantities, quantity, word
 from ._columns import SurfaceNumbers
 from ._hints import attribute, hinted
 from ._errors import InputError
-from ._record import Record, by_name, parsed, without_null
+from ._record import Measured, Record, by_name, parsed, without_null
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
@@ -21,7 +21,7 @@ Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 Boundary = Optional[Literal["periodic", "free"]]
 
 
-class Statistics(SurfaceNumbers):
+class Statistics(Measured, SurfaceNumbers):
     """Statistics of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
 
     Height parameters of ISO 25178 (Sa, Sp, Sv, Ssk, Sku, Sdr) are relative to the mean height, without filter; Sq is
@@ -40,6 +40,21 @@ class Statistics(SurfaceNumbers):
     n: list[int]
     size: list[float]
     undefined: dict[str, str]
+    _main = (
+        "n",
+        "size",
+        "rms_height",
+        "rms_gradient",
+        "rms_curvature",
+        "peak_to_valley",
+        "nayak",
+        "hurst",
+        "longest_wavelength",
+        "shortest_wavelength",
+        "ssk",
+        "sku",
+        "seam",
+    )
 
 
 class _Origin(NamedTuple):
@@ -230,7 +245,7 @@ class Surface:
         for name in ("source", "unit", "asked", "out"):
             del values[name]
         reasons = {"undefined": by_name(values.pop("undefined"))} if "undefined" in values else {}
-        found = Statistics({**without_null(values), **reasons})
+        found = Statistics({**without_null(values), **reasons}, (self._unit, None))
         if fit_range is None:
             object.__setattr__(self, "_statistics", found)
         return found
@@ -529,8 +544,6 @@ class Surface:
         Example:
             >>> ax = s.plot()
         """
-        from . import _show
-
         return _show.field(self._heights, self, "height", ax)
 
     def to_pyvista(self) -> Any:
@@ -543,8 +556,6 @@ class Surface:
             >>> s.to_pyvista().dimensions  # doctest: +SKIP
             (64, 64, 1)
         """
-        from . import _show
-
         return _show.grid(self, {"height": self._heights})
 
     def __repr__(self) -> str:
@@ -558,8 +569,6 @@ class Surface:
         return f"Surface of {points} on {cell} {unit} ({self.description})"
 
     def _repr_html_(self) -> str:
-        from . import _show
-
         return _show.map_html(self._heights, repr(self))
 
 

@@ -7,12 +7,13 @@ from typing import Any, Literal, Optional
 
 import numpy.typing as npt
 
-from . import _command
+from . import _command, _show
 from ._body import Body, as_body
 from ._check import Quantity, flag, integer, number, quantities, quantity, word
 from ._columns import Steps, WearFields
 from ._hints import hinted
 from ._leak import Leaks
+from ._load import Residual, residual_of
 from ._path import drive_keys, gathered
 from ._record import Record
 from ._result import Computed
@@ -60,6 +61,11 @@ class Wear(Leaks, Computed, WearFields):
     undefined: dict[str, str]
     warnings: list[Record]
 
+    @property
+    def residual(self) -> Residual:
+        """The parts of the residual by name, arrays [step], without unit; `residual.largest` is the largest part."""
+        return residual_of(self.steps)
+
     def __repr__(self) -> str:
         names = ("distance", "mean_pressure", "p_star", "area_fraction", "mean_gap", "wear_volume")
         return self._answer("steps", names, ("coefficient", "wear_volume", "dissipated"))
@@ -74,9 +80,7 @@ class Wear(Leaks, Computed, WearFields):
             >>> worn.to_dataframe().shape[0]  # doctest: +SKIP
             5
         """
-        from . import _show
-
-        return _show.steps_frame(self, self.steps)
+        return _show.table_frame(self, self.steps)
 
     def plot(self, x: str = "distance", y: str = "area_fraction", ax: Any = None) -> Any:
         """Draws one scalar of the steps against another with matplotlib. Returns the axes.
@@ -93,8 +97,6 @@ class Wear(Leaks, Computed, WearFields):
             >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=1.0, p_star=0.05, steps=2)
             >>> ax = worn.plot("distance", "wear_volume")
         """
-        from . import _show
-
         return _show.steps(self, (x, y), ax)
 
     def to_xarray(self) -> Any:
@@ -109,9 +111,7 @@ class Wear(Leaks, Computed, WearFields):
             >>> worn.to_xarray().wear_depth.dims
             ('waypoint', 'y', 'x')
         """
-        from . import _show
-
-        return _show.steps_dataset(self)
+        return _show.table_dataset(self, self.steps, "step", "waypoint")
 
 
 @hinted
