@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import gfmd
-from gfmd import _errors
 
 
 @pytest.fixture(scope="module")
@@ -118,24 +117,36 @@ def test_units_that_are_mixed_up_are_told(scan):
 
 
 @pytest.mark.parametrize(
-    "said, spoken",
+    "options, words, argument",
     [
-        ("--young is 0; it must be positive", "young is 0; it must be positive"),
-        ("--young 70GPa has its own", 'young="70GPa" has its own'),
-        ("--param gamma=0.05J/m^2 has its own", 'gamma="0.05J/m^2" has its own'),
-        ("as --pressure 1MPa and --young 70GPa are not.", 'as pressure="1MPa" and young="70GPa" are not.'),
-        ("not with a law (--grid-error refine)", 'not with a law (grid_error="refine")'),
-        ("--energy-solves 4 did not suffice", "energy_solves=4 did not suffice"),
-        ("--unit gives them one, as in --unit um, or", 'unit gives them one, as in unit="um", or'),
-        ("--size 5e-324 is too small", "size=5e-324 is too small"),
-        ("--tolerance 1e-8.", "tolerance=1e-8."),
-        ("--approach, load 0: 3", "approach, load 0: 3"),
+        ({"dt": 0.1}, 'dt is 0.1; it must be left out without solver="verlet-critical" or verlet-modes', "dt"),
+        ({"finite_slope": True, "boundary": "free"}, "it must be periodic with finite_slope", "boundary"),
+        ({"tolerance": 0.5}, "tolerance: ", "tolerance"),
+        ({"hardness": -1.0}, "hardness is -1; it must be positive", "hardness"),
     ],
 )
-def test_messages_name_arguments_as_python_writes_them(said, spoken):
+def test_messages_name_arguments_as_python_writes_them(options, words, argument):
     with pytest.raises(gfmd.InputError) as refused:
-        raise _errors.refused(said)
-    assert str(refused.value) == spoken
+        gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.05, **options)
+    assert words in str(refused.value) and "--" not in str(refused.value)
+    assert refused.value.argument == argument
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (str(again), again.argument, again.allowed) == (
+        str(refused.value),
+        refused.value.argument,
+        refused.value.allowed,
+    )
+
+
+def test_values_in_messages_are_python(scan):
+    with pytest.raises(gfmd.InputError, match='unit gives them one, as in unit="um"'):
+        gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(young="70 GPa"), p_star=0.05)
+    with pytest.warns(UserWarning, match='young="70GPa" has its own'):
+        gfmd.contact(gfmd.self_affine(n=16, size=1e-4, unit="m"), gfmd.Body(young=70), p_star=0.05)
+    with pytest.raises(gfmd.InputError) as refused:
+        gfmd.contact(scan, gfmd.Body(young="1 GPa"), p_star=0.05, dt=0.1)
+    assert (refused.value.argument, refused.value.found) == ("dt", "0.1")
+    assert refused.value.allowed == 'left out without solver="verlet-critical" or verlet-modes'
 
 
 def test_results_are_read_with_units_and_stored_without(scan, pressed, tmp_path):
