@@ -1,13 +1,12 @@
 //! Repairs command lines as first typed: brings words into the form that the parser reads, and suggests replacements
 //! for unknown options.
 
-use std::ffi::OsString;
 use std::path::Path;
 
 use crate::kinds::kinds;
 use clap::{Arg, Command};
 use gfmd_run::failure::Failure;
-use gfmd_run::units::has_long;
+use gfmd_run::units::Word;
 use gfmd_unit::Quantity;
 
 /// Flag of the surface.
@@ -68,6 +67,11 @@ const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     ),
 ];
 
+/// Returns true if an option has this long name, or had it once.
+fn has_long(option: &Arg, name: &str) -> bool {
+    option.get_long() == Some(name) || option.get_all_aliases().is_some_and(|names| names.contains(&name))
+}
+
 /// Returns the option with this long name, or with this former name.
 fn find<'a>(commands: [&'a Command; 2], name: &str) -> Option<&'a Arg> {
     commands.into_iter().flat_map(Command::get_arguments).find(|arg| has_long(arg, name))
@@ -111,20 +115,21 @@ fn begins_as_number(word: &str) -> bool {
 ///
 /// # Errors
 /// Returns an error for an unknown option with a known replacement, or for values separated by spaces.
-pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<OsString>, Failure> {
+pub(crate) fn understood(command: &Command, words: &[String]) -> Result<Vec<Word>, Failure> {
+    let plain = |word: &String| Word::plain(word.as_str());
     let place = words.iter().position(|word| command.find_subcommand(word).is_some());
     let Some((place, sub)) = place.and_then(|place| Some((place, command.find_subcommand(&words[place])?))) else {
-        return Ok(words);
+        return Ok(words.iter().map(plain).collect());
     };
-    let mut out: Vec<String> = Vec::new();
-    let mut rest = words.iter().skip(place + 1).map(|word| word.to_string_lossy().into_owned());
+    let mut out: Vec<Word> = words[..=place].iter().map(plain).collect();
+    let mut rest = words.iter().skip(place + 1).cloned();
     // Flag waiting for values, and their number; option of the last word if that is a value.
     let mut open: Option<(&Arg, usize)> = None;
     let mut last: Option<&Arg> = None;
     let mut surface: Option<String> = None;
     for word in rest.by_ref() {
         if word == "--" {
-            out.push(word);
+            out.push(Word::plain(word));
             break;
         }
         if let Some(name) = word.strip_prefix("--").filter(|name| !name.is_empty()) {
@@ -134,7 +139,7 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
                     return Err(Failure::refused(format!("unexpected argument '--{name}' found; {hint}")));
                 }
                 // The parser reports it.
-                out.push(word);
+                out.push(Word::plain(word));
                 break;
             };
             (open, last) = match value {
@@ -146,7 +151,10 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             }
             // A former name becomes the present one, which messages and files have.
             let long = arg.get_long().unwrap_or(name);
-            out.push(value.map_or_else(|| format!("--{long}"), |value| format!("--{long}={value}")));
+            out.push(match value {
+                Some(value) => Word::value(arg.get_id().as_str(), &format!("--{long}="), value),
+                None => Word::plain(format!("--{long}")),
+            });
             continue;
         }
         let quantity = last.filter(|arg| kinds().contains_key(arg.get_id().as_str()));
@@ -155,39 +163,38 @@ pub(crate) fn understood(command: &Command, words: Vec<OsString>) -> Result<Vec<
             open = None;
         }
         if let (Some(arg), Some(value)) = (quantity, out.last_mut())
-            && is_unit_of(value, &word)
+            && is_unit_of(value.text(), &word)
         {
-            one_unit(arg, value, &word)?;
-            *value = format!("{value} {word}");
+            one_unit(arg, value.text(), &word)?;
+            value.append(&format!(" {word}"));
         } else if let Some((arg, most)) = open.take() {
             let is_first = last.is_none();
             if is_negative(&word) && is_first && (most == 1 || word.contains(',')) {
-                let flag = out.pop().unwrap_or_default();
-                out.push(format!("{flag}={word}"));
+                let flag = out.pop().map_or_else(String::new, |flag| format!("{}=", flag.text()));
+                out.push(Word::value(arg.get_id().as_str(), &flag, &word));
             } else if word.starts_with('-') && word.len() > 1 && !is_negative(&word) {
                 // Short flag.
-                out.push(word);
+                out.push(Word::plain(word));
                 last = None;
                 continue;
             } else {
-                out.push(word.clone());
+                out.push(Word::value(arg.get_id().as_str(), "", &word));
             }
             if arg.get_id() == "surface" {
                 surface = Some(word);
             }
             (last, open) = (Some(arg), (most > 1).then_some((arg, most - 1)));
         } else if word.starts_with('-') || sub.get_positionals().next().is_some() {
-            out.push(word);
+            out.push(Word::plain(word));
             last = None;
         } else {
-            alone(sub, last, out.last(), &word, surface.as_deref())?;
-            out.extend([SURFACE.into(), word.clone()]);
+            alone(sub, last, out.last().map(Word::text), &word, surface.as_deref())?;
+            out.extend([Word::plain(SURFACE), Word::value("surface", "", &word)]);
             (surface, last) = (Some(word), None);
         }
     }
-    out.extend(rest);
-    let (before, _) = words.split_at(place + 1);
-    Ok(before.iter().cloned().chain(out.into_iter().map(OsString::from)).collect())
+    out.extend(rest.map(Word::plain));
+    Ok(out)
 }
 
 /// Refuses a list with a unit on its last number only, in a separate word, as in `1,2 MPa`.
@@ -209,7 +216,7 @@ fn one_unit(arg: &Arg, value: &str, word: &str) -> Result<(), Failure> {
 fn alone(
     sub: &Command,
     last: Option<&Arg>,
-    value: Option<&String>,
+    value: Option<&str>,
     word: &str,
     surface: Option<&str>,
 ) -> Result<(), Failure> {

@@ -4,11 +4,13 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use gfmd_files::is_one_file;
+use gfmd_problem::{Words, key, words};
 use gfmd_run::failure::Failure;
 use gfmd_run::source::file_of;
+use gfmd_run::units::Word;
 use toml::{Table, Value};
 
-/// Flags that name an output file.
+/// Options that name an output file.
 const WRITTEN: [&str; 3] = ["out", "vtk", "report"];
 
 /// Suffixes of files written beside an output.
@@ -18,20 +20,12 @@ const BESIDE: [&str; 5] = ["", ".part", ".journal", ".state", ".checkpoint"];
 ///
 /// # Errors
 /// Returns an error if an output is an input.
-pub fn stay(words: &[OsString]) -> Result<(), Failure> {
+pub fn stay(words: &[Word]) -> Result<(), Failure> {
     let (mut written, mut read) = (Vec::new(), Vec::new());
-    let mut flag = String::new();
     for word in words.iter().skip(1) {
-        let text = word.to_string_lossy();
-        let (name, value) = match text.strip_prefix("--").map(|name| (name, name.split_once('='))) {
-            Some((name, None)) => {
-                name.clone_into(&mut flag);
-                continue;
-            }
-            Some((_, Some((name, value)))) => (name.to_owned(), OsString::from(value)),
-            None => (std::mem::take(&mut flag), word.clone()),
-        };
-        if WRITTEN.contains(&&*name) { &mut written } else { &mut read }.push((name, value));
+        let (option, value) = word.given().unwrap_or(("", word.text()));
+        if WRITTEN.contains(&option) { &mut written } else { &mut read }
+            .push((option.to_owned(), OsString::from(value)));
     }
     apart(&written, &read)
 }
@@ -49,10 +43,10 @@ pub fn stay_in(table: &Table) -> Result<(), Failure> {
     apart(&written, &read)
 }
 
-/// Refuses files to be `written` that are also `read`, each given with its flag, or as the argument if that is empty.
+/// Refuses files to be `written` that are also `read`, each given with its option, or as the argument if that is empty.
 fn apart(written: &[(String, OsString)], read: &[(String, OsString)]) -> Result<(), Failure> {
     for (out, path) in written {
-        for (flag, input) in read {
+        for (option, input) in read {
             let beside = BESIDE.map(|end| {
                 let mut name = path.clone();
                 name.push(end);
@@ -62,9 +56,9 @@ fn apart(written: &[(String, OsString)], read: &[(String, OsString)]) -> Result<
             if !beside.iter().any(|path| is_one_file(Path::new(path), &file)) {
                 continue;
             }
-            let whose = if flag.is_empty() { String::new() } else { format!(" of --{}", flag.replace('_', "-")) };
+            let whose = if option.is_empty() { Words::default() } else { words![" of ", key(option)] };
             let found = Path::new(path).display();
-            return Err(Failure::value(format!("--{out}"), found, format!("another file than the input{whose}")));
+            return Err(Failure::value(key(out), found, words!["another file than the input", whose]));
         }
     }
     Ok(())

@@ -110,8 +110,8 @@ fn together<C: Subcommand + Sync>(
         return 2;
     }
     let command = named(Line::<C>::command(), name);
-    let understood = guess::understood(&command, words.to_vec());
-    let plain = understood.and_then(|words| inputs::stay(&words).and_then(|()| of_words(&command, words, kinds())));
+    let words: Vec<String> = words.iter().map(|word| word.to_string_lossy().into_owned()).collect();
+    let plain = plain_words(&command, &words);
     let plain = match world {
         Some(world) => agree(&**world, plain),
         None => plain,
@@ -136,6 +136,18 @@ fn together<C: Subcommand + Sync>(
     // Run on a thread of the pool, so that vector sums need not enter it each time.
     let failure = session.and_then(|session| rayon::scope(|_| run(&line.command, &session))).err();
     processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
+}
+
+/// Returns the words of a command line as the parser reads them: with numbers in place of quantities with a unit.
+///
+/// # Errors
+/// Returns an error for words that no option has, outputs that are inputs, and quantities that cannot be used.
+pub fn plain_words(command: &clap::Command, words: &[String]) -> Result<Vec<String>, Failure> {
+    let words = guess::understood(command, words)?;
+    inputs::stay(&words)?;
+    let sub = words.iter().find_map(|word| command.find_subcommand(word.text()));
+    let words = of_words(sub.map_or("", clap::Command::get_name), words, kinds())?;
+    Ok(words.into_iter().map(|word| word.text().to_owned()).collect())
 }
 
 /// Makes a write beyond the file size limit (`ulimit -f`) fail as on a full disk, instead of a signal that ends the

@@ -9,13 +9,11 @@ use std::time::Duration;
 
 use clap::{CommandFactory as _, Parser};
 use gfmd_cli::inputs::stay_in;
-use gfmd_cli::kinds::kinds;
-use gfmd_cli::program::{Command, status, tune_allocator};
+use gfmd_cli::program::{Command, plain_words, status, tune_allocator};
 use gfmd_files::{Draft, Memory, Output};
 use gfmd_problem::options::given::{ArrayOption, Arrays, StoredLoad};
 use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::session::Session;
-use gfmd_run::units::of_words;
 use ndarray::ArrayD;
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -193,8 +191,7 @@ pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> 
         #[command(subcommand)]
         command: Command,
     }
-    let words = words.into_iter().map(Into::into).collect();
-    let words = of_words(&Line::command(), words, kinds()).map_err(|failure| unusable(py, failure))?;
+    let words = plain_words(&Line::command(), &words).map_err(|failure| unusable(py, failure))?;
     let line = Line::try_parse_from(words).map_err(|error| refused(py, &error))?;
     let done = quick(py, || {
         let session = Session::embedded();

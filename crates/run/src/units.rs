@@ -1,13 +1,11 @@
-//! Quantities with units among words and tables: bare numbers in the units of their surface in their place, before
-//! they are parsed.
+//! Replaces quantities with units among words and tables by bare numbers in the units of their surface, before they are
+//! parsed.
 
-use std::ffi::OsString;
-
-use clap::{Arg, Command};
 use gfmd_files::{Reader, Topography, split_dataset};
 use gfmd_problem::options::given::{ArrayOption, Arrays};
 use gfmd_problem::options::quantities::{Sought, is_rows, text_in_units, value_in_units};
 use gfmd_problem::options::{Kinds, KindsByKey};
+use gfmd_problem::{flag, key};
 use gfmd_unit::Units;
 use toml::{Table, Value};
 
@@ -32,9 +30,9 @@ fn without_units(command: &str) -> bool {
 }
 
 /// The refusal of a quantity with a unit by a command without units.
-fn refused(command: &str, key: &str, text: &str) -> Failure {
+fn refused(command: &str, option: &str, text: &str) -> Failure {
     let allowed = format!("a number without a unit, since the lengths of {command} have none");
-    Failure::value(format!("--{}", key.replace('_', "-")), text, allowed)
+    Failure::value(key(option), text, allowed)
 }
 
 /// The units of the first row `A:B` of a table; none of numbers without one.
@@ -85,106 +83,121 @@ pub fn units_of_result(reader: &Reader) -> Option<Units> {
     Some(Units::new(length.as_deref(), stress))
 }
 
-/// Returns true if an option has this long name, or had it once.
-pub fn has_long(option: &Arg, name: &str) -> bool {
-    option.get_long() == Some(name) || option.get_all_aliases().is_some_and(|names| names.contains(&name))
+/// Word of a command line, with the option whose value it has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Word {
+    text: String,
+    /// Key of the option, and the start of the value in the text, `--young=70GPa` or `70GPa`.
+    option: Option<(String, usize)>,
 }
 
-/// Returns the words of a command line, program first, with bare numbers in place of quantities with a unit, and the
-/// rows of tables in place of their files.
+impl Word {
+    /// Creates a word that is not the value of an option.
+    pub fn plain(text: impl Into<String>) -> Self {
+        Self { text: text.into(), option: None }
+    }
+
+    /// Creates a value of the option with this key, after the text `before`.
+    pub fn value(key: &str, before: &str, value: &str) -> Self {
+        Self { text: format!("{before}{value}"), option: Some((key.to_owned(), before.len())) }
+    }
+
+    /// Returns the whole word.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Returns the key of the option, and its value.
+    pub fn given(&self) -> Option<(&str, &str)> {
+        let (key, start) = self.option.as_ref()?;
+        Some((key, &self.text[*start..]))
+    }
+
+    /// Returns the option and its value, if it has numbers that may have a unit, and their kinds.
+    fn quantity(&self, kinds: &KindsByKey) -> Option<((&str, &str), Kinds)> {
+        let given = self.given()?;
+        Some((given, *kinds.get(given.0)?))
+    }
+
+    /// Appends to the value.
+    pub fn append(&mut self, text: &str) {
+        self.text.push_str(text);
+    }
+
+    fn replace(&mut self, value: &str) {
+        if let Some((_, start)) = &self.option {
+            self.text.replace_range(*start.., value);
+        }
+    }
+}
+
+/// Returns the words of the command `name` with bare numbers in place of quantities with a unit, and the rows of tables
+/// in place of their files.
 ///
 /// # Errors
 /// Returns an error for a text that is not a unit, a quantity of another kind than its option, a quantity without a
 /// unit of lengths, or a table that cannot be read.
-pub fn of_words(command: &Command, words: Vec<OsString>, kinds: &KindsByKey) -> Result<Vec<OsString>, Failure> {
-    let Some(sub) = words.iter().find_map(|word| command.find_subcommand(word)) else { return Ok(words) };
-    // The place of each value, the key of its option, and what stands before it in its word.
-    let mut values: Vec<(usize, String, String, String)> = Vec::new();
-    let mut open: Option<(String, usize)> = None;
-    for (index, word) in words.iter().enumerate() {
-        let Some(text) = word.to_str() else { continue };
-        if let Some(name) = text.strip_prefix("--") {
-            let (name, value) = name.split_once('=').map_or((name, None), |(name, value)| (name, Some(value)));
-            let found = sub.get_arguments().find(|argument| has_long(argument, name));
-            let key = found.map(|argument| argument.get_id().to_string());
-            let most =
-                found.map_or(0, |argument| match (argument.get_action().takes_values(), argument.get_num_args()) {
-                    (true, Some(range)) => range.max_values(),
-                    (takes, None) => usize::from(takes),
-                    (false, _) => 0,
-                });
-            open = None;
-            match (key, value) {
-                (Some(key), Some(value)) => values.push((index, key, format!("--{name}="), value.into())),
-                (Some(key), None) if most > 0 => open = Some((key, most)),
-                _ => {}
-            }
-        } else if let Some((key, left)) = open.take() {
-            values.push((index, key.clone(), String::new(), text.into()));
-            open = (left > 1).then_some((key, left - 1));
-        }
-    }
-    let mut words = words;
-    for (index, key, before, text) in &mut values {
-        let columns = kinds.get(&**key).map_or(&[][..], Kinds::columns);
-        if !columns.is_empty() && !is_rows(text) {
+pub fn of_words(name: &str, mut words: Vec<Word>, kinds: &KindsByKey) -> Result<Vec<Word>, Failure> {
+    for word in &mut words {
+        let columns = word.quantity(kinds).map_or(&[][..], |(_, kinds)| kinds.columns());
+        let rows = match word.given() {
             // A command without units takes the numbers of the table, whatever its units.
-            *text = table::rows(key, text, columns, !without_units(sub.get_name()))?;
-            words[*index] = format!("{before}{text}").into();
-        }
+            Some((key, text)) if !columns.is_empty() && !is_rows(text) => {
+                table::rows(key, text, columns, !without_units(name))?
+            }
+            _ => continue,
+        };
+        word.replace(&rows);
     }
     let mut sought = Sought::default();
-    let with_kinds = || values.iter().filter_map(|value| Some((value, *kinds.get(&*value.1)?)));
-    for ((_, key, _, text), kinds) in with_kinds() {
+    for ((key, text), kinds) in words.iter().filter_map(|word| word.quantity(kinds)) {
+        let before = sought.any;
         text_in_units((key, kinds), text, &mut sought)?;
+        if sought.any && !before && without_units(name) {
+            return Err(refused(name, key, text));
+        }
     }
     if !sought.any {
         return Ok(words);
     }
-    let value_of = |name: &str| values.iter().find(|(_, key, ..)| key == name).map(|(.., text)| text.clone());
-    let has_unit = |((_, key, _, text), kinds): &(&(usize, String, String, String), Kinds)| {
-        matches!(text_in_units((key, *kinds), text, &mut Sought::default()), Ok(Some(_)))
+    let value_of = |option: &str| {
+        words.iter().filter_map(Word::given).find(|(key, _)| *key == option).map(|(_, value)| value.to_owned())
     };
-    if without_units(sub.get_name())
-        && let Some(((_, key, _, text), _)) = with_kinds().find(has_unit)
-    {
-        return Err(refused(sub.get_name(), key, text));
-    }
     let mut source = Source {
         unit: value_of(UNIT),
         stress_unit: value_of(STRESS_UNIT),
         surface: value_of("surface"),
         channel: value_of("channel"),
     };
-    if let (LAW, Some(rows)) = (sub.get_name(), value_of("law_table")) {
+    let mut added = Vec::new();
+    if let (LAW, Some(rows)) = (name, value_of("law_table")) {
         let [unit, stress_unit] = units_of_rows(&rows);
-        for (flag, own, found) in
-            [("--unit", &mut source.unit, unit), ("--stress-unit", &mut source.stress_unit, stress_unit)]
-        {
+        for (key, own, found) in [(UNIT, &mut source.unit, unit), (STRESS_UNIT, &mut source.stress_unit, stress_unit)] {
             if let (None, Some(found)) = (&own, found) {
-                words.extend([flag.into(), found.clone().into()]);
+                added.push((key, found.clone()));
                 *own = Some(found);
             }
         }
     }
     // Generated heights take the unit of the length of their cell.
-    if let (None, None, Some(length)) = (&source.unit, &source.surface, value_of("size")) {
-        let found = length.split(',').find_map(unit_in);
-        if let Some(found) = found {
-            words.extend([format!("--{UNIT}").into(), found.clone().into()]);
-            source.unit = Some(found);
-        }
+    if let (None, None, Some(size)) = (&source.unit, &source.surface, value_of("size"))
+        && let Some(found) = size.split(',').find_map(unit_in)
+    {
+        added.push((UNIT, found.clone()));
+        source.unit = Some(found);
     }
     let units = source.units()?;
-    for ((index, key, before, text), kinds) in with_kinds() {
+    for word in &mut words {
+        let Some(((key, text), kinds)) = word.quantity(kinds) else { continue };
         if let Some(text) = text_in_units((key, kinds), text, &mut &units)? {
-            words[*index] = format!("{before}{text}").into();
+            word.replace(&text);
         }
     }
     // If a stress has a unit, stresses without one are in Pa, which is recorded.
-    if sub.get_name() != BODY && sought.stress && units.stress().is_none() {
-        words.extend(["--stress-unit".into(), Units::PASCAL.into()]);
+    if name != BODY && sought.stress && units.stress().is_none() {
+        added.push((STRESS_UNIT, Units::PASCAL.to_owned()));
     }
+    words.extend(added.iter().map(|(option, value)| Word::value(option, &format!("{}=", flag(option)), value)));
     Ok(words)
 }
 
