@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
 use gfmd_cli::progress::Progress;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use gfmd_record::{COLUMNS, Column};
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -28,9 +28,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args as ClapArgs, ValueEnum};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_field::Grid;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::{Session, machine};
 use gfmd_problem::options::{named, parse_choice};
-use gfmd_run::failure::Failure;
-use gfmd_run::session::{Session, machine};
 use gfmd_surface::{SelfAffine, Statistics};
 use ndarray::Array2;
 use ndarray_npy::write_npy;
@@ -380,7 +380,7 @@ fn timed(args: &Args, folder: &Path, environment: &Environment, session: &Sessio
     let mut report = Report {
         date: jiff::Zoned::now().date().to_string(),
         machine: machine(),
-        commit: gfmd_run::session::GIT_COMMIT.into(),
+        commit: gfmd_input::session::GIT_COMMIT.into(),
         versions: environment.versions(),
         fftw: environment.fftw_in_words(),
         tamaas_fftw: environment.tamaas_fftw,

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_cli::progress::Progress;
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

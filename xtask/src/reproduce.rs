@@ -13,8 +13,8 @@ use std::process::Command;
 
 use clap::Args as ClapArgs;
 use gfmd_cli::progress::Progress;
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use serde::Serialize;
 use serde_json::Value;
 

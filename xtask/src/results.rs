@@ -16,7 +16,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use serde::Serialize;
 
 use summary::Summaries;

@@ -2,9 +2,9 @@
 
 use clap::Parser;
 use gfmd_cli::contact;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use gfmd_record::COLUMNS;
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
 use serde_json::Value;
 
 #[derive(Parser)]

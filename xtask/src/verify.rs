@@ -8,8 +8,8 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_cli::progress::Progress;
-use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::session::Session;
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::session::Session;
 use gfmd_tests::{Bound, Reference, TOPICS, Topic, ValidationError};
 use serde::Serialize;
 

@@ -22,16 +22,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
 use crate::session::list_files;
+use gfmd_input::base::{self, BaseArgs};
+use gfmd_input::failure::Failure;
+use gfmd_input::memory;
+use gfmd_input::session::Session;
+use gfmd_input::source::file_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
-use gfmd_run::base::{self, BaseArgs};
-use gfmd_run::failure::Failure;
-use gfmd_run::memory;
-use gfmd_run::session::Session;
-use gfmd_run::source::file_of;
 use gfmd_unit::Units;
 
 pub use comparison::{Comparison, Difference};

@@ -14,10 +14,10 @@ use serde::Serialize;
 
 use crate::checking::{Check, Checking};
 use crate::{body, contact, kappa_sweep, path, punch, slide, wear};
-use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::memory::check_file;
-use gfmd_run::result::{Comparison, Difference, ResultKind, printable};
-use gfmd_run::session::Session;
+use gfmd_check::result::{Comparison, Difference, ResultKind, printable};
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::memory::check_file;
+use gfmd_input::session::Session;
 
 /// Flags of `check`.
 #[derive(ClapArgs, Clone, Debug)]

@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use gfmd_contact::Boundary;
-use gfmd_files::{Output, Reader};
-use gfmd_run::failure::Failure;
-use gfmd_run::result::{
+use gfmd_check::result::{
     Against, Comparison, Configuration, Folder, Pair, ResultKind, compare_heights, layout, regenerated,
     repeated_problem, stored_problem,
 };
+use gfmd_contact::Boundary;
+use gfmd_files::{Output, Reader};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use gfmd_run::series::{Chosen, Prepared, StateFile};
-use gfmd_run::session::Session;
 use serde::de::DeserializeOwned;
 
 /// Result to check.

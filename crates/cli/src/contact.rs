@@ -31,20 +31,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::loads::LoadArgs;
 use crate::progress::Progress;
+use gfmd_input::base::MovedBase;
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::memory::peak_bytes;
+use gfmd_input::session::Session;
+use gfmd_input::source::Surface;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, SceneFields, parse_prefix};
 use gfmd_run::accuracy;
-use gfmd_run::base::MovedBase;
-use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::memory::peak_bytes;
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, ContactArgs, Finer, Head, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile,
     StateHandler, beside, fields, run_with_journal,
 };
-use gfmd_run::session::Session;
-use gfmd_run::source::Surface;
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
 use conductance::Conducting;
@@ -354,7 +354,7 @@ impl Loads {
     fn finish(&self, mut file: StateFile, report: &Report, gathered: &Gathered) -> Result<Option<PathBuf>, Failure> {
         let surface = &self.prepared.surface;
         if let Some(archive) = file.archive() {
-            gfmd_run::statistics::write(archive, &surface.grid, &surface.units(), &gathered.loads)?;
+            gfmd_check::statistics::write(archive, &surface.grid, &surface.units(), &gathered.loads)?;
             if let Some(found) = &report.flow_threshold {
                 threshold::write(archive, &surface.units(), &self.prepared.facts, found)?;
             }

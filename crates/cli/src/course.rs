@@ -14,15 +14,15 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::progress::Progress;
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::session::Session;
 use gfmd_report::figures::SceneFields;
-use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::flow::through;
 use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, beside,
     on_finer_grids, resolved, run_with_journal,
 };
-use gfmd_run::session::Session;
 
 pub(crate) use self::args::{PathOptions, StepArgs};
 pub(crate) use self::waypoints::{counted, legs, lengths};

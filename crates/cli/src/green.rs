@@ -7,10 +7,10 @@ use gfmd_problem::{key, setting, words};
 use gfmd_response::unit_of;
 use serde::{Deserialize, Serialize};
 
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{BodyArgs, OtherArgs, height, parse_height};
 use gfmd_problem::options::{Kinds, Options};
-use gfmd_run::failure::Failure;
 
 /// Flags of `green`.
 #[derive(clap::Args, Options, Clone, Debug, Deserialize)]

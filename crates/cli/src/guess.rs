@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::kinds::kinds;
 use clap::{Arg, Command};
-use gfmd_run::failure::Failure;
-use gfmd_run::units::Word;
+use gfmd_input::failure::Failure;
+use gfmd_input::units::Word;
 use gfmd_unit::Quantity;
 
 /// Flag of the surface.

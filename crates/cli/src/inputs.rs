@@ -4,10 +4,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use gfmd_files::is_one_file;
+use gfmd_input::failure::Failure;
+use gfmd_input::source::file_of;
+use gfmd_input::units::Word;
 use gfmd_problem::{Words, key, words};
-use gfmd_run::failure::Failure;
-use gfmd_run::source::file_of;
-use gfmd_run::units::Word;
 use toml::{Table, Value};
 
 /// Options that name an output file.

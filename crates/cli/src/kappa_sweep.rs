@@ -27,12 +27,12 @@ pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
 
 use crate::progress::Progress;
+use gfmd_input::failure::Failure;
+use gfmd_input::memory::{self, peak_bytes};
+use gfmd_input::session::Session;
 use gfmd_problem::options::values::parsed;
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_report::figures::check_names;
-use gfmd_run::failure::Failure;
-use gfmd_run::memory::{self, peak_bytes};
-use gfmd_run::session::Session;
 use journal::{Finished, Journal, Size};
 use shards::Gathered;
 

@@ -11,10 +11,10 @@ use gfmd_problem::options::LawArgs;
 use gfmd_problem::{key, words};
 use serde::Serialize;
 
+use gfmd_input::failure::Failure;
+use gfmd_input::source::{length_unit, stress_unit};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
-use gfmd_run::failure::Failure;
-use gfmd_run::source::{length_unit, stress_unit};
 use gfmd_unit::Units;
 
 /// Flags of `law`.

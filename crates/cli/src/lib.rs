@@ -14,7 +14,7 @@
 //! let line = Line::parse_from("green --qx 3 --qy 4 --height inf --young 1 --poisson 0".split(' '));
 //! let report = green::run(&line.args)?;
 //! assert!(report.to_string().contains("stiffness"));
-//! # Ok::<(), gfmd_run::failure::Failure>(())
+//! # Ok::<(), gfmd_input::failure::Failure>(())
 //! ```
 
 pub mod body;

@@ -2,10 +2,10 @@
 
 use clap::Args;
 use gfmd_contact::Load;
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_problem::{key, words};
-use gfmd_run::failure::Failure;
 use serde::{Deserialize, Serialize};
 
 /// Flags of the loads, or of the loads at waypoints. Exactly one is given.

@@ -17,16 +17,16 @@ use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
 use crate::course::{Followed, PathInput, PathOptions, PathSettings, StepArgs};
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::hardness::GivenHardness;
+use gfmd_input::session::Session;
+use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::{Scene, parse_prefix};
-use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::hardness::GivenHardness;
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
-use gfmd_run::session::Session;
-use gfmd_run::source::SourceArgs;
 
 pub use self::report::{Report, Sliding};
 

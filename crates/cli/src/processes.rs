@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
+use gfmd_input::failure::Failure;
+use gfmd_input::processes::texts;
 use gfmd_mpi::{Launcher, World, start};
-use gfmd_run::failure::Failure;
-use gfmd_run::processes::texts;
 use gfmd_vector::Ranks as _;
 
 /// The command shared by several processes. Other commands run separately on each process, such as the shards of a
@@ -85,7 +85,7 @@ pub(crate) fn on_this_machine() -> usize {
 /// Ends this process in a command with this exit status, after the first process has printed the reason of a failure.
 /// Returns the status.
 ///
-/// All processes fail alike, or [agree](gfmd_run::processes::agree) on a failure, except the first one, which writes:
+/// All processes fail alike, or [agree](gfmd_input::processes::agree) on a failure, except the first one, which writes:
 /// if it fails alone, e.g. on a full disk, it ends the others. They wait for it.
 pub(crate) fn end(world: Option<&Arc<World>>, status: u8, failure: Option<&Failure>) -> u8 {
     if world.is_none_or(|world| world.rank() == 0)

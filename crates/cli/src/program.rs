@@ -20,12 +20,12 @@ use crate::{
     body, check, completions, contact, green, guess, inputs, kappa_sweep, law, path, processes, punch, report, session,
     slide, surface, theory, wear,
 };
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::processes::agree;
+use gfmd_input::session::Session;
+use gfmd_input::units::{of_table, of_words};
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
-use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::processes::agree;
-use gfmd_run::session::Session;
-use gfmd_run::units::{of_table, of_words};
 
 /// Contact mechanics of rough surfaces by Green's function molecular dynamics
 #[derive(Parser)]
@@ -329,7 +329,7 @@ impl Printable for Plain {
     }
 
     fn json(&self, _: &Session) -> Result<String, Failure> {
-        gfmd_run::json::to_string(&self.0).map_err(|error| Failure::computation(error.to_string()))
+        gfmd_input::json::to_string(&self.0).map_err(|error| Failure::computation(error.to_string()))
     }
 }
 
@@ -346,7 +346,7 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
         let table = || width().map_or_else(|| report.to_string(), |width| format!("{report:width$}"));
         write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
     }
-    match gfmd_run::json::undefined(&numbers) {
+    match gfmd_input::json::undefined(&numbers) {
         Some(key) => Err(Failure::computation(format!(
             "{key} is not finite; it must be, and other units of stress or length may make it so"
         ))),

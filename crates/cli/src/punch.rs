@@ -14,6 +14,9 @@ use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::memory::{self, peak_bytes};
+use gfmd_input::session::Session;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
@@ -23,10 +26,7 @@ use gfmd_problem::{check_size, key, setting, words};
 use gfmd_record::{PunchContext, PunchFacts, Record};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::convergence::NotConverged;
-use gfmd_run::failure::{Failure, Outcome};
-use gfmd_run::memory::{self, peak_bytes};
 use gfmd_run::series::Watching;
-use gfmd_run::session::Session;
 use gfmd_run::trace::{TraceArgs, Tracer};
 
 mod check;

@@ -14,11 +14,11 @@ use serde::Serialize;
 use crate::check;
 use crate::checking::Check;
 use crate::session::list_files;
+use gfmd_check::result::ResultKind;
+use gfmd_input::failure::Failure;
+use gfmd_input::memory::check_file;
+use gfmd_input::session::Session;
 use gfmd_report::{Page, quoted};
-use gfmd_run::failure::Failure;
-use gfmd_run::memory::check_file;
-use gfmd_run::result::ResultKind;
-use gfmd_run::session::Session;
 
 /// Flags of `report`.
 #[derive(ClapArgs, Clone, Debug)]

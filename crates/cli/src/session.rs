@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use gfmd_mpi::World;
 use gfmd_problem::key;
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
 use gfmd_vector::Ranks;
 use tracing::level_filters::LevelFilter;
 

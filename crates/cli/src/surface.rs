@@ -26,16 +26,16 @@ use serde::Serialize;
 
 use crate::report::check_replaceable;
 use crate::session::list_files;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
+use gfmd_input::source::scan::Scan;
+use gfmd_input::source::{Second, SourceArgs};
 use gfmd_problem::options::Method;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::parse_choice;
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
-use gfmd_run::source::scan::Scan;
-use gfmd_run::source::{Second, SourceArgs};
 
 pub use curves::Curves;
 use file::Target;

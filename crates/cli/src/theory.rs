@@ -14,13 +14,13 @@ use gfmd_surface::PowerSpectrum;
 use serde::Serialize;
 
 use crate::session::list_files;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
+use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::Method;
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
-use gfmd_run::source::SourceArgs;
 
 /// Flags of `theory`.
 #[derive(ClapArgs, Options, Clone, Debug)]

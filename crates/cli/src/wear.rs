@@ -9,16 +9,16 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::session::Session;
+use gfmd_input::source::SourceArgs;
 use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs};
 use gfmd_problem::{AnyState, Facts, key};
 use gfmd_report::figures::{Scene, SceneFields, parse_prefix};
-use gfmd_run::failure::{Failure, Outcome};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
-use gfmd_run::session::Session;
-use gfmd_run::source::SourceArgs;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 

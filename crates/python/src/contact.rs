@@ -10,6 +10,11 @@ use gfmd_contact::{
     Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
 };
 use gfmd_green::Height;
+use gfmd_input::failure::{Failure, reached};
+use gfmd_input::json;
+use gfmd_input::session::Session;
+use gfmd_input::source::SourceArgs;
+use gfmd_input::units::of_table;
 use gfmd_interface::StoredFields;
 use gfmd_law::{Law, LawKind};
 use gfmd_problem::options::flags::{self, keys, of_keys};
@@ -17,12 +22,7 @@ use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, Row};
 use gfmd_problem::{Accuracy, AnyState, Facts, Posed, Spelling, key};
 use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, STATISTICS, StateContext};
 use gfmd_run::accuracy;
-use gfmd_run::failure::{Failure, reached};
-use gfmd_run::json;
 use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, fields};
-use gfmd_run::session::Session;
-use gfmd_run::source::SourceArgs;
-use gfmd_run::units::of_table;
 use gfmd_unit::Quantity;
 use ndarray::{Array2, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};

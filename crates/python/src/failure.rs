@@ -3,8 +3,8 @@
 use std::fmt::Display;
 
 use gfmd_files::legible::line;
+use gfmd_input::failure::Failure;
 use gfmd_problem::Spelling;
-use gfmd_run::failure::Failure;
 use pyo3::prelude::*;
 
 /// Calls the function `maker` of `gfmd._errors`, which makes an exception from a message.

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
+use gfmd_check::result::ResultKind;
 use gfmd_cli::contact::{self, configuration};
 use gfmd_files::{Output, Reader};
+use gfmd_input::failure::Failure;
+use gfmd_input::json;
+use gfmd_input::session::Session;
 use gfmd_record::{Record, arrays};
-use gfmd_run::failure::Failure;
-use gfmd_run::json;
-use gfmd_run::result::ResultKind;
 use gfmd_run::series::{Chosen, Prepared, StateFile};
-use gfmd_run::session::Session;
 use ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
 use pyo3::prelude::*;

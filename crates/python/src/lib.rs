@@ -30,5 +30,5 @@ mod _gfmd {
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    const GIT_COMMIT: &str = gfmd_run::session::GIT_COMMIT;
+    const GIT_COMMIT: &str = gfmd_input::session::GIT_COMMIT;
 }

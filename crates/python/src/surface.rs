@@ -6,12 +6,12 @@ use gfmd_cli::surface::{Curves, Report, whole_band, write_report};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Topography, TopographyError};
+use gfmd_input::failure::Failure;
+use gfmd_input::json;
+use gfmd_input::memory;
+use gfmd_input::session::Session;
+use gfmd_input::source::composed;
 use gfmd_problem::options::{GeneratorArgs, Method};
-use gfmd_run::failure::Failure;
-use gfmd_run::json;
-use gfmd_run::memory;
-use gfmd_run::session::Session;
-use gfmd_run::source::composed;
 use gfmd_surface::{
     Areal, Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, Statistics,
     finer as finer_heights,
@@ -71,7 +71,7 @@ pub(crate) fn self_affine<'py>(
         amplitudes: amplitudes.parse().map_err(|error| refused(py, &error))?,
     };
     let made = quick(py, || {
-        let grid = gfmd_run::source::grid_of(&args, &size)?;
+        let grid = gfmd_input::source::grid_of(&args, &size)?;
         Ok((args.heights(&grid)?, grid.lengths()))
     })?;
     let (heights, lengths) = made.map_err(|failure| failed(py, failure))?;

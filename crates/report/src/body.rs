@@ -6,7 +6,7 @@ use maud::html;
 
 use crate::figures::about_zero;
 use crate::page::{Fact, Page, Table, body, config, given, list, number, text, unit_for, with_unit};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_unit::Units;
 
 /// Largest relative difference between depth steps that count as equal.

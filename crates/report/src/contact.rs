@@ -9,9 +9,9 @@ use crate::figures::{area_chart, theories};
 use crate::page::{
     Certificate, FaceFields, Fact, Page, Stored, StoredSurface, config, given, number, of, option, text,
 };
+use gfmd_input::failure::Failure;
+use gfmd_input::{hardness, lower};
 use gfmd_record::State;
-use gfmd_run::failure::Failure;
-use gfmd_run::{hardness, lower};
 
 const CITED: [&str; 3] = [
     "C. Campañá, M. H. Müser, Practical Green’s function approach to the simulation of elastic semi-infinite solids, \

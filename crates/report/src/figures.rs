@@ -10,7 +10,7 @@ use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series, TWO_COLUMNS};
 use gfmd_unit::{DisplayUnit, Units};
 use ndarray::Array2;
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 pub use scene::{Face, FigureKind, Scene, SceneFields, rough};
 

@@ -9,10 +9,10 @@ use maud::{Markup, html};
 
 use crate::figures::{field, pressure};
 use crate::page::{Certificate, Fact, Page, Stored, Table, config, interval, number, text, transforms, whole};
-use gfmd_run::failure::Failure;
-use gfmd_run::result::Comparison;
-use gfmd_run::session::Session;
-use gfmd_run::sweep::{example, runs};
+use gfmd_check::result::Comparison;
+use gfmd_check::sweep::{example, runs};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 
 const CITED: [&str; 5] = [
     "N. Prodanov, W. B. Dapp, M. H. Müser, On the contact area and mean gap of rough, elastic contacts: dimensional \

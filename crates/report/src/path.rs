@@ -9,10 +9,10 @@ use crate::figures::{largest as farthest, length};
 use crate::page::{
     Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, transforms, unit_for, whole,
 };
+use gfmd_input::failure::Failure;
+use gfmd_input::hardness;
 use gfmd_measure::GridLimit;
 use gfmd_record::{State, with_limit};
-use gfmd_run::failure::Failure;
-use gfmd_run::hardness;
 use gfmd_unit::Units;
 
 const CITED: [&str; 2] = [

@@ -7,7 +7,7 @@ use maud::html;
 
 use crate::figures::{Drawn, about_zero, field};
 use crate::page::{Fact, Page, Table, body, config, given, number, of, text, transforms};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_unit::Units;
 
 const CITED: [&str; 1] =

@@ -10,7 +10,7 @@ use maud::html;
 
 use crate::figures::{Drawn, field};
 use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, with_unit};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
      Physics 115, 3840–3861 (2001).";

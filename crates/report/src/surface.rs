@@ -15,7 +15,7 @@ use ndarray::Array2;
 
 use crate::figures::{named, sides};
 use crate::page::{Fact, Page, Table, command, given, number, page_of, powers, text};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 const CITED: [&str; 4] = [
     "ISO 25178-2:2021, Geometrical product specifications (GPS), Surface texture: Areal, Part 2: Terms, definitions \

@@ -9,8 +9,8 @@ use maud::html;
 use crate::figures::{Drawn, field, largest, length, short, sides};
 use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, with_unit};
 use crate::path::{along, waypoints};
+use gfmd_input::failure::Failure;
 use gfmd_record::State;
-use gfmd_run::failure::Failure;
 
 const CITED: [&str; 2] = [
     "J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24, 981–988 (1953).",

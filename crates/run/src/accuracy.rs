@@ -5,8 +5,8 @@ use gfmd_problem::{Accuracy, Words, key, setting, words};
 use gfmd_record::{COLUMNS, Cell, FEWEST_WAVES, Record, not_calibrated};
 use serde::Serialize;
 
-use crate::failure::Failure;
 use crate::series::Prepared;
+use gfmd_input::failure::Failure;
 
 /// Returns the least whole number, a power of two or three times one, that is not below `times`.
 fn round(times: f64) -> u64 {

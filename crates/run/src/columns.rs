@@ -4,7 +4,7 @@ use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_record::{Record, Subject, columns, reasons};
 use gfmd_unit::Units;
 
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Writes the columns of a problem into a group, in the units of the problem: `count` rows, NaN beyond the given
 /// records, with the reasons of numbers without a value. A row has a name, in singular and plural.

@@ -7,7 +7,7 @@ use gfmd_files::{Archive, Dimension, Reader, Variable};
 use gfmd_problem::{Spelling, Words, key, setting, words};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Largest number of samples of a history; if there are more, every second one is left out.
 const MOST_SAMPLES: usize = 64;

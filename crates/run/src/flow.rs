@@ -3,8 +3,8 @@
 use gfmd_flow::{Flow, FlowError, flow};
 use ndarray::{Array2, ArrayView2, Zip};
 
-use crate::failure::Failure;
-use crate::source::Surface;
+use gfmd_input::failure::Failure;
+use gfmd_input::source::Surface;
 
 /// Computes the flow through the gap, relative to a uniform gap equal to the mean gap; points with a positive
 /// `pressure` are closed. Soft surfaces may overlap so far that their mean gap is not positive. The flow is then

@@ -20,7 +20,7 @@ use gfmd_contact::Visit;
 use gfmd_files::{Journal, JournalError, Output};
 use gfmd_problem::{Unusable, Words, key, words};
 
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::Options;
 use snapshot::{Stored, Writer};
 
@@ -139,7 +139,7 @@ impl<'a> UnfinishedRun<'a> {
     fn recall(&mut self, parts: usize) -> Result<(), Failure> {
         let [journal, state, running] = self.paths();
         self.on_disk = true;
-        let journal = Journal::open(&journal, &self.head).map_err(refused)?;
+        let journal = Journal::open(&journal, &self.head).map_err(Failure::from)?;
         self.state = Stored::read(&state, &self.head)?;
         self.finished = self.state.as_ref().map_or(0, Stored::parts);
         if self.finished > parts || self.finished > journal.len() {
@@ -147,7 +147,7 @@ impl<'a> UnfinishedRun<'a> {
             return Err(Failure::input(state.display().to_string(), found));
         }
         // A kill between the two writes leaves a record without its state.
-        journal.keep_first(self.finished).map_err(refused)?;
+        journal.keep_first(self.finished).map_err(Failure::from)?;
         self.journal = Some(journal);
         // The copy of a solve that has ended since is useless.
         self.running = Stored::read(&running, &self.head)?.filter(|running| running.parts() == self.finished);
@@ -172,15 +172,16 @@ impl<'a> UnfinishedRun<'a> {
     pub fn part(&self, index: usize) -> Result<FinishedStep<'static>, Failure> {
         let missing = || Failure::computation(format!("there is no part {index}"));
         let journal = self.journal.as_ref().ok_or_else(missing)?;
-        let record = journal.read(index).map_err(refused)?;
-        FinishedStep::decode(&record).ok_or_else(|| refused(journal.unusable(index, "this is not a part of a run")))
+        let record = journal.read(index).map_err(Failure::from)?;
+        FinishedStep::decode(&record)
+            .ok_or_else(|| Failure::from(journal.unusable(index, "this is not a part of a run")))
     }
 
     /// Returns the error for a part with unusable text.
     pub fn unusable(&self, index: usize, reason: impl std::fmt::Display) -> Failure {
         let text = reason.to_string();
         match &self.journal {
-            Some(journal) => refused(journal.unusable(index, text)),
+            Some(journal) => Failure::from(journal.unusable(index, text)),
             None => Failure::computation(text),
         }
     }
@@ -292,14 +293,6 @@ impl<'a> UnfinishedRun<'a> {
     }
 }
 
-/// Returns the failure for a file that cannot be continued.
-pub fn refused(error: JournalError) -> Failure {
-    match error {
-        JournalError::Io { .. } => not_written(error),
-        error => Failure::refused(error.to_string()),
-    }
-}
-
 /// Returns the failure for a file that cannot be written.
 pub(crate) fn not_written(error: JournalError) -> Failure {
     Failure::computation(error.to_string())
@@ -332,12 +325,6 @@ impl FinishedStep<'_> {
         });
         let fields = fields.collect::<Option<Vec<Cow<[f64]>>>>()?;
         bytes.is_empty().then_some(FinishedStep { text, fields })
-    }
-}
-
-impl From<JournalError> for Failure {
-    fn from(error: JournalError) -> Self {
-        refused(error)
     }
 }
 

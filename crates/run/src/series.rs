@@ -1,6 +1,5 @@
 //! States of one contact, each found from the previous one: loads of `contact`, steps of `path`.
 
-mod check;
 mod file;
 mod finer;
 mod head;
@@ -8,7 +7,6 @@ mod layout;
 mod prepared;
 mod pressed;
 mod slopes;
-mod stored;
 mod watching;
 
 use std::borrow::Cow;
@@ -22,13 +20,12 @@ use gfmd_problem::{AnyState, Posed, Task, Words};
 use gfmd_record::{Record, StateContext};
 
 use crate::convergence::NotConverged;
-use crate::failure::{Failure, Outcome};
 use crate::progress::Progress;
 use crate::resume::{FinishedStep, UnfinishedRun};
-use crate::session::Session;
 use crate::trace::Tracer;
+use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::session::Session;
 
-pub use check::Stored;
 pub use file::{Chosen, StateFile};
 pub use file::{Field, fields};
 pub use finer::{Finer, beside, on_finer_grids, resolved};
@@ -38,7 +35,6 @@ pub use layout::SeriesLayout;
 pub use prepared::{Asked, Prepared, check_drive};
 pub use pressed::ContactArgs;
 pub use slopes::Slopes;
-pub use stored::records_of;
 pub use watching::Watching;
 
 /// Series of states.

@@ -10,7 +10,7 @@ use gfmd_problem::{key, words};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::{Kinds, Options};
 
 /// Flags of the record.

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use gfmd_field::Grid;
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_surface::SelfAffine;
 use ndarray::Array2;
 use rand::{RngExt, SeedableRng};

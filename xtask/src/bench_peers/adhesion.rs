@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use gfmd_run::failure::Failure;
-use gfmd_run::session::{GIT_COMMIT, Session, machine};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::{GIT_COMMIT, Session, machine};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 

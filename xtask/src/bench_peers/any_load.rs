@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gfmd_contact::{Boundary, Solver};
-use gfmd_run::failure::Failure;
-use gfmd_run::session::{Session, machine};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::{Session, machine};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -182,7 +182,7 @@ pub(super) fn run(
     let mut table = AnyLoad {
         date: jiff::Zoned::now().date().to_string(),
         machine: machine(),
-        commit: gfmd_run::session::GIT_COMMIT.into(),
+        commit: gfmd_input::session::GIT_COMMIT.into(),
         versions: environment.versions(),
         points: args.sizes[0],
         tolerance: args.tolerance,
@@ -338,7 +338,7 @@ impl AnyLoad {
 
     /// Writes the table to its file, so that a later failure does not lose it.
     fn keep(&self) -> Result<(), Failure> {
-        let text = gfmd_run::json::to_string(self).map_err(|error| Failure::computation(error.to_string()))?;
+        let text = gfmd_input::json::to_string(self).map_err(|error| Failure::computation(error.to_string()))?;
         write_beside(&self.kept, &(text + "\n"))
     }
 }

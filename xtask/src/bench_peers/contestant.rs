@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use gfmd_contact::{Boundary, Solver};
-use gfmd_run::session::Session;
+use gfmd_input::session::Session;
 use serde_json::json;
 
 use super::process::{ProgramFailure, output};

@@ -4,8 +4,8 @@ use std::fmt;
 use std::process::Command;
 use std::time::Duration;
 
-use gfmd_run::failure::Failure;
-use gfmd_run::session::{Session, machine};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::{Session, machine};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -94,7 +94,7 @@ pub(super) fn run(args: &Args, environment: &Environment, session: &Session) -> 
     let mut creep = Creep {
         date: jiff::Zoned::now().date().to_string(),
         machine: machine(),
-        commit: gfmd_run::session::GIT_COMMIT.into(),
+        commit: gfmd_input::session::GIT_COMMIT.into(),
         tamaas: environment.versions().remove(Peer::Tamaas.package()).unwrap_or_default(),
         tolerance: args.tolerance,
         rows: Vec::new(),

@@ -1,7 +1,7 @@
 //! Figure of the page: time against the load for each Hurst exponent, and against the number of points.
 
+use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use gfmd_run::failure::Failure;
 
 use super::report::{Case, Report};
 use super::table::median;

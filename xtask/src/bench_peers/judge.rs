@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use gfmd_run::session::Session;
+use gfmd_input::session::Session;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

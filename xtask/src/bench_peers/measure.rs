@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 
 use super::Args;
 use super::contestant::{Contestant, Place, Problem};

@@ -5,8 +5,8 @@ use std::io::{Read, Seek, SeekFrom};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 
 /// Reason why a program gave no result.
 #[derive(Debug)]

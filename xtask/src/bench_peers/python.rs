@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use gfmd_run::failure::Failure;
-use gfmd_run::session::Session;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::json;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use serde::{Deserialize, Serialize};
 
 use super::TamaasFftw;
@@ -134,7 +134,7 @@ const BUSY: f64 = 0.9;
 impl Report {
     /// Writes the report to its file, so that a later failure does not lose it.
     pub(super) fn keep(&self) -> Result<(), Failure> {
-        let text = gfmd_run::json::to_string(self).map_err(|error| Failure::computation(error.to_string()))?;
+        let text = gfmd_input::json::to_string(self).map_err(|error| Failure::computation(error.to_string()))?;
         write_beside(&self.kept, &(text + "\n"))
     }
 

@@ -8,8 +8,8 @@ use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
-use gfmd_run::failure::Failure;
-use gfmd_run::session::{GIT_COMMIT, Session, machine};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::{GIT_COMMIT, Session, machine};
 use serde::Serialize;
 
 use super::table::{Table, in_words, median, write_beside};
@@ -205,7 +205,7 @@ impl Rows {
             |file: &Path, error: &dyn fmt::Display| Failure::computation(format!("{}: {error}", file.display()));
         let text = std::fs::read_to_string(page).map_err(|error| cannot(page, &error))?;
         let text = filled(&text, PLACE, &self.markdown())?;
-        let json = gfmd_run::json::to_string(self).map_err(|error| cannot(data, &error))?;
+        let json = gfmd_input::json::to_string(self).map_err(|error| cannot(data, &error))?;
         data.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(|error| cannot(data, &error))?;
         write_beside(data, &(json + "\n"))?;
         write_beside(page, &text)

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// A table with a title and a header row.
 pub(super) struct Table {

@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use gfmd_contact::{Boundary, Solver};
-use gfmd_run::session::Session;
+use gfmd_input::session::Session;
 use proptest::prelude::*;
 
 use super::any_load::{AnyLoad, Block, Cell, ContactVariant, LOADS, Row};

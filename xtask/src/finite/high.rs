@@ -3,7 +3,7 @@
 use gfmd_contact::{Contact, Equilibrium as _, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_surface::{Discretisation, SelfAffine};
 
 use super::{EPS_T_INV, REDUCED, RMS_GRADIENT};

@@ -2,8 +2,8 @@
 
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
+use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
-use gfmd_run::failure::Failure;
 use serde_json::Value;
 
 use super::Runs;

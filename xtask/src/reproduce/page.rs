@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use serde_json::Value;
 
 use super::catalogue::{ALONG_X, ALONG_Y, FIGURES, Figure, PLANE, PREPARATION, SPACE, SURFACE, Work};

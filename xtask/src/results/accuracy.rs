@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Panel, Point, Series};
-use gfmd_run::failure::Failure;
 
 use super::summary::Summaries;
 use crate::accuracy::Coverage;

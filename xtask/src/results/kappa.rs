@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use gfmd_input::failure::Failure;
 use gfmd_measure::SelfAffineArea;
 use gfmd_measure::theory::persson_area;
-use gfmd_run::failure::Failure;
 use serde::Serialize;
 
 use super::summary::{Fit, Summaries, Summary};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 use super::kappa;
 use super::summary::Summaries;

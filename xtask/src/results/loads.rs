@@ -3,8 +3,8 @@
 use std::f64::consts::{LN_2, PI};
 use std::fmt::Write;
 
+use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point as Dot, Series};
-use gfmd_run::failure::Failure;
 
 use super::kappa::HURSTS;
 use super::summary::{Point, Summaries};

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use gfmd_run::failure::Failure;
 
 use super::summary::{Protocol, Summaries, Summary, or_none};
 

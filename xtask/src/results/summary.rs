@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_tests::Reference;
 
 use super::{Report, figures};

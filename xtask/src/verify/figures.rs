@@ -7,8 +7,8 @@ use gfmd_body::Interior;
 use gfmd_cli::body::{Quantity, draw_middle};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
+use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
-use gfmd_run::failure::Failure;
 use gfmd_tests::Reference;
 use ndarray::Ix3;
 

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use super::Args;
 use super::quantity::{TENSOR, TENSOR_OF_A_LINE};
 use crate::checking::{Checked, Checking};
-use gfmd_run::failure::Failure;
-use gfmd_run::result::{Comparison, printable};
-use gfmd_run::session::Session;
-use gfmd_run::source::file_of;
+use gfmd_check::result::{Comparison, printable};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
+use gfmd_input::source::file_of;
 
 impl Checked for Args {
     /// Compares the mean of σ_xz, σ_yz, σ_zz on every plane of a file with the mean traction on the surface.

@@ -9,7 +9,7 @@ use super::component::Component;
 use super::pictures::{Compared, Pictures};
 use super::quantity::Quantity;
 use super::volume::archive_components;
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Differences from another solution.
 #[derive(Clone, Debug, Serialize)]

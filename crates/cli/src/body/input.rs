@@ -7,11 +7,11 @@ use gfmd_files::{Checksum, Input, Reader, cell_lengths, npy, split_dataset};
 use gfmd_problem::{Words, key, words};
 
 use super::wave::{self, Wave};
+use gfmd_input::base::BaseArgs;
+use gfmd_input::failure::Failure;
+use gfmd_input::lower::{LowerArgs, is_stored};
+use gfmd_input::memory;
 use gfmd_problem::options::given::{ArrayOption, StoredLoad};
-use gfmd_run::base::BaseArgs;
-use gfmd_run::failure::Failure;
-use gfmd_run::lower::{LowerArgs, is_stored};
-use gfmd_run::memory;
 use gfmd_unit::Units;
 
 /// Field stored in a file.

@@ -10,8 +10,8 @@ use super::component::Component;
 use super::quantity::{Family, Fields, Quantity};
 use super::rows::Rows;
 use super::{Plane, evenly_spaced};
+use gfmd_input::failure::Failure;
 use gfmd_report::figures::{Drawn, about_zero, field, named};
-use gfmd_run::failure::Failure;
 use gfmd_unit::Units;
 
 /// Values on one section, filled level by level.

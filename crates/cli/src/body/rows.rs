@@ -9,7 +9,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::quantity::AXES;
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Plane across an axis (0 is x, 1 is y, 2 is z) and its position: x or y of a row of points, or the height z.
 #[derive(Clone, Copy, Debug, PartialEq)]

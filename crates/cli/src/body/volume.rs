@@ -10,7 +10,7 @@ use gfmd_problem::{key, words};
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
 use super::{Plane, Side};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_unit::Units;
 
 /// Positions of the values.

@@ -11,7 +11,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::quantity::AXES;
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Displacement a cos 2π(m x/Lx + n y/Ly) of one component.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Tests of the result configurations of all commands.
 
+use gfmd_check::result::{Configuration, FILES, ResultKind};
 use gfmd_contact::Boundary;
 use gfmd_problem::options::flags::{self, keys as keys_of};
-use gfmd_run::result::{Configuration, FILES, ResultKind};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 

@@ -10,11 +10,12 @@ use ndarray::{Array2, ArrayView2};
 use super::statistics::Findings;
 use super::{Args, Loads, stiffness};
 use crate::checking::{Checked, Checking};
-use gfmd_run::failure::Failure;
-use gfmd_run::result::Comparison;
-use gfmd_run::series::{Prepared, Stored};
-use gfmd_run::session::Session;
-use gfmd_run::statistics;
+use gfmd_check::result::Comparison;
+use gfmd_check::series::Stored;
+use gfmd_check::statistics;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
+use gfmd_run::series::Prepared;
 
 impl Checked for Args {
     /// Recomputes every load of a file from its surface, body and pressure or gap: fields, residuals, area, energy.

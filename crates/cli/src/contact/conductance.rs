@@ -10,8 +10,8 @@ use gfmd_problem::{Unknown, key, words};
 use ndarray::ArrayRef2;
 
 use super::Args;
-use gfmd_run::failure::Failure;
-use gfmd_run::source::Surface;
+use gfmd_input::failure::Failure;
+use gfmd_input::source::Surface;
 
 /// Source of the conductance of the loads of a contact.
 pub(super) struct Conducting {

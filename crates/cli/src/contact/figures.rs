@@ -9,12 +9,12 @@ use ndarray::ArrayView2;
 
 use super::Report;
 use super::statistics::Gathered;
+use gfmd_input::failure::Failure;
+use gfmd_input::hardness::GivenHardness;
+use gfmd_input::source::Surface;
 use gfmd_record::patches;
 use gfmd_report::contact::{AREAS, areas};
 use gfmd_report::figures::{Drawn, Scene, field, named, short, sides};
-use gfmd_run::failure::Failure;
-use gfmd_run::hardness::GivenHardness;
-use gfmd_run::source::Surface;
 
 /// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, for a lower surface also `PREFIX-lower-map`
 /// etc.; and `PREFIX-area` if there are several loads of a hard wall. `variance` is the variance of the pressure in

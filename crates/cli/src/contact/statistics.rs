@@ -9,11 +9,11 @@ use gfmd_record::{Record, StateContext, Statistics};
 use ndarray::ArrayView2;
 
 use super::{Args, Conducting, stiffness};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
+use gfmd_input::memory;
+use gfmd_input::source::Surface;
 use gfmd_run::flow::through;
-use gfmd_run::memory;
 use gfmd_run::series::Prepared;
-use gfmd_run::source::Surface;
 
 /// Results of the loads of one contact beside their scalars.
 #[derive(Default)]

@@ -5,9 +5,9 @@ use gfmd_problem::Facts;
 use gfmd_record::Record;
 
 use super::Args;
-use gfmd_run::failure::Failure;
-use gfmd_run::result::{Configuration, ResultKind};
-use gfmd_run::series::records_of;
+use gfmd_check::result::{Configuration, ResultKind};
+use gfmd_check::stored::records_of;
+use gfmd_input::failure::Failure;
 
 /// Reads the configuration of a contact result.
 ///

@@ -7,7 +7,7 @@ use gfmd_record::{Table, lines, table_of};
 use super::Report;
 use crate::course::FLOW;
 use crate::session::list_files;
-use gfmd_run::hardness::GivenHardness;
+use gfmd_input::hardness::GivenHardness;
 
 /// Legend of the conductance, with its conversion to device units.
 const CONDUCTANCE: &str = "conductance: per area, times the sum of both resistivities; in W/(m2 K) by Python: \

@@ -10,9 +10,9 @@ use serde::{Serialize, Serializer};
 
 use super::{Args, Loads};
 use crate::progress::Progress;
-use gfmd_run::failure::{Failure, reached};
+use gfmd_input::failure::{Failure, reached};
+use gfmd_input::session::Session;
 use gfmd_run::series::{Prepared, Watching};
-use gfmd_run::session::Session;
 
 /// Relative width of the interval at which the bisection ends.
 const WIDTH: f64 = 1e-3;

@@ -4,7 +4,7 @@ use gfmd_contact::{Contact, Solver};
 use gfmd_problem::{Facts, key};
 
 use super::Args;
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 impl Args {
     /// Returns the facts of the contact; `line` is true for a profile.

@@ -8,10 +8,10 @@ use gfmd_files::{Output, PointArray, contiguous};
 use gfmd_problem::key;
 use ndarray::Array2;
 
+use gfmd_input::failure::Failure;
+use gfmd_input::source::Surface;
 use gfmd_report::figures::SceneFields;
-use gfmd_run::failure::Failure;
 use gfmd_run::series::Field;
-use gfmd_run::source::Surface;
 
 /// VTK file to write.
 pub(super) struct VtkFile {

@@ -4,10 +4,10 @@ use gfmd_contact::Hardness;
 use gfmd_field::Share;
 use ndarray::{Array2, ArrayView2};
 
+use gfmd_input::rows;
+use gfmd_input::source::Surface;
 use gfmd_report::figures::SceneFields;
-use gfmd_run::rows;
 use gfmd_run::series::{Field, Prepared};
-use gfmd_run::source::Surface;
 
 /// Whole fields of a contact for figures and VTK files, gathered on the first of several processes.
 pub(super) struct Whole<'a> {

@@ -1,10 +1,10 @@
 //! Loads or approaches at the waypoints of a path, and the steps of the legs between them.
 
 use gfmd_contact::Drive;
+use gfmd_input::failure::Failure;
+use gfmd_input::memory;
 use gfmd_problem::options::values::{Entry, numbers};
 use gfmd_problem::{key, words};
-use gfmd_run::failure::Failure;
-use gfmd_run::memory;
 use gfmd_run::series::Places;
 
 /// Largest number of steps of a path.

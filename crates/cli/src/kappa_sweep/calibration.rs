@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use gfmd_field::{Grid, Transform};
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 const MILLION: f64 = 1_048_576.0;
 

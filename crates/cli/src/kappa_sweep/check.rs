@@ -8,10 +8,10 @@ use gfmd_record::Origin;
 use gfmd_sweep::{Analysis, Config, Plan, Pressed, Study, run_one};
 
 use super::file;
-use gfmd_run::failure::Failure;
-use gfmd_run::result::{Against, Comparison, Folder, Pair, ResultKind};
-use gfmd_run::session::Session;
-use gfmd_run::sweep::{columns, example, record, runs};
+use gfmd_check::result::{Against, Comparison, Folder, Pair, ResultKind};
+use gfmd_check::sweep::{columns, example, record, runs};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 
 /// Reads the loads of all runs from the file of an earlier sweep. Its configuration may differ from `plan` only in the
 /// fit.

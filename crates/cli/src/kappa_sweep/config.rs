@@ -9,7 +9,7 @@ use gfmd_unit::{Quantity, Units};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// The configuration of a sweep as it is given.
 #[derive(Clone, Debug, Deserialize)]

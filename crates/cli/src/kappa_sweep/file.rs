@@ -13,8 +13,8 @@ use gfmd_sweep::{
 use ndarray::Array2;
 
 use super::protocol;
-use gfmd_run::failure::Failure;
-use gfmd_run::sweep::{columns, record};
+use gfmd_check::sweep::{columns, record};
+use gfmd_input::failure::Failure;
 
 /// Writes a study; the file appears under its name when it is complete.
 ///

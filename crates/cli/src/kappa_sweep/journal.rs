@@ -10,8 +10,8 @@ use gfmd_problem::{key, words};
 use gfmd_sweep::Pressed;
 use serde::{Deserialize, Serialize};
 
-use gfmd_run::failure::Failure;
-use gfmd_run::json;
+use gfmd_input::failure::Failure;
+use gfmd_input::json;
 
 /// Finished runs by number.
 pub(super) type Finished = BTreeMap<usize, Vec<Pressed>>;

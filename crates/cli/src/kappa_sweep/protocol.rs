@@ -7,7 +7,7 @@ use gfmd_fit::Axis as Limit;
 use gfmd_sweep::{Arm, Curve, Estimated, Protocol};
 use serde::Serialize;
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// The extrapolation about one cell, as printed.
 #[derive(Clone, Debug, Serialize)]

@@ -14,7 +14,7 @@ use super::calibration::seconds_per_pair;
 use super::protocol::ProtocolReport;
 use super::{CONTACT_BYTES, PROGRAM_BYTES};
 use crate::session::list_files;
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// The result of a sweep, as printed.
 #[derive(Clone, Debug, Serialize)]

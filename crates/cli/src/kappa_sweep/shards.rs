@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::check;
 use super::journal::{Finished, Journal, Size};
-use gfmd_run::failure::Failure;
-use gfmd_run::session::GIT_COMMIT;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::GIT_COMMIT;
 
 /// Returns the part of a journal's name between the name of the output and the ending.
 pub(super) fn suffix(shard: Shard) -> String {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gfmd_law::Law;
 use gfmd_plot::{Axis, Chart, Panel, Series};
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_unit::Units;
 
 /// Draws T_n over the range of `normal` for each value of `tangential`, and T_t over the range of `tangential` for each

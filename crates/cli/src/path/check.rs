@@ -12,11 +12,12 @@ use std::path::PathBuf;
 use super::{Args, memory};
 use crate::checking::{Checked, Checking};
 use crate::course::{StepArgs, leak};
-use gfmd_run::failure::Failure;
+use gfmd_check::result::Comparison;
+use gfmd_check::series::Stored;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use gfmd_run::flow::through;
-use gfmd_run::result::Comparison;
-use gfmd_run::series::{Chosen, Prepared, Stored};
-use gfmd_run::session::Session;
+use gfmd_run::series::{Chosen, Prepared};
 
 impl Checked for Args {
     /// Recomputes the states at the waypoints from the stored fields, and the drives of all steps.

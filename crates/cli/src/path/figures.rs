@@ -6,9 +6,9 @@ use gfmd_plot::{Axis, Chart, Panel, Series};
 use gfmd_record::Record;
 
 use super::Report;
+use gfmd_input::failure::Failure;
 use gfmd_report::figures::{Scene, length, named};
 use gfmd_report::path::{in_time, legs};
-use gfmd_run::failure::Failure;
 
 /// Draws the path leg by leg and the step with the largest contact. The path is pressure against approach and contact
 /// area against pressure, or, with lateral motion, shear and sticking area against lateral displacement.

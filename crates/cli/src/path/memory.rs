@@ -1,11 +1,11 @@
 //! Memory of a viscoelastic body in a path file, used to check the pressure of the last step.
 
+use gfmd_check::result::Comparison;
 use gfmd_contact::Contact;
 use gfmd_files::{Archive, Dimension, Reader, Variable, axes, contiguous};
-use gfmd_run::failure::Failure;
-use gfmd_run::result::Comparison;
+use gfmd_input::failure::Failure;
+use gfmd_input::source::Surface;
 use gfmd_run::series::{Prepared, StateFile};
-use gfmd_run::source::Surface;
 use gfmd_viscoelastic::ViscoelasticContact;
 use ndarray::Array2;
 

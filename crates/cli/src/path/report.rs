@@ -11,9 +11,9 @@ use serde::Serialize;
 
 use crate::course::{error_of_losses, print_flow, print_steps};
 use crate::session::list_files;
+use gfmd_input::hardness::GivenHardness;
+use gfmd_input::memory::peak_bytes;
 use gfmd_run::convergence::NotConverged;
-use gfmd_run::hardness::GivenHardness;
-use gfmd_run::memory::peak_bytes;
 use gfmd_run::series::Head;
 
 /// Printed result.

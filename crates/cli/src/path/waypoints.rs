@@ -5,8 +5,8 @@ use gfmd_contact::Drive;
 use gfmd_problem::key;
 use serde::{Deserialize, Serialize};
 
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
-use gfmd_run::failure::Failure;
 use gfmd_run::series::Places;
 
 use crate::course::{counted, legs, lengths};

@@ -8,9 +8,9 @@ use ndarray::Array3;
 
 use super::{Args, Prepared, by_point};
 use crate::checking::{Checked, Checking};
-use gfmd_run::failure::Failure;
-use gfmd_run::result::Comparison;
-use gfmd_run::session::Session;
+use gfmd_check::result::Comparison;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 
 impl Checked for Args {
     /// Recomputes displacement, residual and scalars from the stored traction.

@@ -6,7 +6,7 @@ use gfmd_problem::key;
 use ndarray::{Array3, ArrayD, Axis, Slice};
 use serde::Serialize;
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// The dataset in files of gfmd.
 const DISPLACEMENT: &str = "/fields/displacement";

@@ -10,9 +10,9 @@ use ndarray::{ArrayView3, Axis as Along};
 
 use super::Report;
 use super::comparison::Reference;
+use gfmd_input::failure::Failure;
 use gfmd_report::figures::{about_zero, draw_pressure, named};
 use gfmd_report::punch::cut;
-use gfmd_run::failure::Failure;
 
 /// Draws the maps `PREFIX-u_x`, `-u_y`, `-u_z` and `-pressure`, and `PREFIX-cut` along x through the middle, with the
 /// displacement of the reference, if there is one; the maps then have it and the difference beside ours. A strip has

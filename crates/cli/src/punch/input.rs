@@ -5,10 +5,10 @@ use gfmd_response::Components;
 use ndarray::{Array2, Array3, ArrayD};
 
 use super::{Args, ContactName};
+use gfmd_input::array::{self, Quantity};
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::{SIZES, key, setting, words};
-use gfmd_run::array::{self, Quantity};
-use gfmd_run::failure::Failure;
 
 fn read(option: &str, name: &ArrayOption, quantity: Quantity) -> Result<ArrayD<f64>, Failure> {
     let found =

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use gfmd_check::result::Comparison;
 use gfmd_contact::{Boundary, Load};
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use gfmd_record::Origin;
 use gfmd_relax::worst;
-use gfmd_run::failure::Failure;
-use gfmd_run::result::Comparison;
-use gfmd_run::session::Session;
 
 use super::file::{StatesFile, fields};
 use super::{Args, SlideInput};

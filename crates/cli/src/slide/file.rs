@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
+use gfmd_input::failure::Failure;
 use gfmd_record::{Record, SLIDING_FIELDS, Sliding, SlidingFacts, SlidingField};
 use gfmd_run::columns::write_columns;
-use gfmd_run::failure::Failure;
 use gfmd_run::series::Prepared;
 use gfmd_unit::Units;
 

@@ -4,12 +4,12 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use gfmd_files::contiguous;
+use gfmd_input::failure::Failure;
+use gfmd_input::source::Surface;
 use gfmd_record::{ROUGH, Record, Sliding, Table, table_of};
 use gfmd_report::figures::{Scene, SceneFields, named};
 use gfmd_report::slide::{chart, rises, temperature};
-use gfmd_run::failure::Failure;
 use gfmd_run::series::Head;
-use gfmd_run::source::Surface;
 use serde::Serialize;
 
 use super::steady_state::SteadyState;

@@ -8,8 +8,8 @@ use gfmd_surface::{Autocorrelation, Bearing, Density, Distributions, RadialBin, 
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value};
 
+use gfmd_input::failure::Failure;
 use gfmd_report::surface::unit_of;
-use gfmd_run::failure::Failure;
 use gfmd_unit::Units;
 
 /// Curves and the numbers of their groups, in the order of a file.

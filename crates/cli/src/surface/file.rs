@@ -9,8 +9,8 @@ use gfmd_surface::RadialBin;
 use ndarray::{Array2, Axis};
 
 use super::Report;
+use gfmd_input::failure::Failure;
 use gfmd_record::Cell;
-use gfmd_run::failure::Failure;
 use gfmd_unit::Units;
 
 /// The output file and its format, claimed before the heights are made.

@@ -5,7 +5,7 @@ use std::fmt;
 use gfmd_files::Topography;
 use serde::Serialize;
 
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// The height maps of a file, as printed.
 #[derive(Clone, Debug, Serialize)]

@@ -6,8 +6,8 @@ use gfmd_measure::theory::AsperityTheory;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 
 use super::Theories;
+use gfmd_input::failure::Failure;
 use gfmd_report::figures::{area_chart, length, named};
-use gfmd_run::failure::Failure;
 
 /// Draws the area and the mean gap over the loads of interest, and the distribution of pressure at each load.
 pub(super) fn draw(stem: &Path, theories: &Theories, p_star: &[f64], unit: &str) -> Result<Vec<PathBuf>, Failure> {

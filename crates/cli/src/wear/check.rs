@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use gfmd_check::result::Comparison;
+use gfmd_check::series::Stored;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 use gfmd_problem::AnyState;
 use gfmd_record::StateContext;
-use gfmd_run::failure::Failure;
-use gfmd_run::result::Comparison;
-use gfmd_run::series::{Chosen, Stored};
-use gfmd_run::session::Session;
+use gfmd_run::series::Chosen;
 
 use super::Args;
 use crate::checking::{Checked, Checking};

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use gfmd_files::contiguous;
+use gfmd_input::failure::Failure;
+use gfmd_input::source::Surface;
 use gfmd_plot::Chart;
 use gfmd_report::figures::{Scene, named};
 use gfmd_report::wear::{against_distance, depth_of, profile};
-use gfmd_run::failure::Failure;
-use gfmd_run::source::Surface;
 use ndarray::Array2;
 
 use super::Report;

@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use crate::course::{error_of_losses, print_flow, print_steps};
 use crate::session::list_files;
+use gfmd_input::memory::peak_bytes;
 use gfmd_run::convergence::NotConverged;
-use gfmd_run::memory::peak_bytes;
 use gfmd_run::series::Head;
 
 /// Printed result.

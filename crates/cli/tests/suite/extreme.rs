@@ -361,7 +361,7 @@ fn complaint(words: &[String], status: Option<i32>, stdout: &str, stderr: &str) 
 
 /// Returns the complaint about a report: numbers that are not finite, states that did not converge, empty contacts.
 fn of_report(words: &[String], report: &Value) -> Option<String> {
-    if let Some(key) = gfmd_run::json::undefined(report) {
+    if let Some(key) = gfmd_input::json::undefined(report) {
         return Some(format!("{key} is null"));
     }
     let states = ["loads", "steps"].into_iter().filter_map(|key| report[key].as_array()).flatten();

@@ -8,11 +8,11 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgAction, Command};
 use gfmd_cli::program;
+use gfmd_input::source::SourceArgs;
 use gfmd_problem::argument;
 use gfmd_problem::options::flags::keys;
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PronyArgs};
 use gfmd_run::series::ContactArgs;
-use gfmd_run::source::SourceArgs;
 
 /// Compares a file of the repository with a text; writes it first if `GFMD_DOCS=write`.
 fn compare(file: &str, text: &str) {

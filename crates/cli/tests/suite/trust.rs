@@ -7,9 +7,9 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::common::{SWEEP, gfmd, long};
+use gfmd_check::result::ResultKind;
+use gfmd_check::result::trust::{Coverage, page, row_of};
 use gfmd_files::{Attribute, Reader};
-use gfmd_run::result::ResultKind;
-use gfmd_run::result::trust::{Coverage, page, row_of};
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, Location};
 use ndarray::{Array2, ArrayD};

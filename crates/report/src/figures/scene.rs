@@ -10,8 +10,8 @@ use gfmd_plot::{Axis, Below, Chart, Colours, Level, Mark, Panel, Scale, Series, 
 use ndarray::Array2;
 
 use super::{Drawn, MOST_POINTS, field, largest, length, named, short, sides};
-use gfmd_run::failure::Failure;
-use gfmd_run::source::Surface;
+use gfmd_input::failure::Failure;
+use gfmd_input::source::Surface;
 use gfmd_unit::{DisplayUnit, Units};
 
 /// Fields of a state for its figures, row by row, in the units of the input.

@@ -8,7 +8,7 @@ use gfmd_plot::{Axis, Chart, Level, Mark, Panel, Point, Series};
 use gfmd_sweep::{Analysis, Area, Config, Estimator, Extrapolation, Plan, Study};
 
 use crate::figures::{area_chart, draw_pressure, named, theories};
-use gfmd_run::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Draws `NAME-extrapolation`, `NAME-area` and `NAME-map` beside the file `out`.
 ///

@@ -8,9 +8,9 @@ use super::said::with_unit;
 use super::write::{given, of, quoted, text};
 use super::{Common, Fact, Page, block, render};
 
+use gfmd_check::result::ResultKind;
+use gfmd_input::lower::{self, LowerArgs};
 use gfmd_problem::options::OtherArgs;
-use gfmd_run::lower::{self, LowerArgs};
-use gfmd_run::result::ResultKind;
 use gfmd_unit::Units;
 
 /// Returns the warnings of the run, one per line.

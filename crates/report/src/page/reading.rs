@@ -11,8 +11,8 @@ use maud::{Markup, html};
 use super::said::{plain, unit_for};
 use super::write::{number, powers, text};
 use crate::figures::{Face, SceneFields};
-use gfmd_run::failure::Failure;
-use gfmd_run::units::units_of_result;
+use gfmd_input::failure::Failure;
+use gfmd_input::units::units_of_result;
 
 /// Values of a column and their readable unit; `None` for values in the unit of the file.
 pub(crate) type InUnit = (Vec<f64>, Option<DisplayUnit>);

@@ -6,7 +6,7 @@ use std::path::Path;
 use gfmd_contact::Visit;
 use gfmd_files::{Checksum, FileError, input};
 
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Length of a checksum.
 const SUM: usize = 64;

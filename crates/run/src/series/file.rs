@@ -20,12 +20,12 @@ use super::layout::SeriesLayout;
 use super::prepared::Prepared;
 use crate::columns::write_columns;
 use crate::convergence::NotConverged;
-use crate::failure::Failure;
-use crate::hardness;
-use crate::lower;
-use crate::rows;
-use crate::session::Session;
-use crate::source::Surface;
+use gfmd_input::failure::Failure;
+use gfmd_input::hardness;
+use gfmd_input::lower;
+use gfmd_input::rows;
+use gfmd_input::session::Session;
+use gfmd_input::source::Surface;
 
 /// File of a series: the surface is written at once, the fields state by state, the scalars at the end. With several
 /// processes, the first one writes it; all make the same calls, and give their rows of the fields.

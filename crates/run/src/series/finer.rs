@@ -7,10 +7,10 @@ use gfmd_surface::Interpolation;
 
 use super::prepared::{Asked, Prepared};
 use super::pressed::ContactArgs;
-use crate::failure::{Failure, reached};
-use crate::hardness::GivenHardness;
-use crate::session::Session;
-use crate::source::{SourceArgs, Surface};
+use gfmd_input::failure::{Failure, reached};
+use gfmd_input::hardness::GivenHardness;
+use gfmd_input::session::Session;
+use gfmd_input::source::{SourceArgs, Surface};
 
 /// Returns the surface of a problem on a grid with twice as many points along each side: once, or by both
 /// interpolations if the heights between the points are unknown. Empty unless `--grid-error refine` is requested.

@@ -12,12 +12,12 @@ use serde::Serialize;
 
 use super::Slopes;
 use super::prepared::{Asked, Prepared};
-use crate::base::BaseArgs;
-use crate::hardness::GivenHardness;
-use crate::lower;
-use crate::session::Session;
-use crate::source::scan::Scan;
-use crate::source::{Second, Surface};
+use gfmd_input::base::BaseArgs;
+use gfmd_input::hardness::GivenHardness;
+use gfmd_input::lower;
+use gfmd_input::session::Session;
+use gfmd_input::source::scan::Scan;
+use gfmd_input::source::{Second, Surface};
 use gfmd_problem::Adhesion;
 use gfmd_problem::options::named;
 use gfmd_problem::options::{OtherArgs, Relaxation};

@@ -7,7 +7,7 @@ pub struct SeriesLayout {
     /// Word for a part.
     pub name: &'static str,
     /// Word for several parts.
-    pub(crate) plural: &'static str,
+    pub plural: &'static str,
     /// Group of their scalars.
     pub group: &'static str,
     /// Meaning of the dimension of their scalars, which has the name of a part.

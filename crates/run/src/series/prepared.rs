@@ -17,13 +17,13 @@ use gfmd_viscoelastic::Prony;
 use ndarray::Array2;
 
 use super::layout::SeriesLayout;
-use crate::base::{BaseArgs, MovedBase};
-use crate::failure::Failure;
-use crate::hardness::{self, GivenHardness};
-use crate::lower::LowerArgs;
-use crate::result::stored_unit;
-use crate::session::Session;
-use crate::source::{SourceArgs, Surface};
+use gfmd_input::base::{BaseArgs, MovedBase};
+use gfmd_input::failure::Failure;
+use gfmd_input::hardness::{self, GivenHardness};
+use gfmd_input::lower::LowerArgs;
+use gfmd_input::session::Session;
+use gfmd_input::source::stored_unit;
+use gfmd_input::source::{SourceArgs, Surface};
 use gfmd_problem::Adhesion;
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, check_wavenumbers};
 

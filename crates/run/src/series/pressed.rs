@@ -12,12 +12,12 @@ use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
 use super::prepared::{Asked, Prepared};
-use crate::base::BaseArgs;
-use crate::failure::{Failure, reached};
-use crate::hardness::GivenHardness;
-use crate::lower::LowerArgs;
-use crate::session::Session;
-use crate::source::SourceArgs;
+use gfmd_input::base::BaseArgs;
+use gfmd_input::failure::{Failure, reached};
+use gfmd_input::hardness::GivenHardness;
+use gfmd_input::lower::LowerArgs;
+use gfmd_input::session::Session;
+use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::{Kinds, Options};
 
 /// The options of a contact, whatever its loads: what is pressed on what, and how it is solved. The program and Python

@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 use gfmd_contact::{Visit, Watch};
 
 use crate::convergence::History;
-use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::resume::UnfinishedRun;
-use crate::session::Session;
 use crate::trace::Tracer;
+use gfmd_input::failure::Failure;
+use gfmd_input::session::Session;
 
 /// Watcher of one part: progress, history, interruption, and copies of the solve.
 pub struct Watching<'a, 'k> {

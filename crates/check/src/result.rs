@@ -15,7 +15,6 @@ pub use comparison::{Comparison, printable};
 pub use configuration::{Configuration, FILES};
 pub use folder::Folder;
 pub use pair::{Against, Pair, layout};
-pub(crate) use surface::stored_unit;
 pub use surface::{compare_heights, regenerated, repeated_problem, stored_problem};
 
 /// Largest residual of a law on a patch, as computed from the fields of a file, divided by the solve tolerance. A file

@@ -112,6 +112,6 @@ pub fn is_stored(reader: &Reader) -> bool {
 }
 
 /// Returns the key of the lower surface in a file, and the name to read it from there.
-pub(crate) fn stored_lower(reader: &Reader) -> Option<(&'static str, String)> {
+pub fn stored_lower(reader: &Reader) -> Option<(&'static str, String)> {
     is_stored(reader).then(|| ("lower_surface", format!("{}:{HEIGHT}", reader.path().display())))
 }

@@ -6,8 +6,8 @@ use gfmd_files::Reader;
 use gfmd_problem::Facts;
 use gfmd_record::{Record, State, columns, reason_of};
 
-use super::SeriesLayout;
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
+use gfmd_run::series::SeriesLayout;
 
 /// Reads the records of all parts of a file. Missing numbers are NaN.
 ///

@@ -9,7 +9,7 @@ use super::ResultKind;
 use super::comparison::Comparison;
 use super::folder::Folder;
 use super::trust::{Coverage, Row, row_of};
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Largest depth of nested groups. Results have one level; a group of a file may contain itself.
 const DEEPEST: usize = 4;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 
 /// Folder for a file that is only compared. It is removed when the value is dropped.
 pub struct Folder(tempfile::TempDir);

@@ -10,8 +10,8 @@ use gfmd_record::{COLUMNS, Column, Origin, Record, StateContext};
 use gfmd_sweep::{Example, Plan, Pressed};
 use ndarray::Array2;
 
-use crate::failure::Failure;
 use crate::result::Comparison;
+use gfmd_input::failure::Failure;
 
 /// Returns the columns of a run: the columns of a hard wall without numbers that a sweep does not measure or that
 /// differ between identical runs.

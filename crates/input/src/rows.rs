@@ -15,7 +15,7 @@ fn height(columns: usize) -> usize {
 }
 
 /// Distributes the rows of a field of the first process; the other processes give `None`.
-pub(crate) fn handed_out(share: &Share, whole: Option<&Array2<f64>>, columns: usize) -> Array2<f64> {
+pub fn handed_out(share: &Share, whole: Option<&Array2<f64>>, columns: usize) -> Array2<f64> {
     let whole = whole.map(|whole| contiguous(whole)).unwrap_or_default();
     let own = share.from_first(&whole, columns, height(columns));
     Array2::from_shape_vec((own.len() / columns, columns), own).expect("rows are whole")

@@ -8,9 +8,9 @@ use gfmd_problem::{AnyState, GridError, Posed, Task};
 use gfmd_record::{Column, Measured, Origin, Record, StateContext, arrays};
 use ndarray::{Array2, ArrayRef2};
 
-use super::{Chosen, Prepared, SeriesLayout};
-use crate::failure::Failure;
 use crate::result::{Comparison, RESIDUAL_OF_A_PATCH};
+use gfmd_input::failure::Failure;
+use gfmd_run::series::{Chosen, Prepared, SeriesLayout};
 
 /// Allowed relative difference of the numbers of a law on a patch, divided by the solve tolerance.
 pub(crate) const OF_A_PATCH: f64 = 100.0;
@@ -40,7 +40,7 @@ impl<'a> Stored<'a> {
         contact: &'a Posed,
         tolerance: f64,
     ) -> Result<Self, Failure> {
-        let records = super::records_of(reader, &prepared.facts)?;
+        let records = crate::stored::records_of(reader, &prepared.facts)?;
         Ok(Self { reader, prepared, contact, tolerance, records })
     }
 

@@ -8,12 +8,12 @@ use toml::Table;
 
 use super::comparison::Comparison;
 use super::configuration::Configuration;
-use crate::base::{BaseArgs, stored_base};
-use crate::failure::Failure;
-use crate::hardness::stored_hardness;
-use crate::lower::{LowerArgs, stored_lower};
-use crate::session::Session;
-use crate::source::{SourceArgs, Surface};
+use gfmd_input::base::{BaseArgs, stored_base};
+use gfmd_input::failure::Failure;
+use gfmd_input::hardness::stored_hardness;
+use gfmd_input::lower::{LowerArgs, stored_lower};
+use gfmd_input::session::Session;
+use gfmd_input::source::{SourceArgs, Surface};
 use gfmd_problem::options::flags::keys;
 
 /// Compares the heights of a result with their checksum.
@@ -73,11 +73,6 @@ fn stored_fields(reader: &Reader, config: &Configuration) -> Result<Table, Failu
         return Err(Failure::input("config of the file", format!("it names the field {path}, which is missing")));
     }
     Ok(base.into_iter().chain(lower).chain(hardness).map(|(key, name)| (key.into(), name.into())).collect())
-}
-
-/// Returns the unit of the heights of a group, as the file has it; `None` for any consistent unit.
-pub(crate) fn stored_unit(reader: &Reader, group: &str) -> Option<String> {
-    reader.text(&format!("{group}/height"), "units").ok().filter(|unit| unit != "length")
 }
 
 /// Returns true if the heights of a result were generated without any file.

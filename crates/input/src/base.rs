@@ -162,7 +162,7 @@ impl MovedBase {
     }
 
     /// Distributes the rows of the base that the first process has read; the other processes give `None`.
-    pub(crate) fn handed_out(base: Option<Self>, grid: &Grid, share: &Share) -> Self {
+    pub fn handed_out(base: Option<Self>, grid: &Grid, share: &Share) -> Self {
         let lift = rows::handed_out(share, base.as_ref().map(|base| &base.lift), grid.points()[1]);
         let nothing = || Self {
             kind: Prescribed::Displacement,
@@ -174,7 +174,7 @@ impl MovedBase {
 }
 
 /// Returns the key of the base in a file, and the name to read it from there.
-pub(crate) fn stored_base(reader: &Reader) -> Option<(&'static str, String)> {
+pub fn stored_base(reader: &Reader) -> Option<(&'static str, String)> {
     let found = BaseArgs::NAMES.into_iter().zip(STORED).find(|(_, (.., path))| reader.contains(path));
     found.map(|(key, (.., path))| (key, format!("{}:{path}", reader.path().display())))
 }

@@ -70,7 +70,7 @@ impl Session {
     ///
     /// # Errors
     /// Returns an error, at all processes, if more memory is needed than available.
-    pub(crate) fn fits(&self, need: MemoryNeed, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+    pub fn fits(&self, need: MemoryNeed, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
         let there = if self.is_embedded { 8 * heights.len() as u64 } else { memory::resident(self.processes()) };
         self.agree(memory::fits_with(there, need, "the grid", grid.points(), self.processes()))
     }

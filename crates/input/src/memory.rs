@@ -41,7 +41,7 @@ pub fn fits(need: MemoryNeed, name: impl Into<Words>, points: [usize; 2]) -> Res
 ///
 /// # Errors
 /// Returns an error if more memory is needed than available.
-pub(crate) fn fits_shared(
+pub fn fits_shared(
     need: MemoryNeed,
     name: impl Into<Words>,
     points: [usize; 2],
@@ -52,7 +52,7 @@ pub(crate) fn fits_shared(
 
 /// Returns the resident memory of these processes on this machine, in bytes: the rest of a problem, and freed memory
 /// that the allocator keeps.
-pub(crate) fn resident(processes: Processes) -> u64 {
+pub fn resident(processes: Processes) -> u64 {
     own_size(RESIDENT).unwrap_or(0).saturating_mul(processes.here as u64)
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn resident(processes: Processes) -> u64 {
 ///
 /// # Errors
 /// Returns an error if more memory is needed than available.
-pub(crate) fn fits_with(
+pub fn fits_with(
     there: u64,
     need: MemoryNeed,
     name: impl Into<Words>,
@@ -105,7 +105,7 @@ fn check(name: impl Into<Words>, what: &str, needed: u64, held: u64) -> Result<(
 
 /// Returns the memory that a computation may use, in bytes: the memory of the machine, less if the process or its
 /// control group has a limit; `None` if the system does not report it.
-pub(crate) fn available_bytes() -> Option<u64> {
+pub fn available_bytes() -> Option<u64> {
     [of_machine(), of_control_group(), of_process()].into_iter().flatten().min()
 }
 

@@ -79,7 +79,7 @@ impl Source {
 pub fn units_of_result(reader: &Reader) -> Option<Units> {
     let config: Table = reader.text("/", "config").ok()?.parse().ok()?;
     let stress = config.get(STRESS_UNIT).and_then(Value::as_str);
-    let length = crate::result::stored_unit(reader, "/surface");
+    let length = crate::source::stored_unit(reader, "/surface");
     Some(Units::new(length.as_deref(), stress))
 }
 

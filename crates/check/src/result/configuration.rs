@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use super::ResultKind;
-use crate::failure::Failure;
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::flags::{self, keys, line};
 use gfmd_problem::options::given::ArrayOption;
 

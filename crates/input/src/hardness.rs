@@ -83,7 +83,7 @@ impl GivenHardness {
 }
 
 /// Distributes the rows of the hardness of the first process; for a field the other processes give `None`.
-pub(crate) fn handed_out(hardness: Option<Hardness>, grid: &Grid, share: &Share) -> Hardness {
+pub fn handed_out(hardness: Option<Hardness>, grid: &Grid, share: &Share) -> Hardness {
     match share.first(
         hardness.as_ref().map(|hardness| if let Hardness::Uniform(value) = hardness { *value } else { f64::NAN }),
     ) {
@@ -136,6 +136,6 @@ pub fn of_result(reader: &Reader, config: &toml::Table, grid: &Grid) -> Option<H
 }
 
 /// Returns the key of the hardness field in a file, and the name to read it from there.
-pub(crate) fn stored_hardness(reader: &Reader) -> Option<(&'static str, String)> {
+pub fn stored_hardness(reader: &Reader) -> Option<(&'static str, String)> {
     reader.contains(STORED).then(|| ("hardness", format!("{}:{STORED}", reader.path().display())))
 }

@@ -3,8 +3,8 @@
 use std::fmt::{self, Display};
 
 use gfmd_contact::{Fields, Refusal, SolveError};
-use gfmd_files::FileError;
 use gfmd_files::legible::line;
+use gfmd_files::{FileError, JournalError};
 use gfmd_plot::PlotError;
 use gfmd_problem::{Clash, Spelling, Unusable, Words, key, setting, words};
 use gfmd_sweep::SweepError;
@@ -65,7 +65,7 @@ impl Failure {
     }
 
     /// Returns the failure of a problem that cannot be posed on the surface with this name.
-    pub(crate) fn posing(refusal: Refusal, surface: impl Into<Words>) -> Self {
+    pub fn posing(refusal: Refusal, surface: impl Into<Words>) -> Self {
         let name = match refusal {
             Refusal::Body(_) => setting("boundary", "free"),
             Refusal::Hardness { .. } | Refusal::HardnessShape { .. } => key("hardness"),
@@ -209,6 +209,16 @@ impl From<FileError> for Failure {
         match error {
             FileError::Memory { .. } => Self::refused(error.to_string()),
             _ => Self::computation(error.to_string()),
+        }
+    }
+}
+
+impl From<JournalError> for Failure {
+    /// A journal that cannot be written or read is a failed computation; one of another run is unusable input.
+    fn from(error: JournalError) -> Self {
+        match error {
+            JournalError::Io { .. } => Self::computation(error.to_string()),
+            error => Self::refused(error.to_string()),
         }
     }
 }

@@ -5,8 +5,8 @@ use gfmd_files::{Archive, Dimension, Reader, Variable};
 use gfmd_record::{Along, STATISTICS, Statistic, Statistics};
 use gfmd_unit::Units;
 
-use crate::failure::Failure;
 use crate::result::Comparison;
+use gfmd_input::failure::Failure;
 
 /// Joins the values of all loads; empty if a load has none, except for patches.
 fn joined(statistic: &Statistic, loads: &[Statistics]) -> Vec<f64> {

@@ -5,7 +5,7 @@ pub mod scan;
 use clap::{Args, ValueEnum};
 use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
-use gfmd_files::{Archive, Checksum, Dimension, Variable, contiguous, split_dataset};
+use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, contiguous, split_dataset};
 use gfmd_surface::{
     Fill, Interpolation, Moments, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer,
 };
@@ -289,7 +289,7 @@ impl Surface {
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
-    pub(crate) fn write_as(
+    pub fn write_as(
         &self,
         archive: &mut Archive,
         group: &str,
@@ -306,7 +306,7 @@ impl Surface {
     ///
     /// # Errors
     /// Returns an error, at the first process, if the file cannot be written.
-    pub(crate) fn write_shared(&self, mut archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
+    pub fn write_shared(&self, mut archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
         let height = Variable { dimensions: &axes, units: self.unit(), long_name: LONG_NAME };
         let path = format!("{GROUP}/height");
         let defined = archive.as_mut().map_or(Ok(()), |archive| archive.define_rows(&path, &height));
@@ -368,6 +368,11 @@ impl Surface {
             second: self.second.clone(),
         })
     }
+}
+
+/// Returns the unit of the heights of a group, as the file has it; `None` for any consistent unit.
+pub fn stored_unit(reader: &Reader, group: &str) -> Option<String> {
+    reader.text(&format!("{group}/height"), "units").ok().filter(|unit| unit != "length")
 }
 
 /// Group of the surface in a file.

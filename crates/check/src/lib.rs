@@ -1,0 +1,12 @@
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
+//!
+//! [`result`](mod@result) reads the problem of a file and compares numbers; [`series`] recomputes the states of
+//! `contact`, `path` and `wear`, [`sweep`] the contacts of a sweep, [`statistics`] their distributions.
+#![warn(missing_docs)]
+
+pub mod result;
+pub mod series;
+pub mod statistics;
+pub mod stored;
+pub mod sweep;
