@@ -1,8 +1,8 @@
 //! [docs]: crate
 #![doc = include_str!("../README.md")]
 //!
-//! [`source`], [`base`], [`lower`] and [`hardness`] read the arrays that options name. [`units`] replaces quantities with
-//! a unit by bare numbers. A [`Session`](session::Session) handles interruptions, collects warnings and knows the
+//! [`source`], [`base`], [`lower`] and [`hardness`] read the arrays that options name. [`units`] replaces quantities
+//! with a unit by bare numbers. A [`Session`](session::Session) handles interruptions, collects warnings and knows the
 //! processes that compute together; a [`Failure`](failure::Failure) says why a command fails, and its exit status.
 //! Nothing here prints, parses the command line or ends the process.
 #![warn(missing_docs)]
