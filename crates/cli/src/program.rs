@@ -142,7 +142,7 @@ fn together<C: Subcommand + Sync>(
 ///
 /// # Errors
 /// Returns an error for words that no option has, outputs that are inputs, and quantities that cannot be used.
-pub fn plain_words(command: &clap::Command, words: &[String]) -> Result<Vec<String>, Failure> {
+fn plain_words(command: &clap::Command, words: &[String]) -> Result<Vec<String>, Failure> {
     let words = guess::understood(command, words)?;
     inputs::stay(&words)?;
     let sub = words.iter().find_map(|word| command.find_subcommand(word.text()));

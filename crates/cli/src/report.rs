@@ -56,6 +56,14 @@ pub fn figures(file: &Path, session: &Session) -> Result<Vec<(String, String)>, 
     Ok(page_of(&reader, kind, session)?.into_figures())
 }
 
+/// Writes the page about a result.
+///
+/// # Errors
+/// Fails like [`run`].
+pub fn write_page(file: &Path, out: &Path, session: &Session) -> Result<Report, Failure> {
+    run(&Args { file: file.to_owned(), out: Some(out.to_owned()) }, session)
+}
+
 /// Opens a result file that is not damaged; returns its kind, and true if its checksum holds (`None` without one).
 fn opened(file: &Path, session: &Session) -> Result<(Reader, ResultKind, Option<bool>), Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;

@@ -7,9 +7,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use clap::{CommandFactory as _, Parser};
 use gfmd_cli::inputs::stay_in;
-use gfmd_cli::program::{Command, plain_words, status, tune_allocator};
+use gfmd_cli::program::{Command, status, tune_allocator};
 use gfmd_files::{Draft, Memory, Output};
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
@@ -182,24 +181,14 @@ fn entry(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
 }
 
-/// Runs the command line `words` in this process without a terminal and returns its report as JSON.
+/// Writes the report page for a result file.
 #[pyfunction]
-pub(crate) fn report_of(py: Python<'_>, words: Vec<String>) -> PyResult<String> {
-    #[derive(Parser)]
-    #[command(no_binary_name = true)]
-    struct Line {
-        #[command(subcommand)]
-        command: Command,
-    }
-    let words = plain_words(&Line::command(), &words).map_err(|failure| unusable(py, failure))?;
-    let line = Line::try_parse_from(words).map_err(|error| refused(py, &error))?;
-    let done = quick(py, || {
-        let session = Session::embedded();
-        let Outcome { report, failure } = line.command.outcome(&session)?;
-        failure.map_or(Ok(()), Err)?;
-        report.json(&session)
-    })?;
-    done.map_err(|failure| failed(py, failure))
+pub(crate) fn write_page(py: Python<'_>, path: &str, page: &str) -> PyResult<()> {
+    let files: toml::Table =
+        [("file".to_owned(), Value::from(path)), ("out".to_owned(), page.into())].into_iter().collect();
+    stay_in(&files).map_err(|failure| unusable(py, failure))?;
+    let written = quick(py, || gfmd_cli::report::write_page(Path::new(path), Path::new(page), &Session::embedded()))?;
+    written.map(|_| ()).map_err(|failure| failed(py, failure))
 }
 
 /// Returns the figures of the report page for a result file as SVG, by name.

@@ -15,7 +15,7 @@ mod worker;
 #[pymodule]
 mod _gfmd {
     #[pymodule_export]
-    use crate::command::{FileDraft, figures, program, report_of, solve, write_file};
+    use crate::command::{FileDraft, figures, program, solve, write_file, write_page};
     #[pymodule_export]
     use crate::contact::{Problem, State, adhesion, check_compliance, check_law, conductance, law_traction, options};
     #[pymodule_export]

@@ -205,7 +205,7 @@ def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
         f"contact --surface {tmp_path}/h.npy --unit um --size 50 --young 70GPa --poisson 0.3 --pressure 100MPa"
         f" --statistics --flow --out {tmp_path}/c.h5"
     )
-    gfmd._gfmd.report_of(words.split())
+    assert gfmd._gfmd.program(["gfmd", *words.split(), "-q"]) == 0
     patches, distributions, flow = pressed.patches(), pressed.distributions(), pressed.flow()
     with h5py.File(tmp_path / "c.h5") as file:
         for name in ("area", "perimeter", "force", "x", "y"):
@@ -238,7 +238,8 @@ def test_a_reason_stands_where_a_number_is_none():
 def test_the_spectrum_is_that_of_the_program(scan, tmp_path):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", scan.heights)
-    gfmd._gfmd.report_of(f"surface --surface {tmp_path}/h.npy --size 50 --window hann --out {tmp_path}/s.h5".split())
+    words = f"gfmd surface --surface {tmp_path}/h.npy --size 50 --window hann --out {tmp_path}/s.h5 -q"
+    assert gfmd._gfmd.program(words.split()) == 0
     spectrum = scan.psd(window="hann")
     with h5py.File(tmp_path / "s.h5") as file:
         assert np.array_equal(file["spectrum/density"], spectrum.density)

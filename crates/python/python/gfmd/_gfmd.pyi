@@ -35,7 +35,6 @@ __all__ = [
     "read_records",
     "read_text",
     "readable",
-    "report_of",
     "save",
     "self_affine",
     "solve",
@@ -44,6 +43,7 @@ __all__ = [
     "texture",
     "unit_name",
     "write_file",
+    "write_page",
     "with_limit",
 ]
 VERSION: str
@@ -151,7 +151,7 @@ def solve(
 def write_file(path: str, contents: bytes) -> None: ...
 def figures(path: str) -> list[tuple[str, str]]: ...
 def program(words: list[str]) -> int: ...
-def report_of(words: list[str]) -> str: ...
+def write_page(path: str, page: str) -> None: ...
 def save(
     path: str,
     problem: dict[str, Any],

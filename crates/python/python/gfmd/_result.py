@@ -108,7 +108,7 @@ class Result:
         """
         page = _check.path("path", path)
         with self._stored() as file:
-            _gfmd.report_of(["report", file, "--out", page])
+            _gfmd.write_page(file, page)
 
     def figures(self) -> dict[str, str]:
         """Returns the figures of the page as SVG, by name and in the order of the page. Notebooks show them.
