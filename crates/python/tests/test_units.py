@@ -198,14 +198,14 @@ def test_flow_and_conductance_in_si(scan, pressed):
         pressed.flow().rate
 
 
-def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path):
+def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path, run_program):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", pressed.surface.heights)
     words = (
         f"contact --surface {tmp_path}/h.npy --unit um --size 50 --young 70GPa --poisson 0.3 --pressure 100MPa"
         f" --statistics --flow --out {tmp_path}/c.h5"
     )
-    assert gfmd._gfmd.program(["gfmd", *words.split(), "-q"]) == 0
+    run_program(*words.split())
     patches, distributions, flow = pressed.patches(), pressed.distributions(), pressed.flow()
     with h5py.File(tmp_path / "c.h5") as file:
         for name in ("area", "perimeter", "force", "x", "y"):
@@ -235,11 +235,12 @@ def test_a_reason_stands_where_a_number_is_none():
         full.reason("stifness")
 
 
-def test_the_spectrum_is_that_of_the_program(scan, tmp_path):
+def test_the_spectrum_is_that_of_the_program(scan, tmp_path, run_program):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", scan.heights)
-    words = f"gfmd surface --surface {tmp_path}/h.npy --size 50 --window hann --out {tmp_path}/s.h5 -q"
-    assert gfmd._gfmd.program(words.split()) == 0
+    run_program(
+        "surface", "--surface", f"{tmp_path}/h.npy", *"--size 50 --window hann --out".split(), f"{tmp_path}/s.h5"
+    )
     spectrum = scan.psd(window="hann")
     with h5py.File(tmp_path / "s.h5") as file:
         assert np.array_equal(file["spectrum/density"], spectrum.density)
