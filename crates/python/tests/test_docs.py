@@ -13,7 +13,8 @@ import gfmd
 import numpy as np
 import pytest
 from gfmd._columns import LowerFace, Patches, States, Steps
-from gfmd._options import ContactOptions, InteriorOptions, PathOptions
+from gfmd._options import ContactOptions, PathOptions
+from gfmd._options_inside import InteriorOptions
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)

@@ -279,7 +279,10 @@ fn without(keys: Vec<String>, elsewhere: &[Vec<String>], further: &[&str]) -> Ve
     keys.into_iter().filter(|key| !is_elsewhere(key) && !further.contains(&&**key)).collect()
 }
 
-const TYPES_HEAD: &str = r#""""Types of the options that functions pass on, as keyword arguments.
+/// Returns the head of a file of types that imports these names.
+fn head_of_types(typing: &str, imports: &str) -> String {
+    format!(
+        r#""""Types of the options that functions pass on, as keyword arguments.
 
 Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`.
 """
@@ -288,9 +291,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, Optional, TypedDict
+from typing import {typing}
 
-import numpy.typing as npt
+{imports}"#
+    )
+}
+
+/// Imports of the options of a contact; a contact imports its results, whose options are apart.
+const OF_CONTACTS: &str = "import numpy.typing as npt
 
 from ._check import Quantity
 
@@ -298,7 +306,7 @@ if TYPE_CHECKING:
     from ._body import Law
     from ._contact import Contact
     from ._surface import Surface
-"#;
+";
 
 #[test]
 fn python_has_the_types_of_the_options() {
@@ -340,6 +348,10 @@ fn python_has_the_types_of_the_options() {
             takes_none: false,
         },
     ];
-    let text = classes.iter().map(|class| class.text(&program)).collect::<String>();
-    compare("crates/python/python/gfmd/_options.py", &(TYPES_HEAD.to_owned() + &text));
+    let text = |classes: &[Class]| classes.iter().map(|class| class.text(&program)).collect::<String>();
+    let (of_contacts, inside) = classes.split_at(2);
+    let head = head_of_types("TYPE_CHECKING, Literal, Optional, TypedDict", OF_CONTACTS);
+    compare("crates/python/python/gfmd/_options.py", &(head + &text(of_contacts)));
+    let head = head_of_types("Literal, Optional, TypedDict", "from ._check import Quantity\n");
+    compare("crates/python/python/gfmd/_options_inside.py", &(head + &text(inside)));
 }

@@ -25,7 +25,7 @@ from ._units import attributes, known, label
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._options import InteriorOptions
+    from ._options_inside import InteriorOptions
 
 _QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density")
 

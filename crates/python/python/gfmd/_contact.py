@@ -25,7 +25,7 @@ from ._units import Units, known, label, metre
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._options import InteriorOptions
+    from ._options_inside import InteriorOptions
 
 
 class Settings(NamedTuple):

@@ -78,14 +78,3 @@ class PathOptions(TypedDict, total=False):
     energy_tolerance: float
     energy_solves: Optional[int]
     threads: Optional[int]
-
-
-class InteriorOptions(TypedDict, total=False):
-    """Arguments of `interior` beside the depths."""
-
-    levels: Optional[int]
-    deepest: Optional[Quantity]
-    along: Optional[str]
-    quantities: Sequence[Literal["displacement", "strain", "stress", "von-mises", "energy-density"]]
-    out: Optional[str | os.PathLike[str]]
-    threads: Optional[int]
