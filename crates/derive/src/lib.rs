@@ -32,7 +32,7 @@ pub fn derive_options(input: proc_macro::TokenStream) -> proc_macro::TokenStream
     expand(&input).unwrap_or_else(|error| error.to_compile_error()).into()
 }
 
-/// What the attributes of a field say.
+/// Default, kinds and form of a field, from its attributes.
 #[derive(Default)]
 struct Described {
     default: Option<Expr>,

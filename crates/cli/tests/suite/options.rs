@@ -273,7 +273,7 @@ impl Class {
     }
 }
 
-/// Returns keys, without those of other groups and further ones, that Python has elsewhere.
+/// Returns the keys that Python has as options: not in other groups, and not in `further`.
 fn without(keys: Vec<String>, elsewhere: &[Vec<String>], further: &[&str]) -> Vec<String> {
     let is_elsewhere = |key: &String| elsewhere.iter().flatten().any(|other| other == key);
     keys.into_iter().filter(|key| !is_elsewhere(key) && !further.contains(&&**key)).collect()
