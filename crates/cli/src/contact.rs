@@ -253,7 +253,7 @@ impl Loads {
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
         let contact = prepared.pose_with_warnings(&args.problem.asked()?, session)?;
-        prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.tolerance)?;
+        prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.search.tolerance)?;
         prepared.warn_about_drives(drives, args.control.option(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
         let config = toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))?;
@@ -289,7 +289,7 @@ impl Loads {
             prepared,
             session,
             drives,
-            tolerance: args.problem.solver.tolerance,
+            tolerance: args.problem.solver.search.tolerance,
             places: Places::Every(1),
             chosen: args.fields.clone().unwrap_or_default(),
             ends_with_file: !args.flow_threshold,
@@ -303,7 +303,7 @@ impl Loads {
         let finer = finer.collect::<Result<_, Failure>>()?;
         let mut measuring =
             Measuring { loads: self, contact, args, session, finer, gathered: Gathered::default(), trace: None };
-        let mut path = Path::new(contact, args.problem.solver.budget(), None).solver(args.problem.solver.solver);
+        let mut path = Path::new(contact, args.problem.solver.search.budget(), None).solver(args.problem.solver.solver);
         let mut stop = session.stop();
         let outcome = series.run(
             &mut path,

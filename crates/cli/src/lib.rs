@@ -36,7 +36,6 @@ pub mod program;
 pub mod progress;
 pub mod punch;
 pub mod report;
-mod search;
 pub mod session;
 pub mod slide;
 pub mod surface;

@@ -8,7 +8,6 @@ use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Variable, axes};
 use gfmd_green::{Body, Height};
 use gfmd_mixed::{Edge, FlatPunch, Method, MixedError, MixedProblem, MixedSolution, Prescribed};
-use gfmd_relax::Budget;
 use gfmd_response::Components;
 use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
@@ -21,7 +20,7 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::values::{up_to, within};
 use gfmd_problem::options::{BodyArgs, OtherArgs, height_if, parse_height};
-use gfmd_problem::options::{DampedBy, DynamicsArgs};
+use gfmd_problem::options::{DampedBy, DynamicsArgs, SearchArgs};
 use gfmd_problem::{check_size, key, setting, words};
 use gfmd_record::{PunchContext, PunchFacts, Record};
 use gfmd_report::figures::parse_prefix;
@@ -152,19 +151,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     trace: TraceArgs,
-    /// Largest residual of a converged state
-    #[arg(
-        long,
-        alias = "tol",
-        default_value_t = 1e-8,
-        value_name = "TOL",
-        allow_negative_numbers = true,
-        help_heading = "Solver"
-    )]
-    tolerance: f64,
-    /// Largest number of iterations, or time steps
-    #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N", help_heading = "Solver")]
-    max_iterations: u64,
+    #[command(flatten)]
+    #[serde(flatten)]
+    search: SearchArgs,
     /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
     #[arg(
         long,
@@ -247,10 +236,6 @@ impl Args {
             }
         })
     }
-
-    fn budget(&self) -> Budget {
-        Budget { tolerance: self.tolerance, max_iterations: self.max_iterations }
-    }
 }
 
 /// The ratio of the depth to the width of the punch, or to the height of the slab, above which strain is not small.
@@ -280,7 +265,7 @@ struct Prepared {
 
 impl Prepared {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
-        args.budget().check().map_err(|error| Failure::input(key("tolerance"), error))?;
+        args.search.budget().check().map_err(|error| Failure::input(key("tolerance"), error))?;
         args.method()?;
         for (option, given) in [("mask", &args.mask), ("traction", &args.traction)] {
             if let (Some(name), true) = (given, args.refine > 1) {
@@ -393,7 +378,7 @@ impl Prepared {
         let tracer = args.trace.tracer(grid, Components::of(grid).axes())?;
         let mut watch = Watching::new(format!("n = {n}"), progress, session).with(tracer, None);
         let mut not_converged = None;
-        let solved = problem.solve(args.method()?, &args.budget(), &mut watch);
+        let solved = problem.solve(args.method()?, &args.search.budget(), &mut watch);
         let Watching { history, tracer, .. } = watch;
         let (solution, failure) = match solved {
             Ok(solution) => (solution, None),
@@ -475,7 +460,7 @@ impl Prepared {
             widths: [args.punch_fraction * args.size, self.punch.effective_width(grid)],
             depth: args.depth,
             contact_nodes: points.iter().filter(|under| **under).count(),
-            tolerance: args.tolerance,
+            tolerance: args.search.tolerance,
             seconds,
         };
         Report {

@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::loads::LoadArgs;
 use crate::progress::Progress;
-use crate::search::SearchArgs;
+use gfmd_problem::options::SearchArgs;
 
 use self::file::{StatesFile, fields};
 use self::heat::{HeatArgs, Source};
@@ -43,7 +43,6 @@ use gfmd_problem::options::{Kinds, Options};
 /// Flags of `slide`.
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
-#[command(mut_arg("max_iterations", |arg| arg.help("Largest number of iterations for one state")))]
 #[command(after_help = "Examples:
   gfmd slide --n 256 --prony 1e-3:0.3,1e-1:0.3,10:0.3 --p-star 0.05 --velocity 1e-3:1e4:15 --plots rubber
   gfmd slide --n 128 --height 0.2 --poisson 0.48 --relaxes shear --prony 0.1:0.8 --pressure 0.01,0.05 --velocity 1 \

@@ -23,7 +23,7 @@ pub use generator::{GeneratorArgs, LARGEST_SEED, Method};
 pub use law::LawArgs;
 pub use prony::{PronyArgs, Relaxation};
 pub use quantities::{Kinds, KindsByKey};
-pub use solver::SolverArgs;
+pub use solver::{SearchArgs, SolverArgs};
 
 pub use gfmd_derive::Options;
 

@@ -213,7 +213,7 @@ impl Problem {
         .into();
         let (solved, raised) = run(py, threads, tick.as_ref(), |shared| {
             let mut watch = |now: &Progress| shared.see(now.iteration, now.residual);
-            let tolerance = args.solver.tolerance;
+            let tolerance = args.solver.search.tolerance;
             check_drive(contact, drive, key(control), tolerance)?;
             let mut finer = finer.lock().unwrap_or_else(PoisonError::into_inner);
             if !finer.is_empty() {

@@ -47,7 +47,7 @@ impl Checked for Args {
             comparison.differ("/lower/height", "its checksum does not hold".into());
         }
         let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
-        let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.tolerance)?;
+        let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.search.tolerance)?;
         let (count, asked) = (stored.count(), loads.drives.len());
         if count != asked {
             comparison.differ("/loads/mean_pressure", format!("it has {count} loads; the configuration has {asked}"));

@@ -55,7 +55,7 @@ pub fn measure(
     }
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
     let stiffness = stiffness(contact, state, args.problem.stiffness_tolerance, &mut warn).map_err(Into::into);
-    let at = StateContext { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.tolerance) };
+    let at = StateContext { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.search.tolerance) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
     let findings = Findings::of(args, (&prepared.surface, &conducting), [repulsion, gap], &at, |_, text| warn(text))?;

@@ -122,7 +122,7 @@ impl Loads {
     ) -> Result<Sample, Failure> {
         let Prepared { facts, surface, .. } = &self.prepared;
         let load = if facts.approach { Load::Approach(asked) } else { Load::MeanPressure(asked) };
-        let budget = args.problem.solver.budget();
+        let budget = args.problem.solver.search.budget();
         let place = format!("flow threshold, load {asked:e}");
         let mut watch = Watching::new(place.clone(), progress, session);
         let press = contact.press(load).solver(args.problem.solver.solver).budget(budget).starting_from(last.as_ref());

@@ -10,8 +10,8 @@ use gfmd_problem::{Facts, GridError, Task};
 use gfmd_run::resume::ResumeArgs;
 use serde::{Deserialize, Serialize};
 
-use crate::search::SearchArgs;
 use gfmd_problem::options::Options;
+use gfmd_problem::options::SearchArgs;
 
 /// Flags of the surroundings of a path, and of the numbers of its steps.
 #[derive(ClapArgs, Options, Clone, Copy, Debug, Serialize, Deserialize)]

@@ -44,7 +44,7 @@ impl Checked for Args {
             let floor = if column.origin == Origin::Residual { 1e-3 } else { 0.0 };
             comparison.number(&path, stored, cell.number(), floor);
             if column.name == "converged" && stored == 1.0 {
-                comparison.at_most("residual", report.numbers.number("residual"), args.tolerance);
+                comparison.at_most("residual", report.numbers.number("residual"), args.search.tolerance);
             }
         }
         checking.layout(comparison, |output| prepared.write(output, &args, session, &report, &solution))

@@ -102,7 +102,7 @@ impl Finer {
             Some(failure) => Err(failure.at(format!("the grid of {nx} x {ny} points"))),
             None => {
                 let state = self.last.insert(state);
-                let at = resolved(&self.prepared, state, self.args.solver.tolerance);
+                let at = resolved(&self.prepared, state, self.args.solver.search.tolerance);
                 Ok((state, &self.prepared.surface, at.stiff(&self.contact, self.args.stiffness_tolerance)))
             }
         }

@@ -164,7 +164,7 @@ impl ContactArgs {
             dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
             solver: self.solver.solver,
             once: true,
-            ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.solver.budget())
+            ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.solver.search.budget())
         })
     }
 
@@ -241,6 +241,6 @@ impl ContactArgs {
 
     /// Returns a solve of the contact under a drive, by the requested method.
     pub fn press<'a>(&self, contact: &'a Posed, drive: Drive) -> Press<'a, Posed> {
-        contact.press(drive).solver(self.solver.solver).budget(self.solver.budget())
+        contact.press(drive).solver(self.solver.solver).budget(self.solver.search.budget())
     }
 }
