@@ -6,7 +6,8 @@ use gfmd_problem::options::{KindsByKey, add_kinds};
 
 use crate::{body, contact, green, law, path, punch, slide, surface, theory, wear};
 
-/// Returns the kinds of the numbers of all options, by key. Options of one key have the same kinds in all commands.
+/// Returns the kinds of the numbers of all options, by key. Options with the same key have the same kinds in all
+/// commands.
 pub fn kinds() -> &'static KindsByKey {
     static ALL: OnceLock<KindsByKey> = OnceLock::new();
     ALL.get_or_init(|| {
@@ -23,4 +24,31 @@ pub fn kinds() -> &'static KindsByKey {
         add_kinds::<theory::Args>(&mut all);
         all
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use gfmd_problem::options::{Kinds, Options};
+
+    use super::*;
+
+    #[test]
+    fn options_with_the_same_key_have_the_same_kinds() {
+        let mut seen: Vec<(&str, Kinds)> = Vec::new();
+        let mut see = |key, kinds| seen.push((key, kinds));
+        contact::Args::kinds(&mut see);
+        punch::Args::kinds(&mut see);
+        body::Args::kinds(&mut see);
+        surface::Args::kinds(&mut see);
+        green::Args::kinds(&mut see);
+        path::Args::kinds(&mut see);
+        slide::Args::kinds(&mut see);
+        wear::Args::kinds(&mut see);
+        law::Args::kinds(&mut see);
+        theory::Args::kinds(&mut see);
+        assert!(seen.len() > kinds().len(), "commands share options");
+        for (key, found) in seen {
+            assert_eq!(kinds()[key], found, "{key}");
+        }
+    }
 }
