@@ -1150,7 +1150,7 @@ class SurfaceNumbers(Record):
 
     @property
     def sdr(self) -> float:
-        """Without unit: Sdr of ISO 25178: developed area divided by the projected area, less 1."""
+        """Without unit: Sdr of ISO 25178: developed area over that of the plane, less 1."""
 
     @property
     def rms_gradient(self) -> float:

@@ -104,7 +104,7 @@ const COLUMNS: &[Column] = &[
     Column::new("sku", "1", &[(any, "Sku of ISO 25178: kurtosis, 3 of a Gaussian surface")], |at| {
         cell(at.areal.sku, FLAT)
     }),
-    Column::new("sdr", "1", &[(any, "Sdr of ISO 25178: developed area divided by the projected area, less 1")], |at| {
+    Column::new("sdr", "1", &[(any, "Sdr of ISO 25178: developed area over that of the plane, less 1")], |at| {
         at.areal.sdr.into()
     }),
     Column::new(
