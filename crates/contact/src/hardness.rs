@@ -23,6 +23,15 @@ impl Hardness {
         }
     }
 
+    /// Multiplies the hardness by a factor.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        match self {
+            Self::Uniform(hardness) => Self::Uniform(hardness * factor),
+            Self::Field(field) => Self::Field(field * factor),
+        }
+    }
+
     /// Returns the bounds of the pressure on a surface, in `units`; each of several processes gives its rows.
     pub(crate) fn in_units(&self, surface: &RigidSurface, units: &Units) -> Result<Upper, Refusal> {
         let (stress, share) = (units.stress(), surface.share());

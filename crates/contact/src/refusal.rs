@@ -239,21 +239,21 @@ pub enum Refusal {
         /// Coefficient.
         found: f64,
     },
-    /// A hardness is given for surfaces that wear.
-    #[error("a hardness is given; it must be left out with wear")]
-    WearHardness,
+    /// Surfaces wear by their slip, but do not shear each other.
+    #[error("the surfaces wear by their slip; there must be friction, without which slip is not known")]
+    WearBySlip,
     /// Relaxation of the shear modulus alone is not implemented for the body or its boundary.
     #[error("the shear modulus alone relaxes; shear and bulk modulus must relax alike with {with}")]
     ShearAlone {
         /// Part of the body, or its boundary.
         with: &'static str,
     },
-    /// A hardness is given for a viscoelastic body.
-    #[error("a hardness is given; it must be left out with a viscoelastic body")]
-    ViscoelasticHardness,
-    /// All components of the displacement are unknown on a viscoelastic body, which moves in u_z alone.
-    #[error("all components of the displacement are unknown; u_z alone must be, with a viscoelastic body")]
-    ViscoelasticComponents,
+    /// A law moves all components of the displacement of a contact with other parts that need u_z alone.
+    #[error(
+        "the law moves all components of the displacement; it must move u_z alone with friction, a hardness, wear or a \
+         body that relaxes"
+    )]
+    AllComponents,
     /// A state to start from or to certify has the wrong size.
     #[error("the given state has {found} values; it must have {expected}")]
     Start {
@@ -302,6 +302,43 @@ pub enum Refusal {
          longer range of the law, may make it so"
     )]
     Overflow,
+}
+
+impl Refusal {
+    /// Multiplies all lengths and stresses by the given factors.
+    #[must_use]
+    pub fn times(mut self, length: f64, stress: f64) -> Self {
+        let unit = |what: &str| if what == "approach" { length } else { stress };
+        match &mut self {
+            Self::LoadUnderflows { what, found, least }
+            | Self::LoadBelowRoughnessRounding { what, found, least }
+            | Self::Unresolved { what, found, least, .. }
+            | Self::Rounding { what, found, most: least, .. } => {
+                *found *= unit(what);
+                *least *= unit(what);
+            }
+            Self::LoadBelowTractionRounding { found, least, traction } => {
+                [found, least, traction].into_iter().for_each(|number| *number *= stress);
+            }
+            Self::BeyondHardness { found, hardness, .. } => {
+                *found *= stress;
+                *hardness *= stress;
+            }
+            Self::MeanPressure { found } | Self::Hardness { found } => *found *= stress,
+            Self::StartPressure { value, .. } => *value *= stress,
+            Self::Approach { found, limit } => {
+                *found *= length;
+                *limit = limit.map(|limit| limit * length);
+            }
+            Self::Distance { found, least } => {
+                *found *= length;
+                *least *= length;
+            }
+            Self::UnitOutOfRange { found, .. } => *found *= stress,
+            _ => {}
+        }
+        self
+    }
 }
 
 fn approach_text(found: f64, limit: Option<f64>) -> String {

@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use gfmd_field::Grid;
 use gfmd_measure::{Scales, Summary};
-use gfmd_relax::{Ceiling, Upper};
-use gfmd_vector::{Share, add, for_each, lower};
+use gfmd_relax::{Ceiling, Upper, Variables, Visit};
+use gfmd_vector::{Share, add, for_each, lower, with_contiguous};
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
 use crate::refine::Refined;
@@ -140,6 +140,24 @@ impl Fields for Solution {
     }
 }
 
+impl Variables for Solution {
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        let Self { pressure, displacement, gap, mean_pressure, approach, residual, effort, plastic, length_scale, .. } =
+            self;
+        for field in [pressure, displacement, gap] {
+            with_contiguous(field, |field| visitor.field(field));
+        }
+        let Residual { complementarity, penetration, negative_pressure, load } = residual;
+        visitor.numbers(&mut [mean_pressure, approach, complementarity, penetration, negative_pressure, load]);
+        effort.visit(visitor);
+        if let Some(Plastic { depth, fraction, volume, saturation }) = plastic {
+            with_contiguous(depth, |depth| visitor.field(depth));
+            visitor.numbers(&mut [fraction, volume, saturation]);
+        }
+        visitor.number(length_scale);
+    }
+}
+
 impl Refined for Solution {
     fn length_scale(&self) -> f64 {
         self.length_scale
@@ -161,41 +179,32 @@ impl Solution {
 
     /// Converts the solution of a contact in `units` to the units of the input, in which `surface` and E* are given.
     pub(crate) fn out_of(self, units: &Units, surface: &Arc<RigidSurface>, contact_modulus: f64) -> Self {
-        let Self {
-            mut pressure,
-            mut displacement,
-            mut gap,
-            mean_pressure,
-            approach,
-            residual,
-            effort,
-            mut plastic,
-            length_scale,
-            ..
-        } = self;
-        let (length, stress) = (units.length(), units.stress());
-        pressure.mapv_inplace(|p| p * stress);
-        displacement.mapv_inplace(|u| u * length);
-        gap.mapv_inplace(|g| g * length);
-        let (mean_pressure, approach) = (mean_pressure * stress, approach * length);
-        if let Some(plastic) = &mut plastic {
+        self.times(units.length(), units.stress(), surface, contact_modulus)
+    }
+
+    /// Multiplies all lengths and stresses by the given factors; `surface` and E* are in the new units.
+    #[must_use]
+    pub fn times(mut self, length: f64, stress: f64, surface: &Arc<RigidSurface>, contact_modulus: f64) -> Self {
+        self.pressure.mapv_inplace(|p| p * stress);
+        self.displacement.mapv_inplace(|u| u * length);
+        self.gap.mapv_inplace(|g| g * length);
+        if let Some(plastic) = &mut self.plastic {
             plastic.depth.mapv_inplace(|depth| depth * length);
             plastic.volume *= length;
         }
-        let surface = Arc::clone(surface);
         Self {
-            pressure,
-            displacement,
-            gap,
-            mean_pressure,
-            approach,
-            residual,
-            effort,
-            plastic,
-            length_scale: length_scale * length,
-            surface,
+            mean_pressure: self.mean_pressure * stress,
+            approach: self.approach * length,
+            length_scale: self.length_scale * length,
+            surface: Arc::clone(surface),
             contact_modulus,
+            ..self
         }
+    }
+
+    /// Returns the length scale of the residuals.
+    pub fn length_scale(&self) -> f64 {
+        self.length_scale
     }
 
     /// Computes the state of `pressure` and of the displacement u_z that follows from it, with the residuals. Both have

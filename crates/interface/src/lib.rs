@@ -4,33 +4,31 @@
 //! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. In
 //!   equilibrium the elastic traction balances the tractions of law and wall. If several equilibria exist, the solver
 //!   finds a stable one by lowering the energy from the starting state.
-//! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, solved increment by increment.
-//! - [`PlasticContact`]: a hard wall with a hardness and permanent plastic depth.
+//! - [`QuasistaticContact`]: a contact made of [`Parts`], solved increment by increment: a wall or a law, friction, a
+//!   hardness, wear, and a body that relaxes, in any combination.
 //! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step.
 
 mod certify;
 mod dynamics;
 mod frame;
-mod friction;
 mod gradient;
 mod newton;
 mod numbers;
 mod patch;
 mod path;
-mod plastic;
 mod problem;
+mod quasistatic;
 mod resumable;
 mod search_result;
 mod solve;
 mod state;
 mod stored_fields;
 
-pub use friction::{FrictionResidual, FrictionState, FrictionalContact};
 pub use gfmd_contact::{Body, Equilibrium, Grid, Load, Material};
 pub use gfmd_law as law;
 pub use ndarray;
 pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
-pub use plastic::{PlasticContact, PlasticState};
 pub use problem::{Interface, Trapping};
+pub use quasistatic::{LimitingPressure, Losses, Parts, QuasistaticContact, QuasistaticState, Shear, Wear};
 pub use state::{Residual, State};
 pub use stored_fields::StoredFields;

@@ -3,7 +3,7 @@
 use gfmd_contact::{Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, Visit};
 use gfmd_relax::{Budget, Watch};
 
-use crate::{FrictionState, FrictionalContact, Interface, State};
+use crate::{Interface, State};
 
 /// A contact that can be followed along a path of equilibrium states.
 pub trait Quasistatic: Equilibrium {
@@ -815,31 +815,5 @@ impl Quasistatic for Interface {
                 Loss::Unknown
             },
         }
-    }
-}
-
-impl Quasistatic for FrictionalContact {
-    fn reading(&self, state: &FrictionState) -> Reading {
-        Reading {
-            mean_pressure: state.mean_pressure,
-            approach: state.approach,
-            mean_shear: state.mean_shear,
-            lateral: state.lateral,
-            time: 0.0,
-            distance: 0.0,
-            loss: Loss::Known(state.dissipated),
-        }
-    }
-
-    fn depends_on_division(&self, start: Option<&FrictionState>, end: &FrictionState, tolerance: f64) -> bool {
-        FrictionalContact::depends_on_division(self, start, end, tolerance)
-    }
-
-    fn change(&self, start: Option<&FrictionState>, from: &FrictionState, to: &FrictionState) -> f64 {
-        self.distance(start, from, to)
-    }
-
-    fn change_of_stick(&self, from: &FrictionState, to: &FrictionState) -> f64 {
-        (to.stick_fraction - from.stick_fraction).abs() / to.contact_fraction
     }
 }

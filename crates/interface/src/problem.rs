@@ -131,7 +131,7 @@ impl Interface {
     pub fn stiffened(&self, factors: &[f64]) -> Result<Self, Refusal> {
         match &self.elastic {
             Elastic::Normal(response) => Ok(Self { elastic: response.stiffened(factors).into(), ..self.clone() }),
-            Elastic::Full(_) => Err(Refusal::ViscoelasticComponents),
+            Elastic::Full(_) => Err(Refusal::AllComponents),
         }
     }
 

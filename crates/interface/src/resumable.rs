@@ -4,8 +4,7 @@ use gfmd_contact::{Drive, Equilibrium, Refusal, Resumable, Variables, Visit};
 use gfmd_vector::with_contiguous;
 use ndarray::Array;
 
-use crate::certify::certify;
-use crate::{FrictionState, FrictionalContact, Interface, State};
+use crate::{Interface, State};
 
 fn visit_field<D: ndarray::Dimension>(field: &mut Array<f64, D>, visitor: &mut dyn Visit) {
     with_contiguous(field, |values| visitor.field(values));
@@ -36,37 +35,7 @@ impl Resumable for Interface {
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<State, Refusal> {
         self.check(drive)?;
-        let frame = self.frame(self.units.drive(drive))?;
-        let mut state = certify(self, &frame, &vec![0.0; frame.components() * frame.points()]);
-        state.visit(visitor);
-        Ok(state)
-    }
-}
-
-impl Variables for FrictionState {
-    fn visit(&mut self, visitor: &mut dyn Visit) {
-        let Self { displacement, traction, gap, slip, residual, effort, .. } = self;
-        visit_field(displacement, visitor);
-        visit_field(traction, visitor);
-        visit_field(gap, visitor);
-        visit_field(slip, visitor);
-        let crate::FrictionResidual { complementarity, penetration, load, friction, excess } = residual;
-        visitor.numbers(&mut [complementarity, penetration, load, friction, excess]);
-        effort.visit(visitor);
-        let Self { mean_pressure, mean_shear: [shear_x, shear_y], approach, lateral: [x, y], .. } = self;
-        visitor.numbers(&mut [mean_pressure, shear_x, shear_y, approach, x, y]);
-        let Self { contact_fraction, stick_fraction, elastic_energy, dissipated, .. } = self;
-        visitor.numbers(&mut [contact_fraction, stick_fraction, elastic_energy, dissipated]);
-    }
-}
-
-impl Resumable for FrictionalContact {
-    fn keep(&self, state: &mut FrictionState, visitor: &mut dyn Visit) {
-        state.visit(visitor);
-    }
-
-    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<FrictionState, Refusal> {
-        let mut state = self.at_start(drive);
+        let mut state = self.blank(drive)?;
         state.visit(visitor);
         Ok(state)
     }

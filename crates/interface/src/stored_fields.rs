@@ -1,6 +1,6 @@
 //! States from stored fields.
 
-use gfmd_contact::{Load, Refusal};
+use gfmd_contact::{Drive, Load, Refusal};
 use gfmd_vector::total;
 use ndarray::{Array2, ArrayRef2};
 
@@ -21,6 +21,12 @@ pub struct StoredFields<'a> {
 }
 
 impl Interface {
+    /// Returns the state of a position of zero under `drive`, to be filled in.
+    pub(crate) fn blank(&self, drive: Drive) -> Result<State, Refusal> {
+        let frame = self.frame(self.units.drive(drive))?;
+        Ok(certify(self, &frame, &vec![0.0; frame.components() * frame.points()]))
+    }
+
     /// Returns the state with these fields. A search from it takes the same steps, bit for bit, as from the stored
     /// state. Numbers and residuals are recomputed.
     ///

@@ -8,6 +8,13 @@ pub enum Limit {
     Coulomb(f64),
     /// Tresca friction: a shear strength τ_c ≥ 0 (stress) wherever there is contact.
     Tresca(f64),
+    /// Coulomb friction up to a shear strength: the smaller of both (Orowan 1943).
+    Orowan {
+        /// Friction coefficient μ ≥ 0.
+        coefficient: f64,
+        /// Shear strength τ_c ≥ 0, stress.
+        strength: f64,
+    },
 }
 
 impl Limit {
@@ -16,14 +23,24 @@ impl Limit {
     /// # Errors
     /// Returns an error if the coefficient or strength is negative or not finite.
     pub fn check(self) -> Result<Self, LawError> {
-        let (name, found) = match self {
-            Self::Coulomb(coefficient) => ("mu", coefficient),
-            Self::Tresca(strength) => ("tau_c", strength),
+        let parts = match self {
+            Self::Coulomb(coefficient) => [("mu", coefficient); 2],
+            Self::Tresca(strength) => [("tau_c", strength); 2],
+            Self::Orowan { coefficient, strength } => [("mu", coefficient), ("tau_c", strength)],
         };
-        if found >= 0.0 && found.is_finite() {
-            Ok(self)
-        } else {
-            Err(LawError::Range { name, found, allowed: "0 or a positive, finite number" })
+        match parts.into_iter().find(|(_, found)| !(*found >= 0.0 && found.is_finite())) {
+            Some((name, found)) => Err(LawError::Range { name, found, allowed: "0 or a positive, finite number" }),
+            None => Ok(self),
+        }
+    }
+
+    /// Returns the limit in other units of stress.
+    #[must_use]
+    pub fn in_units(self, stress: f64) -> Self {
+        match self {
+            Self::Coulomb(_) => self,
+            Self::Tresca(strength) => Self::Tresca(strength / stress),
+            Self::Orowan { coefficient, strength } => Self::Orowan { coefficient, strength: strength / stress },
         }
     }
 
@@ -32,14 +49,16 @@ impl Limit {
         match self {
             Self::Coulomb(coefficient) => coefficient * pressure,
             Self::Tresca(strength) => strength,
+            Self::Orowan { coefficient, strength } => strength.min(coefficient * pressure),
         }
     }
 
     /// Returns the derivative of [`at`](Self::at) with respect to the pressure.
-    fn slope(self) -> f64 {
+    fn slope(self, pressure: f64) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient,
-            Self::Tresca(_) => 0.0,
+            Self::Orowan { coefficient, strength } if coefficient * pressure < strength => coefficient,
+            Self::Tresca(_) | Self::Orowan { .. } => 0.0,
         }
     }
 }
@@ -103,7 +122,7 @@ impl Friction {
             foot: [slip[0] - largest / stiffness * x, slip[1] - largest / stiffness * y],
             sticks: false,
             by_slip: [[across * y * y, -across * x * y], [-across * x * y, across * x * x]],
-            by_pressure: [limit.slope() * x, limit.slope() * y],
+            by_pressure: [limit.slope(pressure) * x, limit.slope(pressure) * y],
         }
     }
 }

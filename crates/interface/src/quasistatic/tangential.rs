@@ -48,8 +48,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    pub(super) fn new(limit: gfmd_law::Limit, pressure: &[f64], length: f64) -> Self {
-        let values: Vec<f64> = pressure.iter().map(|p| if *p > 0.0 { limit.at(*p) } else { 0.0 }).collect();
+    pub(super) fn new(values: Vec<f64>, length: f64) -> Self {
         Self { strongest: values.iter().copied().fold(0.0, f64::max), values, length }
     }
 

@@ -1,5 +1,6 @@
 //! Memory of a body: its displacement and the spring elongations of all branches.
 
+use gfmd_field::{Grid, ShapeError, Transform};
 use gfmd_relax::Visit;
 use gfmd_vector::{add, for_each, pass, reduce};
 use num_complex::Complex64;
@@ -8,10 +9,14 @@ use crate::Branch;
 use crate::spectrum::Waves;
 use crate::step::{Decay, stiffening};
 
-/// Memory of a body at one time. The displacement is the indentation d = −u_z.
+/// Memory of a body at one time. The displacement is the indentation d = −u, of u_z alone or of all components.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum History {
-    /// Body with the same relaxation for all waves, point by point.
+pub struct Memory(pub(crate) Fields);
+
+/// Fields of a memory.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Fields {
+    /// Body with the same relaxation for all waves, point by point. Vectors are stored component by component.
     Points {
         /// d, then the elongation x of each branch.
         lengths: Vec<Vec<f64>>,
@@ -24,14 +29,57 @@ pub(crate) enum History {
 
 /// Energies of a step, per area.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Energies {
+pub struct Energies {
     /// Energy stored in all springs at the end.
-    pub(crate) stored: f64,
+    pub stored: f64,
     /// Energy lost in the dashpots.
-    pub(crate) lost: f64,
+    pub lost: f64,
 }
 
-impl History {
+impl Memory {
+    /// Visits all values.
+    pub fn visit(&mut self, visitor: &mut dyn Visit) {
+        self.0.visit(visitor);
+    }
+
+    /// Multiplies all lengths and stresses by the given factors.
+    #[must_use]
+    pub fn times(mut self, length: f64, stress: f64) -> Self {
+        match &mut self.0 {
+            Fields::Points { lengths, stresses } => {
+                lengths.iter_mut().flatten().for_each(|x| *x *= length);
+                stresses.iter_mut().flatten().for_each(|s| *s *= stress);
+            }
+            Fields::Waves(fields) => fields.iter_mut().flatten().for_each(|x| *x *= length),
+        }
+        self
+    }
+
+    /// Returns the indentation −u_z and the spring elongation of each branch along z, row by row, in length; `grid` is
+    /// the grid of the surface.
+    ///
+    /// # Errors
+    /// Returns an error if the memory belongs to a grid of another size.
+    pub fn normal(&self, grid: &Grid) -> Result<Vec<Vec<f64>>, ShapeError> {
+        match &self.0 {
+            // The normal component is the last.
+            Fields::Points { lengths, .. } => {
+                Ok(lengths.iter().map(|x| x[x.len().saturating_sub(grid.len())..].to_vec()).collect())
+            }
+            Fields::Waves(spectra) => {
+                let transform = Transform::new(*grid);
+                let mut workspace = transform.workspace();
+                let mut of = |spectrum: &[Complex64]| {
+                    let mut values = vec![0.0; grid.len()];
+                    transform.inverse(spectrum, &mut values, &mut workspace).map(|()| values)
+                };
+                spectra.iter().map(|spectrum| of(spectrum)).collect()
+            }
+        }
+    }
+}
+
+impl Fields {
     /// Returns the memory of an undeformed body, point by point.
     pub(crate) fn at_rest(points: usize, branches: usize) -> Self {
         let fields = vec![vec![0.0; points]; 1 + branches];
@@ -98,7 +146,7 @@ impl PointStep {
         &self,
         (lengths, stresses): (&[Vec<f64>], &[Vec<f64>]),
         (indentation, pressure): (Vec<f64>, &[f64]),
-    ) -> (History, Energies) {
+    ) -> (Fields, Energies) {
         let points = pressure.len();
         let mut stress = vec![0.0; points];
         for_each([&mut stress[..]], &|start, [stress]| {
@@ -142,7 +190,7 @@ impl PointStep {
         new_stresses.insert(0, stress);
         let area = points as f64;
         let energies = Energies { stored: stored / area, lost: lost / area };
-        (History::Points { lengths: new_lengths, stresses: new_stresses }, energies)
+        (Fields::Points { lengths: new_lengths, stresses: new_stresses }, energies)
     }
 }
 
@@ -173,7 +221,7 @@ impl Waves {
         indentation: Vec<Complex64>,
         duration: f64,
         weight: impl Fn(usize) -> f64 + Sync,
-    ) -> (History, Energies) {
+    ) -> (Fields, Energies) {
         let modes = indentation.len();
         let mut new: Vec<Vec<Complex64>> = vec![Vec::new(); 1 + self.count];
         let product = |a: Complex64, b: Complex64| a.re * b.re + a.im * b.im;
@@ -204,7 +252,7 @@ impl Waves {
             });
         }
         new[0] = indentation;
-        (History::Waves(new), Energies { stored, lost })
+        (Fields::Waves(new), Energies { stored, lost })
     }
 }
 
@@ -275,7 +323,7 @@ mod tests {
                 let pressure: Vec<f64> =
                     (0..n).map(|i| stiffness[i] * (reached[i] - residual_indentation[i])).collect();
                 let (after, energies) = step.advance((&lengths, &stresses), (reached, &pressure));
-                let History::Points { lengths: after, .. } = after else { unreachable!("points stay points") };
+                let Fields::Points { lengths: after, .. } = after else { unreachable!("points stay points") };
                 let of = |i: usize| {
                     let at = |fields: &[Vec<f64>]| fields.iter().map(|field| field[i]).collect::<Vec<f64>>();
                     work(stiffness[i], prony.branches(), duration, [&at(&lengths), &at(&after)])
@@ -290,7 +338,7 @@ mod tests {
                 let fields: Vec<Vec<Complex64>> = (0..=waves.count).map(|_| numbers.modes(modes)).collect();
                 let weight = |mode: usize| grid.mode_at(mode).weight;
                 let (after, energies) = waves.advance(&fields, numbers.modes(modes), duration, weight);
-                let History::Waves(after) = after else { unreachable!("waves stay waves") };
+                let Fields::Waves(after) = after else { unreachable!("waves stay waves") };
                 let of = |mode: usize| {
                     let branches: Vec<Branch> = waves.of(mode).collect();
                     [|z: &Complex64| z.re, |z: &Complex64| z.im].map(|part| {

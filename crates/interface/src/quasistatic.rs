@@ -1,0 +1,417 @@
+//! Contacts made of parts, solved increment by increment.
+
+mod division;
+mod end;
+mod normal;
+mod parts;
+mod response;
+mod shear;
+mod state;
+mod step;
+mod tangential;
+
+use std::sync::Arc;
+
+use gfmd_contact::{
+    Boundary, Contact, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface,
+    SolveError, Solver, Units, Variables as _, Visit,
+};
+use gfmd_law::{HardWall, InUnits, Law, Limit};
+use gfmd_medium::{Medium, Relaxing};
+use gfmd_relax::{Budget, Progress, Watch};
+use gfmd_response::{FreeFullCompliance, FullResponse, NormalResponse};
+use ndarray::{Array2, ArrayRef2};
+
+use crate::path::{Loss, Quasistatic, Reading};
+use crate::{Interface, Trapping};
+use normal::Normal;
+pub use parts::{LimitingPressure, Parts, Shear, Wear};
+use response::Response;
+use state::ShearFields;
+pub use state::{Losses, QuasistaticState};
+use step::Step;
+
+/// A rigid rough surface above an elastic body, made of [`Parts`] and solved increment by increment: any body, any
+/// interaction, any history (theory.md, section 8.2).
+///
+/// A drive is one increment from the previous state, or from the undeformed surfaces at first touch. Each increment is
+/// one problem: the body relates displacement and traction by an affine function, which contains its memory; the
+/// repulsion at a point has bounds, and a compliance where the surfaces wear; the shear has a limit, set by the
+/// repulsion; depths worn off and pressed in are updated at the end (implicit steps). At points where the shear is
+/// below its limit the surfaces stick, that is, move together during the increment; at the limit they may slip against
+/// the shear. The slip of a point that comes into contact counts from its position at the start of the increment.
+///
+/// With a shear strength alone ([`Limit::Tresca`](gfmd_law::Limit::Tresca)) the limit is discontinuous at the contact
+/// edge. If shear moves the surface up and down (for all bodies except ν = ½), a point at the edge may have no
+/// solution, because its shear lifts it out of contact. The solver then returns [`SolveError::NotConverged`].
+///
+/// A clone shares the data.
+#[derive(Clone)]
+pub struct QuasistaticContact {
+    /// Contact along the normal on a body with its long-term moduli, hardness and law in `units`.
+    normal: Normal,
+    medium: Option<Arc<dyn Medium>>,
+    hardness: Option<Hardness>,
+    shear: Option<Shear>,
+    /// Response of all components, with shear.
+    response: Option<Response>,
+    wear: Option<Wear>,
+    all_components: bool,
+    /// Rigid surface as given.
+    given: Arc<RigidSurface>,
+    /// Rigid surface in `units`.
+    scaled: Arc<RigidSurface>,
+    /// E* as given.
+    contact_modulus: f64,
+    units: Units,
+}
+
+/// The only solver of a contact with shear.
+const WITH_SHEAR: [Solver; 1] = [Solver::Auto];
+
+impl QuasistaticContact {
+    /// Creates the contact of these parts.
+    ///
+    /// # Errors
+    /// Returns an error for heights that do not match the grid or are not finite; for flat heights at a wall; for parts
+    /// that are out of range; and for a body with unknown compliance of a patch, or with unknown relaxation.
+    pub fn new(parts: &Parts) -> Result<Self, Refusal> {
+        let Parts { body, grid, heights, boundary, law, all_components, hardness, shear, relaxation, wear } = parts;
+        let surface = RigidSurface::new(grid, heights)?;
+        let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
+        let units = Units::of(body, &given)?;
+        let wear = wear.map(Wear::check).transpose()?;
+        if wear.is_some_and(|wear| wear.by_slip > 0.0) && shear.is_none() {
+            return Err(Refusal::WearBySlip);
+        }
+        if *all_components && (relaxation.is_some() || shear.is_some() || wear.is_some() || hardness.is_some()) {
+            return Err(Refusal::AllComponents);
+        }
+        let limit = shear.map(|shear| shear.limit.check()).transpose()?;
+        let (stress, length) = (units.stress(), units.length());
+        let shear = shear.zip(limit).map(|(shear, limit)| Shear { limit: limit.in_units(stress), ..shear });
+        let hardness = hardness.as_ref().map(|hardness| hardness.times(1.0 / stress));
+        let law = law.as_ref().map(|law| match units.are_one() {
+            true => Arc::clone(law),
+            false => InUnits::new(Arc::clone(law), stress, length).into_shared(),
+        });
+        let (body, grid) = (&units.body(body), &units.grid(grid));
+        let heights = if units.are_one() { heights.to_owned() } else { *heights / length };
+        let response = match (shear, boundary) {
+            (None, _) => None,
+            (Some(_), Boundary::Periodic) => Some(Response::Periodic(FullResponse::new(*grid, body).into())),
+            (Some(_), Boundary::Free) => Some(Response::Free(FreeFullCompliance::new(*grid, body)?.into())),
+        };
+        let normal = match (law, &response) {
+            (None, Some(Response::Periodic(full))) => {
+                Normal::Wall(Contact::with_response(NormalResponse::of_all_components(full), &heights)?)
+            }
+            (None, _) => Normal::Wall(Contact::with_boundary(*boundary, body, grid, &heights)?),
+            (Some(law), _) if *all_components => Normal::Law(Interface::in_all_components(body, grid, &heights, law)?),
+            (Some(law), Some(Response::Periodic(full))) => {
+                Normal::Law(Interface::with_response(NormalResponse::of_all_components(full), &heights, law)?)
+            }
+            (Some(law), _) => Normal::Law(Interface::with_boundary(*boundary, body, grid, &heights, law)?),
+        };
+        let normal = match (normal, &hardness) {
+            (normal, None) => normal,
+            (Normal::Wall(contact), Some(hardness)) => Normal::Wall(contact.with_hardness(hardness.clone())?),
+            (Normal::Law(interface), Some(hardness)) => Normal::Law(interface.with_hardness(hardness.clone())?),
+        };
+        let components = response.as_ref().map_or(1, |response| response.components().len());
+        let medium = relaxation.map(|(prony, relaxes)| {
+            let medium = Relaxing::new(body, grid, *boundary, components, prony, relaxes)?;
+            Ok::<Arc<dyn Medium>, Refusal>(Arc::new(medium))
+        });
+        Ok(Self {
+            normal,
+            medium: medium.transpose()?,
+            hardness,
+            shear,
+            response,
+            wear: wear.map(|wear| Wear { by_distance: wear.by_distance * stress, by_slip: wear.by_slip * stress }),
+            all_components: *all_components,
+            scaled: units.surface(&given),
+            given,
+            contact_modulus: parts.body.contact_modulus(),
+            units,
+        })
+    }
+
+    /// Returns the rigid surface.
+    pub fn surface(&self) -> &RigidSurface {
+        &self.given
+    }
+
+    /// Returns the boundary of the surface.
+    pub fn boundary(&self) -> Boundary {
+        self.normal.boundary()
+    }
+
+    /// Returns a warning if the law is too steep for the grid ([`Interface::trapping`]).
+    pub fn trapping(&self) -> Option<Trapping> {
+        let Normal::Law(interface) = &self.normal else { return None };
+        let unit = self.units.stiffness();
+        interface.trapping().map(|found| Trapping {
+            steepness: found.steepness * unit,
+            stiffness: found.stiffness * unit,
+        })
+    }
+
+    /// Returns the number of points.
+    fn points(&self) -> usize {
+        self.normal.surface().clearance().len()
+    }
+
+    fn field(&self, values: Vec<f64>) -> Array2<f64> {
+        let shape = self.normal.surface().grid().points();
+        Array2::from_shape_vec(shape, values).expect("every field has the size of the grid")
+    }
+
+    /// Converts a drive to the units of the solve.
+    fn drive(&self, drive: Drive) -> Drive {
+        Drive { distance: drive.distance / self.units.length(), ..self.units.drive(drive) }
+    }
+
+    fn given_units(&self, state: QuasistaticState) -> QuasistaticState {
+        if self.units.are_one() {
+            return state;
+        }
+        state.times(self.units.length(), self.units.stress(), (&self.given, self.contact_modulus))
+    }
+
+    /// Returns true if surfaces in first touch without load are not in equilibrium on a body that relaxes: the law
+    /// attracts them at once.
+    fn is_drawn(&self) -> bool {
+        self.medium.is_some() && matches!(self.normal, Normal::Law(_))
+    }
+
+    /// Solves an increment in the units of the solve.
+    fn increment(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&QuasistaticState>,
+        watch: &mut dyn Watch,
+    ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
+        if start.is_none() && drive.time > 0.0 && self.is_drawn() {
+            let load = match drive.load {
+                Load::MeanPressure(_) => Load::MeanPressure(0.0),
+                Load::Approach(_) => Load::Approach(0.0),
+            };
+            // The search is short and writes no checkpoint.
+            let touched = Step::new(self, load.into(), None)?.solve(solver, budget, &mut |now: &Progress| watch.see(now))?;
+            let mut state = Step::new(self, drive, Some(&touched))?.solve(solver, budget, watch)?;
+            let (Effort { iterations, transform_pairs }, effort) = (touched.effort(), state.normal.effort());
+            effort.iterations += iterations;
+            effort.transform_pairs += transform_pairs;
+            return Ok(state);
+        }
+        Step::new(self, drive, start)?.solve(solver, budget, watch)
+    }
+
+    /// Returns a state without forces, to be filled in.
+    fn blank(&self) -> Result<QuasistaticState, Refusal> {
+        let points = self.points();
+        let lateral = self.response.as_ref().map(|response| (response.components().len() - 1) * points);
+        let zeros = || Array2::zeros(self.normal.surface().grid().points());
+        Ok(QuasistaticState {
+            normal: self.normal.blank()?,
+            sheared: lateral.map(|lateral| ShearFields {
+                displacement: vec![0.0; lateral],
+                traction: vec![0.0; lateral],
+                slip: vec![0.0; lateral],
+                stick_fraction: 0.0,
+                friction: 0.0,
+                excess: 0.0,
+            }),
+            mean_shear: [0.0; 2],
+            lateral: [0.0; 2],
+            time: 0.0,
+            distance: 0.0,
+            memory: self.medium.as_ref().map(|medium| medium.rest()),
+            worn: self.wear.map(|_| zeros()),
+            pressed_in: self.hardness.as_ref().map(|_| zeros()),
+            plastic_fraction: 0.0,
+            elastic_energy: 0.0,
+            losses: Losses::default(),
+            work_imbalance: 0.0,
+        })
+    }
+}
+
+impl Equilibrium for QuasistaticContact {
+    type State = QuasistaticState;
+
+    fn solvers(&self) -> &'static [Solver] {
+        let by_slip = self.wear.is_some_and(|wear| wear.by_slip > 0.0);
+        if self.shear.is_some() || by_slip { &WITH_SHEAR } else { self.normal.solvers() }
+    }
+
+    /// Accepts approaches beyond the mean clearance of worn surfaces, and any approach of a body that relaxes with
+    /// periodic boundaries: surfaces may part, and touch again after recovery. Ignores a lateral displacement of
+    /// surfaces that do not shear each other.
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        drive.check()?;
+        if !(drive.time >= 0.0) {
+            return Err(Refusal::Time { found: drive.time, least: 0.0 });
+        }
+        if !(drive.distance >= 0.0) {
+            return Err(Refusal::Distance { found: drive.distance, least: 0.0 });
+        }
+        let is_wall = matches!(self.normal, Normal::Wall(_));
+        match drive.load {
+            Load::Approach(approach) if is_wall && self.boundary() == Boundary::Periodic => {
+                let parts = approach <= 0.0 && self.medium.is_some();
+                let wears = approach > 0.0 && self.wear.is_some();
+                if parts || wears { Ok(()) } else { self.check_load(drive) }
+            }
+            _ => self.check_load(drive),
+        }
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        match drive.load {
+            Load::Approach(approach) if approach <= 0.0 && self.medium.is_some() => Ok(()),
+            _ => self.normal.check_resolution(self.drive(drive), tolerance).map_err(|refusal| self.given_refusal(refusal)),
+        }
+    }
+
+    /// Solves the increment from `start`, or from the undeformed surfaces at time 0 and distance 0. A law on a body
+    /// that relaxes first draws the surfaces together, which takes a second solve.
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&QuasistaticState>,
+        watch: &mut dyn Watch,
+    ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
+        budget.check().map_err(Refusal::from)?;
+        self.check(drive)?;
+        if self.shear.is_some() {
+            self.check_resolution(drive, budget.tolerance)?;
+        }
+        if !self.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
+        }
+        let expected = self.points();
+        if let Some(found) = start.map(|state| state.gap().len()).filter(|found| *found != expected) {
+            return Err(Refusal::Start { found, expected }.into());
+        }
+        if self.units.are_one() {
+            return self.increment(drive, solver, budget, start, watch);
+        }
+        let (length, stress, modulus) = (self.units.length(), self.units.stress(), self.units.modulus());
+        let scales = (&self.scaled, self.contact_modulus / modulus);
+        let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress, scales));
+        let watch = &mut self.units.shown(watch);
+        let solved = self.increment(self.drive(drive), solver, budget, start.as_ref(), watch);
+        let state = solved.map_err(|error| match error {
+            SolveError::Refused(refusal) => SolveError::Refused(self.given_refusal(refusal)),
+            SolveError::Detached { state, mean_pressure } => SolveError::Detached {
+                state: self.given_units(*state).into(),
+                mean_pressure: mean_pressure * stress,
+            },
+            error => error.map(|state| self.given_units(state)),
+        })?;
+        Units::check_pressure(state.mean_pressure() * stress)?;
+        Ok(self.given_units(state))
+    }
+}
+
+impl QuasistaticContact {
+    fn check_load(&self, drive: Drive) -> Result<(), Refusal> {
+        if let Load::MeanPressure(mean) = drive.load {
+            Units::check_pressure(mean)?;
+        }
+        self.normal.check(self.drive(drive)).map_err(|refusal| self.given_refusal(refusal))
+    }
+
+    /// Converts the numbers of a refusal to the units of the input.
+    fn given_refusal(&self, refusal: Refusal) -> Refusal {
+        if self.units.are_one() { refusal } else { refusal.times(self.units.length(), self.units.stress()) }
+    }
+}
+
+impl Quasistatic for QuasistaticContact {
+    fn reading(&self, state: &QuasistaticState) -> Reading {
+        let stored = || state.elastic_energy + state.interface_energy();
+        let has_energy = || match &self.normal {
+            Normal::Law(interface) => interface.has_energy(),
+            Normal::Wall(_) => true,
+        };
+        let loss = match (&self.normal, self.may_jump()) {
+            (Normal::Law(_), false) if has_energy() => Loss::Balance(stored()),
+            (Normal::Law(_), false) => Loss::Unknown,
+            (Normal::Wall(_), _) if self.medium.is_none() && self.wear.is_none() => Loss::Known(state.losses.total()),
+            (_, jumps) => {
+                let flows = self.shear.is_some() || self.hardness.is_some();
+                Loss::Certified {
+                    lost: state.losses.total(),
+                    imbalance: state.work_imbalance,
+                    stored: (jumps && !flows).then(stored),
+                }
+            }
+        };
+        Reading {
+            mean_pressure: state.mean_pressure(),
+            approach: state.approach(),
+            mean_shear: state.mean_shear,
+            lateral: state.lateral,
+            time: state.time,
+            distance: state.distance,
+            loss,
+        }
+    }
+
+    fn depends_on_division(
+        &self,
+        start: Option<&QuasistaticState>,
+        end: &QuasistaticState,
+        tolerance: f64,
+    ) -> bool {
+        self.may_change(start, end, tolerance)
+    }
+
+    fn change(&self, start: Option<&QuasistaticState>, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
+        self.distance(start, from, to)
+    }
+
+    fn change_of_stick(&self, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
+        match from.stick_fraction().zip(to.stick_fraction()) {
+            Some((from, sticking)) => {
+                let touching = to.repulsion().iter().filter(|r| **r > 0.0).count() as f64 / self.points() as f64;
+                (sticking - from).abs() / touching
+            }
+            None => 0.0,
+        }
+    }
+}
+
+impl Resumable for QuasistaticContact {
+    fn keep(&self, state: &mut QuasistaticState, visitor: &mut dyn Visit) {
+        state.visit(visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<QuasistaticState, Refusal> {
+        self.check(drive)?;
+        let mut state = self.given_units(self.blank()?);
+        state.visit(visitor);
+        Ok(state)
+    }
+}
+
+impl std::fmt::Debug for QuasistaticContact {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { shear, wear, all_components, .. } = self;
+        let relaxes = self.medium.is_some();
+        f.debug_struct("QuasistaticContact")
+            .field("relaxes", &relaxes)
+            .field("shear", shear)
+            .field("wear", wear)
+            .field("all_components", all_components)
+            .finish_non_exhaustive()
+    }
+}

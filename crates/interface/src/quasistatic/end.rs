@@ -1,0 +1,199 @@
+//! State at the end of a step: histories, energies and losses.
+
+use gfmd_contact::{Fields as _, Hardness, Load, Refusal, Solution};
+use gfmd_medium::Energies;
+use gfmd_vector::{contiguous, dot, total};
+use ndarray::Array2;
+
+use super::normal::{Normal, NormalState};
+use super::shear::Sheared;
+use super::state::{Losses, QuasistaticState, ShearFields};
+use super::step::{Reached, Step};
+use super::QuasistaticContact;
+use crate::numbers::mean;
+
+/// Error of a pressure divided by the pressure that would close the largest gap left in contact; the depth contains the
+/// gaps of earlier states.
+const OF_A_GAP: f64 = 10.0;
+/// Largest relative difference between pressure and hardness at a point that counts as plastic, and that of a
+/// repulsion beside a law, which is a sum of tractions.
+const NEAR: f64 = 1e-3;
+const NEAR_BESIDE_A_LAW: f64 = 1e-6;
+
+impl QuasistaticContact {
+    /// Returns the state at the end of a step.
+    pub(super) fn end(&self, step: &Step, reached: Reached) -> Result<QuasistaticState, Refusal> {
+        let Reached { normal, touch, unpressed, sheared, worn } = reached;
+        let (factor, points) = (step.affine.factor(), self.points());
+        let (memory, energies) = match (&self.medium, &step.memory) {
+            (Some(medium), Some(memory)) => {
+                let mut indentation: Vec<f64> =
+                    sheared.iter().flat_map(|sheared| &sheared.displacement).map(|u| -u).collect();
+                let mut pressure: Vec<f64> = sheared.iter().flat_map(|sheared| &sheared.traction).map(|t| -t).collect();
+                let displacement = normal.fields().displacement_z();
+                match &unpressed {
+                    Some(depth) => indentation.extend(depth.iter().zip(displacement).map(|(depth, u)| depth - u)),
+                    None => indentation.extend(displacement.iter().map(|u| -u)),
+                }
+                pressure.extend(normal.pressure().iter());
+                let (memory, energies) = medium.end(memory, &step.affine, indentation, &pressure)?;
+                (Some(memory), Some(energies))
+            }
+            _ => (None, None),
+        };
+        let mut normal = normal.moved(factor, unpressed.as_ref(), touch);
+        if let Load::Approach(asked) = step.drive.load {
+            *normal.approach() = asked;
+        }
+        let stored = match (energies, &sheared) {
+            (Some(Energies { stored, .. }), _) => stored,
+            (None, Some(sheared)) => {
+                let lateral = dot(&sheared.traction, &sheared.displacement);
+                let pressed = dot(&contiguous(&normal.pressure()), &contiguous(&normal.fields().displacement_z()));
+                0.5 * (lateral - pressed) / points as f64
+            }
+            (None, None) => normal.fields().summary_in(&normal.fields().scales()).elastic_energy,
+        };
+        let mut losses = Losses { relaxation: energies.map_or(0.0, |energies| energies.lost), ..Losses::default() };
+        let before = |of: fn(&QuasistaticState) -> Option<&Array2<f64>>| {
+            step.start.and_then(of).cloned().unwrap_or_else(|| self.field(vec![0.0; points]))
+        };
+        let pressure = normal.pressure();
+        let worn = worn.map(|worn| {
+            losses.wear = dot(&contiguous(&pressure), &contiguous(&worn)) / points as f64;
+            before(QuasistaticState::wear_depth) + worn
+        });
+        let pressed_in = self.hardness.as_ref().map(|_| {
+            let mut depth = before(QuasistaticState::plastic_depth);
+            if let Some(growth) = normal.pressed_in() {
+                // A field has points, and therefore a mean.
+                losses.plastic = (&pressure * growth).mean().unwrap_or(0.0);
+                depth += growth;
+            }
+            depth
+        });
+        drop(pressure);
+        let plastic_fraction = self.hardness.as_ref().map_or(0.0, |hardness| self.saturated(&normal, hardness));
+        let mut mean_shear = [0.0; 2];
+        if let NormalState::Law(state) = &normal {
+            mean_shear = state.mean_shear;
+        }
+        let sheared = sheared.map(|Sheared { displacement, mut traction, slip, sticking, lost, friction, excess }| {
+            losses.friction = lost / points as f64;
+            traction.iter_mut().for_each(|t| *t *= factor);
+            mean_shear.iter_mut().zip(traction.chunks_exact(points)).for_each(|(shear, field)| *shear = mean(field));
+            let stick_fraction = sticking / points as f64;
+            ShearFields { displacement, traction, slip, stick_fraction, friction, excess }
+        });
+        let mut state = QuasistaticState {
+            normal,
+            sheared,
+            mean_shear,
+            lateral: step.drive.lateral,
+            time: step.drive.time,
+            distance: step.drive.distance,
+            memory,
+            worn,
+            pressed_in,
+            plastic_fraction,
+            elastic_energy: stored,
+            losses,
+            work_imbalance: 0.0,
+        };
+        self.balance(step, &mut state);
+        Ok(state)
+    }
+
+    /// Sets the imbalance of work and energy in a step, and the loss in its jumps.
+    fn balance(&self, step: &Step, state: &mut QuasistaticState) {
+        let interface_energy = state.interface_energy();
+        let (mut energy, mut forces, mut places) = (0.0, [0.0; 3], [0.0; 3]);
+        if let Some(start) = step.start {
+            energy = start.elastic_energy + start.interface_energy();
+            (forces, places) = start.forces_and_places();
+        }
+        let (forces_now, places_now) = state.forces_and_places();
+        let (mut work, mut spread) = (0.0, 0.0);
+        for k in 0..3 {
+            let moved = places_now[k] - places[k];
+            work += 0.5 * (forces[k] + forces_now[k]) * moved;
+            // Largest error of the work if the forces change monotonically, jumps included.
+            spread += 0.5 * ((forces_now[k] - forces[k]) * moved).abs();
+        }
+        let missing = work - (state.elastic_energy + interface_energy - energy) - state.losses.total();
+        let is_at_once = (self.medium.is_none() || step.affine.duration == 0.0)
+            && (self.wear.is_none() || step.moved == 0.0);
+        let flows = self.shear.is_some() || self.hardness.is_some();
+        state.work_imbalance = match (step.start, state.law()) {
+            // The path on which attracting surfaces came together is unknown.
+            (None, Some(_)) => 0.0,
+            (Some(start), Some(law)) if self.may_jump() => {
+                let attracts = start.interface_energy().abs() + interface_energy.abs() > 0.0;
+                // The energy balance gives the loss of a jump, whatever the curvature: a law may end in a step. Slip
+                // and yield may leave as much, where the increments are long.
+                let is_jump = if flows { law.passed_instability && missing > 0.0 } else { missing > spread || law.passed_instability };
+                match attracts && is_jump {
+                    true => {
+                        state.losses.jumps = missing;
+                        spread
+                    }
+                    false if is_at_once && !flows => 0.0,
+                    false => missing.abs(),
+                }
+            }
+            _ if is_at_once && !flows => 0.0,
+            _ => missing.abs(),
+        };
+    }
+
+    /// Returns true if the loss by jumps follows from the balance of an increment, because energy is lost otherwise,
+    /// too.
+    pub(super) fn may_jump(&self) -> bool {
+        let loses = self.medium.is_some() || self.shear.is_some() || self.wear.is_some() || self.hardness.is_some();
+        loses && matches!(self.normal, Normal::Law(_))
+    }
+
+    /// Returns the fraction of points with a pressure equal to the hardness, to the accuracy of the state. At a wall,
+    /// the gaps in contact show it: a pressure counts if it is lower by at most ten times the pressure that would close
+    /// the largest one, or by a thousandth of the hardness, whichever is less. Reloaded to its largest load, a contact
+    /// then has the hardness at all points that it had flattened, within the residuals of both states.
+    fn saturated(&self, state: &NormalState, hardness: &Hardness) -> f64 {
+        let [_, stiffest] = self.normal.stiffness_range();
+        let pressure = state.pressure();
+        let accuracy = match state {
+            NormalState::Wall(Solution { pressure, gap, .. }) => {
+                let touching = pressure.iter().zip(gap).filter(|(p, _)| **p > 0.0);
+                OF_A_GAP * stiffest * touching.fold(0.0, |most: f64, (_, gap)| most.max(gap.abs()))
+            }
+            NormalState::Law(_) => f64::INFINITY,
+        };
+        let near = if let NormalState::Wall(_) = state { NEAR } else { NEAR_BESIDE_A_LAW };
+        let has = |p: f64, hardness: f64| p >= hardness - accuracy.min(near * hardness);
+        let count = match hardness {
+            Hardness::Uniform(hardness) => pressure.iter().filter(|p| has(**p, *hardness)).count(),
+            Hardness::Field(field) => pressure.iter().zip(field).filter(|(p, hardness)| has(**p, **hardness)).count(),
+        };
+        count as f64 / pressure.len() as f64
+    }
+}
+
+impl QuasistaticState {
+    /// Returns the mean pressure and shear tractions, and the approach and lateral displacements that they work on.
+    pub(super) fn forces_and_places(&self) -> ([f64; 3], [f64; 3]) {
+        let ([shear_x, shear_y], [x, y]) = (self.mean_shear, self.lateral);
+        ([self.mean_pressure(), shear_x, shear_y], [self.approach(), x, y])
+    }
+
+    /// Returns the mean depth worn off so far over the whole surface, and the largest depth, length.
+    pub fn wear_volume_and_depth(&self) -> Option<(f64, f64)> {
+        let depth = self.wear_depth()?;
+        let values = &*contiguous(depth);
+        let deepest = values.iter().fold(0.0, |most: f64, w| most.max(*w));
+        Some((total(values) / values.len() as f64, deepest))
+    }
+
+    /// Returns the mean depth pressed in so far over the whole surface, length.
+    pub fn plastic_volume(&self) -> Option<f64> {
+        self.plastic_depth().map(|depth| depth.mean().unwrap_or(0.0))
+    }
+}

@@ -1,0 +1,103 @@
+use std::sync::Arc;
+
+use gfmd_contact::{Boundary, Hardness, Refusal};
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_law::{Law, Limit};
+use gfmd_medium::{Prony, Relaxes};
+use ndarray::ArrayRef2;
+
+/// Parts of a [`QuasistaticContact`](crate::QuasistaticContact). All but body, grid and heights are optional, and any
+/// combination with a physical meaning can be solved.
+#[derive(Clone)]
+pub struct Parts<'a> {
+    /// Elastic body; with its long-term moduli if it relaxes.
+    pub body: &'a Body,
+    /// Grid of the surface.
+    pub grid: &'a Grid,
+    /// Rigid profile on the grid, in length, with peaks towards the body. A constant has no effect.
+    pub heights: &'a ArrayRef2<f64>,
+    /// Boundary of the surface.
+    pub boundary: Boundary,
+    /// Law across the gap; `None` for a hard wall, which is solved for the pressure. With a
+    /// [`HardWall`](gfmd_law::HardWall) as a law, the wall is solved for the displacement.
+    pub law: Option<Arc<dyn Law>>,
+    /// True if the law moves all components of the displacement, which needs a law that shears.
+    pub all_components: bool,
+    /// Largest pressure that the surfaces carry, in stress. The depth by which they are pressed into each other stays.
+    pub hardness: Option<Hardness>,
+    /// Shear between the surfaces.
+    pub shear: Option<Shear>,
+    /// Relaxation of the body.
+    pub relaxation: Option<(&'a Prony, Relaxes)>,
+    /// Wear of the surfaces.
+    pub wear: Option<Wear>,
+}
+
+impl<'a> Parts<'a> {
+    /// Returns the parts of a hard wall above an elastic body, with periodic boundaries.
+    pub fn new(body: &'a Body, grid: &'a Grid, heights: &'a ArrayRef2<f64>) -> Self {
+        Self {
+            body,
+            grid,
+            heights,
+            boundary: Boundary::Periodic,
+            law: None,
+            all_components: false,
+            hardness: None,
+            shear: None,
+            relaxation: None,
+            wear: None,
+        }
+    }
+}
+
+/// Shear between surfaces in contact: they stick to each other up to a limit of the shear traction, and slip there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shear {
+    /// Largest shear traction at a pressure.
+    pub limit: Limit,
+    /// Pressure that sets the limit.
+    pub pressure: LimitingPressure,
+}
+
+/// Pressure that sets the limit of the shear. Without attraction both are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LimitingPressure {
+    /// Repulsion between the surfaces, the pressure without the attraction (Derjaguin 1934, point by point). Surfaces
+    /// that attract each other have friction without a load, and under tension.
+    #[default]
+    Repulsion,
+    /// Net pressure, where it is positive.
+    Net,
+}
+
+impl From<Limit> for Shear {
+    fn from(limit: Limit) -> Self {
+        Self { limit, pressure: LimitingPressure::Repulsion }
+    }
+}
+
+/// Wear of both surfaces together (Archard): depth lost per repulsion and sliding distance, in 1/stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wear {
+    /// Coefficient for the [distance](gfmd_contact::Drive::distance) of a drive: gross sliding, or many cycles.
+    pub by_distance: f64,
+    /// Coefficient for the slip of each point in an increment: fretting.
+    pub by_slip: f64,
+}
+
+impl Wear {
+    /// Returns the wear if its coefficients are valid.
+    pub(super) fn check(self) -> Result<Self, Refusal> {
+        for found in [self.by_distance, self.by_slip] {
+            if !(found >= 0.0 && found.is_finite()) {
+                return Err(Refusal::WearCoefficient { found });
+            }
+        }
+        if self.by_distance == 0.0 && self.by_slip == 0.0 {
+            return Err(Refusal::WearCoefficient { found: 0.0 });
+        }
+        Ok(self)
+    }
+}

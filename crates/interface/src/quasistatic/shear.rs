@@ -1,0 +1,225 @@
+//! Shear of a step: the tractions in the plane that keep the surfaces from slipping, within their limits.
+
+use gfmd_contact::{Drive, Fields as _, Refusal};
+use gfmd_medium::Affine;
+use gfmd_relax::{Budget, Descended, Ending, SpectralProjectedGradient, Watch};
+use gfmd_vector::{add, reduce};
+
+use super::normal::NormalState;
+use super::parts::LimitingPressure;
+use super::response::{Response, Transforms};
+use super::tangential::{Limits, TangentialProblem};
+use super::{QuasistaticContact, QuasistaticState, Shear};
+use crate::numbers::higher;
+
+/// Relative distance to the limit within which a point slips.
+pub(super) const AT_LIMIT: f64 = 1e-9;
+
+/// Shear of a step during its solution. Tractions are divided by the common stiffening of the step.
+pub(super) struct ShearStep {
+    shear: Shear,
+    factor: f64,
+    transforms: Transforms,
+    /// Stiffness of the longest and the shortest wave.
+    pub(super) softest: f64,
+    stiffest: f64,
+    /// Lateral displacement of the elastic surface without slip.
+    stuck: Vec<f64>,
+    /// Residual indentation of the body along the lateral components; empty for an elastic body.
+    base: Vec<f64>,
+    /// Limits of the shear at the start, not divided.
+    limits_before: Vec<f64>,
+    /// Shear traction, with a normal component of zero.
+    traction: Vec<f64>,
+    /// Displacement caused by the shear.
+    displacement: Vec<f64>,
+    /// Displacement along z caused by the shear, as the normal contact knows it.
+    pub(super) lift: Vec<f64>,
+    /// Length of the slip of each point; empty unless the surfaces wear by slip.
+    pub(super) slipped: Vec<f64>,
+}
+
+/// Fields and numbers of the shear that a step has reached. Tractions are divided by the common stiffening of the step.
+pub(super) struct Sheared {
+    /// Lateral displacement, component by component.
+    pub(super) displacement: Vec<f64>,
+    pub(super) traction: Vec<f64>,
+    pub(super) slip: Vec<f64>,
+    /// Number of sticking points.
+    pub(super) sticking: f64,
+    /// Sum of the work lost at all points; not divided.
+    pub(super) lost: f64,
+    /// Residuals: distance of the shear from its law, and excess over its limit.
+    pub(super) friction: f64,
+    pub(super) excess: f64,
+}
+
+impl ShearStep {
+    pub(super) fn new(
+        contact: &QuasistaticContact,
+        response: &Response,
+        drive: Drive,
+        start: Option<&QuasistaticState>,
+        affine: &Affine,
+    ) -> Result<Self, Refusal> {
+        let (shear, factor) = (contact.shear.ok_or(Refusal::OtherKind)?, affine.factor());
+        let points = contact.points();
+        let lateral = (response.components().len() - 1) * points;
+        let mut traction = vec![0.0; lateral + points];
+        let mut stuck: Vec<f64> = (0..lateral).map(|k| drive.lateral[k / points]).collect();
+        let mut limits_before = vec![0.0; points];
+        if let Some(state) = start {
+            let sheared = state.sheared.as_ref().ok_or(Refusal::OtherKind)?;
+            traction.iter_mut().zip(&sheared.traction).for_each(|(shear, t)| *shear = t / factor);
+            for (k, (stuck, u)) in stuck.iter_mut().zip(&sheared.displacement).enumerate() {
+                *stuck += u - state.lateral[k / points];
+            }
+            limits_before = limits_of(&shear, 1.0, &state.normal);
+        }
+        let base = match contact.medium {
+            Some(_) => affine.residual_indentation[..lateral].to_vec(),
+            None => Vec::new(),
+        };
+        let mut transforms = response.transforms();
+        let mut displacement = vec![0.0; traction.len()];
+        transforms.compliance(&traction, &mut displacement);
+        let lift = displacement[lateral..].to_vec();
+        let wears = contact.wear.is_some_and(|wear| wear.by_slip > 0.0);
+        let slipped = vec![0.0; if wears { points } else { 0 }];
+        let [softest, stiffest] = response.stiffness_range();
+        Ok(Self {
+            shear,
+            factor,
+            transforms,
+            softest,
+            stiffest,
+            stuck,
+            base,
+            limits_before,
+            traction,
+            displacement,
+            lift,
+            slipped,
+        })
+    }
+
+    /// Returns the number of transform pairs so far.
+    pub(super) fn pairs(&self) -> f64 {
+        self.transforms.pairs()
+    }
+
+    /// Returns the largest component of the shear traction.
+    pub(super) fn largest(&self) -> f64 {
+        self.traction.iter().fold(0.0, |most: f64, shear| most.max(shear.abs()))
+    }
+
+    /// Returns the number of points.
+    fn points(&self) -> usize {
+        self.lift.len()
+    }
+
+    /// Returns the lateral displacement by a traction at the whole surface less the displacement without slip.
+    fn slip(&self, displacement: &[f64]) -> Vec<f64> {
+        let mut slip: Vec<f64> = displacement.iter().zip(&self.stuck).map(|(u, stuck)| u - stuck).collect();
+        slip.iter_mut().zip(&self.base).for_each(|(slip, base)| *slip -= base);
+        slip
+    }
+
+    /// Returns the traction of the pressure of a state together with the lateral components `shear`.
+    fn traction(shear: &[f64], state: &NormalState) -> Vec<f64> {
+        shear.iter().copied().chain(state.pressure().iter().map(|p| -p)).collect()
+    }
+
+    /// Finds the shear for the pressure of `state`; passes the fraction `share` of the change of lift and slip on to
+    /// the normal contact. `length` is the unit of slip.
+    pub(super) fn slide(
+        &mut self,
+        state: &NormalState,
+        length: f64,
+        share: f64,
+        budget: &Budget,
+        watch: &mut dyn Watch,
+    ) -> Descended {
+        let (points, lateral) = (self.points(), self.stuck.len());
+        let limits = Limits::new(limits_of(&self.shear, self.factor, state), length);
+        let mut traction = Self::traction(&vec![0.0; lateral], state);
+        let mut displacement = vec![0.0; traction.len()];
+        self.transforms.compliance(&traction, &mut displacement);
+        let mut slip = self.slip(&displacement);
+        limits.project(&mut self.traction[..lateral]);
+        self.transforms.compliance(&self.traction, &mut self.displacement);
+        slip.iter_mut().zip(&self.displacement).for_each(|(slip, u)| *slip += u);
+        let mut descended = Descended { steps: 0, ending: Ending::Converged };
+        if limits.strongest > 0.0 {
+            traction[lateral..].fill(0.0);
+            let Self { transforms, displacement, traction: shear, stiffest, .. } = self;
+            let mut problem = TangentialProblem { transforms, limits: &limits, traction, displacement };
+            // The first step is a stiffness: the stiffness of the shortest wave.
+            let method = SpectralProjectedGradient { first_step: *stiffest };
+            descended = method.minimise(&mut problem, &mut shear[..lateral], &mut slip, budget, watch);
+        }
+        self.transforms.compliance(&self.traction, &mut self.displacement);
+        for (lift, u) in self.lift.iter_mut().zip(&self.displacement[lateral..]) {
+            *lift += share * (u - *lift);
+        }
+        for (i, slipped) in self.slipped.iter_mut().enumerate() {
+            let square: f64 = slip.chunks_exact(points).map(|slip| slip[i] * slip[i]).sum();
+            *slipped += share * (square.sqrt() - *slipped);
+        }
+        descended
+    }
+
+    /// Computes fields and residuals of the present shear with the pressure of `state`, from fresh transforms. `length`
+    /// is the unit of slip.
+    pub(super) fn certify(&mut self, state: &NormalState, length: f64) -> Sheared {
+        let (points, lateral) = (self.points(), self.stuck.len());
+        let limits = Limits::new(limits_of(&self.shear, self.factor, state), length);
+        let traction = Self::traction(&self.traction[..lateral], state);
+        let mut displacement = vec![0.0; traction.len()];
+        self.transforms.compliance(&traction, &mut displacement);
+        let slip = self.slip(&displacement);
+        displacement.truncate(lateral);
+        displacement.iter_mut().zip(&self.base).for_each(|(u, base)| *u -= base);
+        let traction = traction[..lateral].to_vec();
+        let magnitude = |i: usize| traction.chunks_exact(points).map(|t| t[i] * t[i]).sum::<f64>().sqrt();
+        let before = &self.limits_before;
+        let [sticking, lost] = reduce(
+            points,
+            &|range| {
+                range.fold([0.0; 2], |sums, i| {
+                    let limit = limits.values[i];
+                    let sticks = limit > 0.0 && magnitude(i) < limit * (1.0 - AT_LIMIT);
+                    // The shear is at its limit while a point slips, and the limit changes during the increment.
+                    let limit = self.factor * limit;
+                    let mean = 0.5 * (before[i] + limit) / limit;
+                    let both = traction.chunks_exact(points).zip(slip.chunks_exact(points));
+                    let work: f64 = both.map(|(t, s)| -t[i] * s[i]).sum();
+                    let work = if limit > 0.0 { mean * self.factor * work } else { 0.0 };
+                    add(sums, [f64::from(sticks), work])
+                })
+            },
+            &add,
+        );
+        let excess = reduce(
+            points,
+            &|range| range.fold(0.0, |worst, i| higher(worst, magnitude(i) - limits.values[i])),
+            &higher,
+        );
+        let friction = limits.mismatch(&traction, &slip);
+        let excess = if limits.strongest > 0.0 { excess / limits.strongest } else { 0.0 };
+        Sheared { displacement, traction, slip, sticking, lost, friction, excess }
+    }
+}
+
+/// Returns the limit of the shear at each point, divided by `factor`, for a state with tractions divided by it.
+pub(super) fn limits_of(shear: &Shear, factor: f64, state: &NormalState) -> Vec<f64> {
+    let repulsion = state.repulsion();
+    let limit = |pressure: f64| shear.limit.at(factor * pressure) / factor;
+    match shear.pressure {
+        LimitingPressure::Repulsion => repulsion.iter().map(|r| if *r > 0.0 { limit(*r) } else { 0.0 }).collect(),
+        LimitingPressure::Net => {
+            let both = repulsion.iter().zip(&state.pressure()).map(|(r, p)| (*r, *p));
+            both.map(|(r, p)| if r > 0.0 { limit(p.max(0.0)) } else { 0.0 }).collect()
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! [docs]: crate
+#![doc = include_str!("../README.md")]
+//!
+//! - [`Medium`]: a body with a memory, as the steps of a contact see it.
+//! - [`Relaxing`]: a body that relaxes by a [`Prony`] series, branch by branch; [`Relaxes`] selects the moduli that
+//!   relax. A step is exact for a displacement linear in time.
+//! - [`SlidingContact`]: steady state of a surface sliding over a viscoelastic body, with hysteretic friction.
+
+mod branch;
+mod bulk;
+mod medium;
+mod memory;
+mod poles;
+mod prony;
+mod relaxes;
+mod relaxing;
+mod sliding;
+mod spectrum;
+mod step;
+mod velocity;
+
+pub use branch::Branch;
+pub use gfmd_contact::{Body, Contact, Drive, Equilibrium, Grid, Load, Material};
+pub use medium::{Affine, Medium, Stiffening};
+pub use memory::{Energies, Memory};
+pub use ndarray;
+pub use prony::{Prony, PronyError};
+pub use relaxes::{Relaxes, UnknownRelaxes};
+pub use relaxing::Relaxing;
+pub use sliding::{Persson, SlidingContact, SlidingError, SlidingState};
+pub use velocity::{Velocity, VelocityError};

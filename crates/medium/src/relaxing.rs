@@ -1,0 +1,204 @@
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use gfmd_contact::{Boundary, Refusal};
+use gfmd_field::{Grid, Transform, Workspace};
+use gfmd_green::Body;
+use gfmd_vector::contiguous;
+use ndarray::Array2;
+use num_complex::Complex64;
+
+use crate::memory::{Fields, PointStep};
+use crate::spectrum::{Spectrum, stiffness};
+use crate::{Affine, Energies, Medium, Memory, Prony, Relaxes, Stiffening};
+
+/// Body that relaxes by a Prony series (theory.md, section 7.7). Each step is exact for a displacement linear in time,
+/// whatever its duration; a step of zero duration is a jump.
+#[derive(Clone)]
+pub struct Relaxing {
+    grid: Grid,
+    boundary: Boundary,
+    components: usize,
+    spectrum: Arc<Spectrum>,
+    /// Transforms, if each wave of the body has its own branches.
+    transform: Option<Arc<(Transform, Mutex<Workspace>)>>,
+}
+
+impl Relaxing {
+    /// Creates the medium of `body`, which has its long-term moduli, below a surface on `grid`. With one of the
+    /// `components` its memory is that of u_z alone, else of all components.
+    ///
+    /// # Errors
+    /// Returns an error if only the shear modulus relaxes, and this relaxation is not known for the body, the boundary
+    /// or all components.
+    pub fn new(
+        body: &Body,
+        grid: &Grid,
+        boundary: Boundary,
+        components: usize,
+        prony: &Prony,
+        relaxes: Relaxes,
+    ) -> Result<Self, Refusal> {
+        let spectrum = Spectrum::new(body, grid, boundary == Boundary::Free, prony, relaxes)?;
+        let alike = relaxes == Relaxes::Both || body.material().poisson() == 0.5;
+        if components > 1 && !alike {
+            return Err(Refusal::ShearAlone { with: "shear at the surface" });
+        }
+        let transform = match &spectrum {
+            Spectrum::Common(_) => None,
+            Spectrum::Waves(_) => {
+                let transform = Transform::new(*grid);
+                let workspace = Mutex::new(transform.workspace());
+                Some(Arc::new((transform, workspace)))
+            }
+        };
+        Ok(Self { grid: *grid, boundary, components, spectrum: spectrum.into(), transform })
+    }
+
+    /// Returns d + Σ c x of the [memory](Memory::normal) along z, row by row, in length: the indentation by the present
+    /// pressure with the long-term moduli.
+    ///
+    /// # Errors
+    /// Returns an error if the size of the fields or their number does not match the grid or the branches.
+    pub fn long_term_indentation(&self, memory: &[Array2<f64>]) -> Result<Vec<f64>, Refusal> {
+        self.check(memory)?;
+        let memory: Vec<_> = memory.iter().map(|field| contiguous(field)).collect();
+        Ok(match &*self.spectrum {
+            Spectrum::Common(branches) => (0..self.grid.len())
+                .map(|i| memory[0][i] + branches.iter().zip(&memory[1..]).map(|(b, x)| b.weight * x[i]).sum::<f64>())
+                .collect(),
+            Spectrum::Waves(waves) => {
+                let mut spectra: Vec<Vec<Complex64>> = memory.iter().map(|field| self.forward(field)).collect();
+                let mut total = spectra.remove(0);
+                for (mode, total) in total.iter_mut().enumerate() {
+                    *total += waves.of(mode).zip(&spectra).map(|(b, x)| b.weight * x[mode]).sum::<Complex64>();
+                }
+                self.inverse(&total)
+            }
+        })
+    }
+
+    /// Computes the energy stored in all springs, per area, from the [memory](Memory::normal) along z; `body` is the
+    /// body of the medium. `None` with free boundaries, where the pressure of each spring is needed.
+    ///
+    /// # Errors
+    /// Returns an error if the size of the fields or their number does not match the grid or the branches.
+    pub fn elastic_energy(&self, body: &Body, memory: &[Array2<f64>]) -> Result<Option<f64>, Refusal> {
+        self.check(memory)?;
+        if self.boundary == Boundary::Free {
+            return Ok(None);
+        }
+        let grid = self.grid;
+        let (transform, stiffness) = (Transform::new(grid), stiffness(body, &grid));
+        let mut workspace = transform.workspace();
+        let mut spectra = Vec::new();
+        for field in memory {
+            let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+            transform.forward(&contiguous(field), &mut spectrum, &mut workspace)?;
+            spectra.push(spectrum);
+        }
+        let weights = |mode: usize| -> Vec<f64> {
+            match &*self.spectrum {
+                Spectrum::Common(branches) => branches.iter().map(|branch| branch.weight).collect(),
+                Spectrum::Waves(waves) => waves.of(mode).map(|branch| branch.weight).collect(),
+            }
+        };
+        let of = |mode: usize| {
+            let branches = weights(mode).into_iter().zip(&spectra[1..]).map(|(weight, x)| weight * x[mode].norm_sqr());
+            0.5 * grid.mode_at(mode).weight * stiffness[mode] * (spectra[0][mode].norm_sqr() + branches.sum::<f64>())
+        };
+        // The mean level of a half-space does not move.
+        let modes = (0..grid.spectrum_len()).filter(|mode| stiffness[*mode].is_finite());
+        Ok(Some(modes.map(of).sum()))
+    }
+
+    fn check(&self, memory: &[Array2<f64>]) -> Result<(), Refusal> {
+        let expected = 1 + self.branches();
+        if memory.len() != expected {
+            return Err(Refusal::Basis { found: memory.len(), expected });
+        }
+        let wrong = memory.iter().find(|field| field.len() != self.grid.len());
+        wrong.map_or(Ok(()), |field| Err(Refusal::Start { found: field.len(), expected: self.grid.len() }))
+    }
+
+    /// Transforms a field; only for a body with wave-dependent branches.
+    fn forward(&self, field: &[f64]) -> Vec<Complex64> {
+        let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
+        let mut spectrum = vec![Complex64::ZERO; transform.grid().spectrum_len()];
+        let workspace = &mut *workspace.lock().unwrap_or_else(PoisonError::into_inner);
+        transform.forward(field, &mut spectrum, workspace).expect("the field has the size of the grid");
+        spectrum
+    }
+
+    /// Transforms a spectrum back; only for a body with wave-dependent branches.
+    fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
+        let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
+        let mut field = vec![0.0; transform.grid().len()];
+        let workspace = &mut *workspace.lock().unwrap_or_else(PoisonError::into_inner);
+        transform.inverse(spectrum, &mut field, workspace).expect("the spectrum has the size of the grid");
+        field
+    }
+}
+
+impl Medium for Relaxing {
+    fn rest(&self) -> Memory {
+        Memory(match &*self.spectrum {
+            Spectrum::Common(branches) => Fields::at_rest(self.components * self.grid.len(), branches.len()),
+            Spectrum::Waves(waves) => Fields::of_waves(waves.stiffness.len(), waves.count),
+        })
+    }
+
+    fn begin(&self, memory: &Memory, duration: f64) -> Result<Affine, Refusal> {
+        let (stiffening, residual_indentation) = match (&memory.0, &*self.spectrum) {
+            (Fields::Points { lengths, .. }, Spectrum::Common(branches)) => {
+                let step = PointStep::new(branches, duration);
+                let mut residual_indentation = vec![0.0; self.components * self.grid.len()];
+                step.fill(lengths, &mut residual_indentation);
+                (Stiffening::All(step.stiffening), residual_indentation)
+            }
+            (Fields::Waves(fields), Spectrum::Waves(waves)) => {
+                let (factors, spectrum) = waves.residual_indentation(fields, duration);
+                (Stiffening::Waves(factors), self.inverse(&spectrum))
+            }
+            _ => return Err(Refusal::OtherKind),
+        };
+        Ok(Affine { residual_indentation, stiffening, duration })
+    }
+
+    fn end(
+        &self,
+        memory: &Memory,
+        step: &Affine,
+        indentation: Vec<f64>,
+        pressure: &[f64],
+    ) -> Result<(Memory, Energies), Refusal> {
+        let (fields, energies) = match (&memory.0, &*self.spectrum) {
+            (Fields::Points { lengths, stresses }, Spectrum::Common(branches)) => {
+                let point_step = PointStep::new(branches, step.duration);
+                let (fields, energies) = point_step.advance((lengths, stresses), (indentation, pressure));
+                // The means are over all values.
+                let components = self.components as f64;
+                (fields, Energies { stored: components * energies.stored, lost: components * energies.lost })
+            }
+            (Fields::Waves(fields), Spectrum::Waves(waves)) => {
+                let weight = |mode: usize| self.grid.mode_at(mode).weight;
+                waves.advance(fields, self.forward(&indentation), step.duration, weight)
+            }
+            _ => return Err(Refusal::OtherKind),
+        };
+        Ok((Memory(fields), energies))
+    }
+
+    fn branches(&self) -> usize {
+        match &*self.spectrum {
+            Spectrum::Common(branches) => branches.len(),
+            Spectrum::Waves(waves) => waves.count,
+        }
+    }
+}
+
+impl fmt::Debug for Relaxing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Relaxing").field("branches", &self.branches()).finish_non_exhaustive()
+    }
+}
