@@ -18,6 +18,7 @@ use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::memory::peak_bytes;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
+use gfmd_medium::{SlidingContact, Velocity, VelocityError};
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
@@ -26,7 +27,6 @@ use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{Asked, Head, Prepared, run_with_journal};
-use gfmd_viscoelastic::{SlidingContact, Velocity, VelocityError};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 

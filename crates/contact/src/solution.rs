@@ -142,8 +142,9 @@ impl Fields for Solution {
 
 impl Variables for Solution {
     fn visit(&mut self, visitor: &mut dyn Visit) {
-        let Self { pressure, displacement, gap, mean_pressure, approach, residual, effort, plastic, length_scale, .. } =
-            self;
+        let Self {
+            pressure, displacement, gap, mean_pressure, approach, residual, effort, plastic, length_scale, ..
+        } = self;
         for field in [pressure, displacement, gap] {
             with_contiguous(field, |field| visitor.field(field));
         }

@@ -50,10 +50,10 @@
 //! | make a rough surface, or prepare a measured one | [`surface`] | [`SelfAffine`], [`Statistics`] |
 //! | describe an elastic body | [`green`] | [`Body`], [`Material`] |
 //! | press the surface on the body | [`contact`] | [`Contact`], [`Equilibrium`] |
-//! | add adhesion, friction; follow a path of loads | [`interface`] | [`Interface`], [`FrictionalContact`], [`Path`] |
+//! | add a law across the gap | [`interface`] | [`Interface`] |
+//! | add friction, hardness, wear, relaxation; follow a path of loads | [`interface`] | [`QuasistaticContact`], [`Path`] |
 //! | choose or evaluate the law of an interface | [`law`] | [`Law`], [`LawKind`] |
-//! | let a viscoelastic body relax, or slide over it | [`viscoelastic`] | [`ViscoelasticContact`], [`SlidingContact`] |
-//! | wear the surface while it slides | [`wear`] | [`WearContact`] |
+//! | describe how a viscoelastic body relaxes, or slide over it | [`medium`] | [`Prony`], [`SlidingContact`] |
 //! | prescribe displacements on some points, tractions on others | [`mixed`] | [`MixedProblem`] |
 //! | measure area, kappa and pressures; compare with theories | [`measure`] | [`Summary`], [`measure::theory`] |
 //! | find the temperature of a surface under friction | [`heat`] | [`Flash`], [`Thermal`] |
@@ -75,13 +75,12 @@
 //! [`Contact`]: contact::Contact
 //! [`Equilibrium`]: contact::Equilibrium
 //! [`Interface`]: interface::Interface
-//! [`FrictionalContact`]: interface::FrictionalContact
+//! [`QuasistaticContact`]: interface::QuasistaticContact
 //! [`Path`]: interface::Path
 //! [`Law`]: law::Law
 //! [`LawKind`]: law::LawKind
-//! [`ViscoelasticContact`]: viscoelastic::ViscoelasticContact
-//! [`SlidingContact`]: viscoelastic::SlidingContact
-//! [`WearContact`]: wear::WearContact
+//! [`Prony`]: medium::Prony
+//! [`SlidingContact`]: medium::SlidingContact
 //! [`MixedProblem`]: mixed::MixedProblem
 //! [`Summary`]: measure::Summary
 //! [`Flash`]: heat::Flash
@@ -116,6 +115,8 @@ pub use gfmd_law as law;
 #[doc(inline)]
 pub use gfmd_measure as measure;
 #[doc(inline)]
+pub use gfmd_medium as medium;
+#[doc(inline)]
 pub use gfmd_mixed as mixed;
 #[doc(inline)]
 pub use gfmd_relax as relax;
@@ -123,10 +124,6 @@ pub use gfmd_relax as relax;
 pub use gfmd_response as response;
 #[doc(inline)]
 pub use gfmd_surface as surface;
-#[doc(inline)]
-pub use gfmd_viscoelastic as viscoelastic;
-#[doc(inline)]
-pub use gfmd_wear as wear;
 /// Arrays of all fields, in the version that this crate takes and returns.
 #[doc(no_inline)]
 pub use ndarray;

@@ -6,11 +6,10 @@ pub use gfmd_contact::{
 };
 pub use gfmd_field::Grid;
 pub use gfmd_green::{Body, Material};
-pub use gfmd_interface::{FrictionalContact, Interface};
+pub use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Wear};
 pub use gfmd_law::{Dugdale, Exponential, Law, Limit, Morse};
 pub use gfmd_measure::Summary;
+pub use gfmd_medium::{Prony, Relaxes};
 pub use gfmd_mixed::{MixedProblem, Prescribed};
 pub use gfmd_surface::{Discretisation, SelfAffine, Statistics};
-pub use gfmd_viscoelastic::{Prony, Relaxes, ViscoelasticContact};
-pub use gfmd_wear::WearContact;
 pub use ndarray::{Array2, ArrayView2};

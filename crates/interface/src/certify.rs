@@ -53,6 +53,7 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         traction: vectors(traction),
         gap,
         wall_pressure,
+        pressed_in: None,
         mean_pressure,
         mean_shear: std::array::from_fn(|c| if c < z { means[c] } else { 0.0 }),
         approach,

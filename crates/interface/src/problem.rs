@@ -161,6 +161,15 @@ impl Interface {
         Ok(Self { elastic, law, surface, patch, given, contact_modulus: body.contact_modulus(), units })
     }
 
+    /// STUB
+    pub fn with_hardness(self, _: impl Into<gfmd_contact::Hardness>) -> Result<Self, Refusal> {
+        Err(Refusal::OtherKind)
+    }
+    /// STUB
+    pub fn with_springs(self, _: impl Into<gfmd_contact::Springs>) -> Result<Self, Refusal> {
+        Err(Refusal::OtherKind)
+    }
+
     /// Returns the boundary of the surface.
     pub fn boundary(&self) -> Boundary {
         if self.patch.is_some() { Boundary::Free } else { Boundary::Periodic }

@@ -16,14 +16,14 @@ use gfmd_contact::{
     Boundary, Contact, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface,
     SolveError, Solver, Units, Variables as _, Visit,
 };
-use gfmd_law::{HardWall, InUnits, Law, Limit};
+use gfmd_law::{InUnits, Law};
 use gfmd_medium::{Medium, Relaxing};
 use gfmd_relax::{Budget, Progress, Watch};
 use gfmd_response::{FreeFullCompliance, FullResponse, NormalResponse};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::path::{Loss, Quasistatic, Reading};
-use crate::{Interface, Trapping};
+use crate::{Interface, StoredFields, Trapping};
 use normal::Normal;
 pub use parts::{LimitingPressure, Parts, Shear, Wear};
 use response::Response;
@@ -96,7 +96,7 @@ impl QuasistaticContact {
             false => InUnits::new(Arc::clone(law), stress, length).into_shared(),
         });
         let (body, grid) = (&units.body(body), &units.grid(grid));
-        let heights = if units.are_one() { heights.to_owned() } else { *heights / length };
+        let heights = if units.are_one() { (*heights).to_owned() } else { *heights / length };
         let response = match (shear, boundary) {
             (None, _) => None,
             (Some(_), Boundary::Periodic) => Some(Response::Periodic(FullResponse::new(*grid, body).into())),
@@ -152,10 +152,75 @@ impl QuasistaticContact {
     pub fn trapping(&self) -> Option<Trapping> {
         let Normal::Law(interface) = &self.normal else { return None };
         let unit = self.units.stiffness();
-        interface.trapping().map(|found| Trapping {
-            steepness: found.steepness * unit,
-            stiffness: found.stiffness * unit,
-        })
+        interface
+            .trapping()
+            .map(|found| Trapping { steepness: found.steepness * unit, stiffness: found.stiffness * unit })
+    }
+
+    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one:
+    /// with shear, or of a body with a memory.
+    pub fn basis(&self) -> &'static [&'static str] {
+        let has_history = self.shear.is_some() || self.medium.is_some() || self.all_components;
+        match (&self.normal, &self.hardness, self.wear) {
+            _ if has_history => &[],
+            (Normal::Wall(_), None, None) => &["pressure"],
+            (Normal::Wall(_), Some(_), None) => &["pressure", "plastic_depth"],
+            (Normal::Wall(_), None, Some(_)) => &["pressure", "wear_depth"],
+            (Normal::Wall(_), Some(_), Some(_)) => &["pressure", "plastic_depth", "wear_depth"],
+            (Normal::Law(_), None, None) => &["gap", "pressure"],
+            (Normal::Law(_), Some(_), None) => &["gap", "pressure", "plastic_depth"],
+            (Normal::Law(_), None, Some(_)) => &["gap", "pressure", "wear_depth"],
+            (Normal::Law(_), Some(_), Some(_)) => &["gap", "pressure", "plastic_depth", "wear_depth"],
+        }
+    }
+
+    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms: depths are those so
+    /// far, and nothing is lost.
+    ///
+    /// # Errors
+    /// Returns an error if the fields are not the basis, or do not fit the grid, or if the drive is invalid.
+    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<QuasistaticState, Refusal> {
+        let names = self.basis();
+        if names.is_empty() || fields.len() != names.len() {
+            return Err(Refusal::Basis { found: fields.len(), expected: names.len() });
+        }
+        let (points, shape) = (self.points(), self.normal.surface().grid().points());
+        if let Some(wrong) = fields.iter().find(|field| <[usize; 2]>::from(field.dim()) != shape) {
+            return Err(Refusal::Start { found: wrong.len(), expected: points });
+        }
+        drive.check()?;
+        let (length, stress) = (self.units.length(), self.units.stress());
+        let field = |name: &str| {
+            let unit = if name == "pressure" { stress } else { length };
+            names.iter().position(|other| *other == name).map(|at| fields[at].mapv(|value| value / unit))
+        };
+        let drive = self.drive(drive);
+        let mut start = self.blank()?;
+        (start.time, start.distance) = (drive.time, drive.distance);
+        (start.worn, start.pressed_in) = (field("wear_depth"), field("plastic_depth"));
+        let none = || Array2::zeros(shape);
+        let basis = (field("gap").unwrap_or_else(none), field("pressure").unwrap_or_else(none));
+        let step = Step::new(self, drive, Some(&start))?;
+        Ok(self.given_units(self.end(&step, step.reached((&basis.0, &basis.1))?)?))
+    }
+
+    /// Restores a state without history from stored fields, as a start.
+    ///
+    /// # Errors
+    /// Returns an error for a contact with a history, or if the fields do not fit the grid.
+    pub fn recall(&self, stored: StoredFields<'_>) -> Result<QuasistaticState, Refusal> {
+        if self.basis().iter().any(|name| name.ends_with("depth")) || self.basis().is_empty() {
+            return Err(Refusal::Basis { found: 3, expected: self.basis().len() });
+        }
+        let StoredFields { pressure, displacement_z, gap, approach } = stored;
+        let (length, stress) = (self.units.length(), self.units.stress());
+        let [pressure, displacement_z, gap] =
+            [(pressure, stress), (displacement_z, length), (gap, length)].map(|(field, unit)| field.mapv(|x| x / unit));
+        let approach = approach / length;
+        let fields = StoredFields { pressure: &pressure, displacement_z: &displacement_z, gap: &gap, approach };
+        let mut start = self.blank()?;
+        start.normal = self.normal.recall(fields)?;
+        Ok(self.given_units(start))
     }
 
     /// Returns the number of points.
@@ -201,7 +266,8 @@ impl QuasistaticContact {
                 Load::Approach(_) => Load::Approach(0.0),
             };
             // The search is short and writes no checkpoint.
-            let touched = Step::new(self, load.into(), None)?.solve(solver, budget, &mut |now: &Progress| watch.see(now))?;
+            let touched =
+                Step::new(self, load.into(), None)?.solve(solver, budget, &mut |now: &Progress| watch.see(now))?;
             let mut state = Step::new(self, drive, Some(&touched))?.solve(solver, budget, watch)?;
             let (Effort { iterations, transform_pairs }, effort) = (touched.effort(), state.normal.effort());
             effort.iterations += iterations;
@@ -274,7 +340,10 @@ impl Equilibrium for QuasistaticContact {
     fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
         match drive.load {
             Load::Approach(approach) if approach <= 0.0 && self.medium.is_some() => Ok(()),
-            _ => self.normal.check_resolution(self.drive(drive), tolerance).map_err(|refusal| self.given_refusal(refusal)),
+            _ => self
+                .normal
+                .check_resolution(self.drive(drive), tolerance)
+                .map_err(|refusal| self.given_refusal(refusal)),
         }
     }
 
@@ -310,10 +379,9 @@ impl Equilibrium for QuasistaticContact {
         let solved = self.increment(self.drive(drive), solver, budget, start.as_ref(), watch);
         let state = solved.map_err(|error| match error {
             SolveError::Refused(refusal) => SolveError::Refused(self.given_refusal(refusal)),
-            SolveError::Detached { state, mean_pressure } => SolveError::Detached {
-                state: self.given_units(*state).into(),
-                mean_pressure: mean_pressure * stress,
-            },
+            SolveError::Detached { state, mean_pressure } => {
+                SolveError::Detached { state: self.given_units(*state).into(), mean_pressure: mean_pressure * stress }
+            }
             error => error.map(|state| self.given_units(state)),
         })?;
         Units::check_pressure(state.mean_pressure() * stress)?;
@@ -366,12 +434,7 @@ impl Quasistatic for QuasistaticContact {
         }
     }
 
-    fn depends_on_division(
-        &self,
-        start: Option<&QuasistaticState>,
-        end: &QuasistaticState,
-        tolerance: f64,
-    ) -> bool {
+    fn depends_on_division(&self, start: Option<&QuasistaticState>, end: &QuasistaticState, tolerance: f64) -> bool {
         self.may_change(start, end, tolerance)
     }
 

@@ -15,6 +15,8 @@ pub struct State {
     pub gap: Array2<f64>,
     /// Pressure of the hard wall, stress ≥ 0; 0 without a wall. It does not include attraction.
     pub wall_pressure: Array2<f64>,
+    /// STUB
+    pub pressed_in: Option<Array2<f64>>,
     /// Mean of −t_z, stress; negative if the surfaces are pulled apart.
     pub mean_pressure: f64,
     /// Mean lateral traction on the elastic surface along x and y, stress.

@@ -1,7 +1,7 @@
 use gfmd_contact::Boundary;
 use gfmd_green::{BaseKind, Condition, Ground, Height};
 use gfmd_law::LawKind;
-use gfmd_viscoelastic::Relaxes;
+use gfmd_medium::Relaxes;
 
 use crate::{GridError, Unknown};
 
@@ -179,21 +179,18 @@ impl Facts {
         self.unknown == Unknown::All || self.finite_slope || self.friction.is_some() || self.lateral
     }
 
-    /// Returns true if the states follow a law across the gap; on a periodic path also for a hard wall.
+    /// Returns true if the states follow a law across the gap; on a periodic path also for an elastic hard wall alone.
     pub fn solves_a_law(&self) -> bool {
-        match self.task {
-            Task::Loads => self.has_law(),
-            Task::Path => self.friction.is_none() && !self.is_wall_on_path(),
-        }
+        let is_alone = !(self.hardness
+            || self.friction.is_some()
+            || self.boundary == Boundary::Free
+            || self.relaxes.is_some()
+            || self.wears);
+        self.has_law() || self.task == Task::Path && is_alone
     }
 
-    /// Returns true for the path of a hard wall alone that is solved by hard-wall methods: with a hardness, on a patch,
-    /// on a viscoelastic body, or with wear.
+    /// Returns true for the path of a hard wall without friction that is solved by hard-wall methods.
     pub fn is_wall_on_path(&self) -> bool {
-        self.task == Task::Path
-            && !self.has_law()
-            && self.friction.is_none()
-            && !self.lateral
-            && (self.hardness || self.boundary == Boundary::Free || self.relaxes.is_some() || self.wears)
+        self.task == Task::Path && !self.solves_a_law() && self.friction.is_none()
     }
 }

@@ -1,15 +1,12 @@
 //! Kinds of contact.
 
 use gfmd_contact::{
-    Contact, Cotangents, Drive, Fields as _, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface,
-    Solution, SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
+    Contact, Cotangents, Drive, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface, Solution,
+    SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    FrictionState, FrictionalContact, Interface, Loss, PlasticContact, PlasticState, Quasistatic, Reading, State,
-    StoredFields, Trapping,
+    Interface, Quasistatic, QuasistaticContact, QuasistaticState, Reading, State, StoredFields, Trapping,
 };
-use gfmd_viscoelastic::{ElasticContact, ViscoelasticContact};
-use gfmd_wear::{WearContact, WearState};
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
@@ -158,130 +155,45 @@ impl ContactKind for Interface {
     }
 }
 
-/// Reason why states of a path have no stiffness.
-const ON_A_PATH: NoStiffness = NoStiffness::Undefined("not computed along a path");
-
-impl ContactKind for FrictionalContact {
+impl ContactKind for QuasistaticContact {
     fn surface(&self) -> &RigidSurface {
-        FrictionalContact::surface(self)
+        QuasistaticContact::surface(self)
     }
 
     fn basis(&self) -> &'static [&'static str] {
-        &[]
+        QuasistaticContact::basis(self)
     }
 
-    fn certify(&self, fields: &[&ArrayRef2<f64>], _: Drive) -> Result<FrictionState, Refusal> {
-        Err(Refusal::Basis { found: fields.len(), expected: 0 })
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<QuasistaticState, Refusal> {
+        QuasistaticContact::certify(self, fields, drive)
     }
 
-    fn stiffness(&self, _: &FrictionState, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(ON_A_PATH)
+    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<QuasistaticState, Refusal> {
+        let approach = approach(&stored, QuasistaticContact::surface(self).clearance());
+        QuasistaticContact::recall(self, StoredFields { approach, ..stored })
     }
 
-    fn reading(&self, state: &FrictionState) -> Reading {
+    fn stiffness(&self, _: &QuasistaticState, _: f64) -> Result<Stiffness, NoStiffness> {
+        Err(NoStiffness::Undefined("not computed along a path"))
+    }
+
+    fn reading(&self, state: &QuasistaticState) -> Reading {
         Quasistatic::reading(self, state)
     }
 
-    fn depends_on_division(&self, start: Option<&FrictionState>, end: &FrictionState, tolerance: f64) -> bool {
+    fn depends_on_division(&self, start: Option<&QuasistaticState>, end: &QuasistaticState, tolerance: f64) -> bool {
         Quasistatic::depends_on_division(self, start, end, tolerance)
     }
 
-    fn change(&self, start: Option<&FrictionState>, from: &FrictionState, to: &FrictionState) -> f64 {
+    fn change(&self, start: Option<&QuasistaticState>, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
         Quasistatic::change(self, start, from, to)
     }
 
-    fn change_of_stick(&self, from: &FrictionState, to: &FrictionState) -> f64 {
+    fn change_of_stick(&self, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
         Quasistatic::change_of_stick(self, from, to)
     }
-}
 
-impl ContactKind for PlasticContact {
-    fn surface(&self) -> &RigidSurface {
-        self.contact().surface()
-    }
-
-    fn basis(&self) -> &'static [&'static str] {
-        &["pressure", "plastic_depth"]
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<PlasticState, Refusal> {
-        let [pressure, depth] = all(fields)?;
-        PlasticContact::certify(self, pressure, depth, drive.load)
-    }
-
-    fn stiffness(&self, _: &PlasticState, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(ON_A_PATH)
-    }
-
-    fn reading(&self, state: &PlasticState) -> Reading {
-        Quasistatic::reading(self, state)
-    }
-}
-
-impl<C> ContactKind for ViscoelasticContact<C>
-where
-    C: ElasticContact<State: Send + Sync + 'static> + Send + Sync + 'static,
-{
-    fn surface(&self) -> &RigidSurface {
-        self.contact().surface()
-    }
-
-    fn basis(&self) -> &'static [&'static str] {
-        &[]
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], _: Drive) -> Result<Self::State, Refusal> {
-        Err(Refusal::Basis { found: fields.len(), expected: 0 })
-    }
-
-    fn stiffness(&self, _: &Self::State, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(ON_A_PATH)
-    }
-
-    fn reading(&self, state: &Self::State) -> Reading {
-        Reading {
-            mean_pressure: state.mean_pressure(),
-            approach: state.approach(),
-            mean_shear: [0.0; 2],
-            lateral: [0.0; 2],
-            time: state.time,
-            distance: 0.0,
-            loss: Loss::Certified {
-                lost: state.dissipated,
-                imbalance: state.work_imbalance,
-                stored: (!C::RESTS_AT_FIRST_TOUCH).then(|| state.elastic_energy + C::interface_energy(&state.solution)),
-            },
-        }
-    }
-}
-
-impl ContactKind for WearContact {
-    fn surface(&self) -> &RigidSurface {
-        self.contact().surface()
-    }
-
-    fn basis(&self) -> &'static [&'static str] {
-        &["pressure", "wear_depth"]
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<WearState, Refusal> {
-        let [pressure, depth] = all(fields)?;
-        WearContact::certify(self, pressure, depth, drive)
-    }
-
-    fn stiffness(&self, _: &WearState, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(ON_A_PATH)
-    }
-
-    fn reading(&self, state: &WearState) -> Reading {
-        Reading {
-            mean_pressure: state.solution.mean_pressure,
-            approach: state.solution.approach,
-            mean_shear: [0.0; 2],
-            lateral: [0.0; 2],
-            time: 0.0,
-            distance: state.distance,
-            loss: Loss::Certified { lost: state.dissipated, imbalance: state.work_imbalance, stored: None },
-        }
+    fn trapping(&self) -> Option<Trapping> {
+        QuasistaticContact::trapping(self)
     }
 }

@@ -3,10 +3,9 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Contact, Dynamics, FullContact, Hardness, Refusal, SqueezedContact, SteepContact};
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
-use gfmd_interface::{FrictionalContact, Interface, PlasticContact};
+use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Wear};
 use gfmd_law::{HardWall, Law, Limit};
-use gfmd_viscoelastic::{Prony, ViscoelasticContact};
-use gfmd_wear::WearContact;
+use gfmd_medium::Prony;
 use ndarray::ArrayRef2;
 
 use crate::facts::{Facts, Task};
@@ -102,33 +101,28 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     if facts.finite_slope {
         return Ok(Posed::new(SteepContact::new(body, grid, heights)?));
     }
-    if let Some(limit) = limit {
-        return Ok(Posed::new(FrictionalContact::with_boundary(facts.boundary, body, grid, heights, *limit)?));
+    if facts.task == Task::Path {
+        let parts = Parts {
+            body,
+            grid,
+            heights,
+            boundary: facts.boundary,
+            // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
+            law: facts.solves_a_law().then(|| Arc::clone(law)),
+            all_components: facts.lateral && limit.is_none(),
+            hardness: hardness.clone(),
+            shear: limit.map(Shear::from),
+            relaxation: prony.zip(facts.relaxes),
+            wear: wear.map(|by_distance| Wear { by_distance, by_slip: 0.0 }),
+        };
+        return Ok(Posed::new(QuasistaticContact::new(&parts)?));
     }
-    if let (Some(prony), Some(relaxes)) = (prony, facts.relaxes) {
-        if facts.has_law() {
-            let interface = Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?;
-            return Ok(Posed::new(ViscoelasticContact::new(interface, body, prony, relaxes)?));
-        }
-        return Ok(Posed::new(ViscoelasticContact::new(given.wall()?, body, prony, relaxes)?));
+    if facts.has_law() {
+        return Ok(Posed::new(Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?));
     }
-    if let Some(coefficient) = wear {
-        return Ok(Posed::new(WearContact::new(given.wall()?, *coefficient)?));
+    if facts.unknown == Unknown::All {
+        return Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)));
     }
-    if facts.lateral {
-        return Ok(Posed::new(Interface::in_all_components(body, grid, heights, Arc::clone(law))?));
-    }
-    match facts.task {
-        Task::Path if facts.is_wall_on_path() => Ok(Posed::new(PlasticContact::new(given.wall()?))),
-        // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
-        Task::Path => Ok(Posed::new(Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?)),
-        Task::Loads if facts.has_law() => {
-            Ok(Posed::new(Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?))
-        }
-        Task::Loads if facts.unknown == Unknown::All => {
-            Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)))
-        }
-        // The solvers for a hard wall alone are faster than the solvers for a law.
-        Task::Loads => Ok(Posed::new(given.wall()?)),
-    }
+    // The solvers for a hard wall alone are faster than the solvers for a law.
+    Ok(Posed::new(given.wall()?))
 }

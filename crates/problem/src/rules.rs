@@ -2,7 +2,7 @@ use std::fmt;
 
 use gfmd_contact::Boundary;
 use gfmd_green::{BaseKind, Condition, Ground};
-use gfmd_viscoelastic::Relaxes;
+use gfmd_medium::Relaxes;
 
 use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
 use crate::grid_error::GridError;

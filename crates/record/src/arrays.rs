@@ -2,7 +2,7 @@
 
 use gfmd_contact::Fields as _;
 use gfmd_problem::{AnyState, Facts};
-use ndarray::{Axis, CowArray, Ix2};
+use ndarray::{CowArray, Ix2};
 
 use crate::column::{Meaning, meaning};
 use crate::when::{any, between, hardness, path};
@@ -70,7 +70,7 @@ fn axis_of<'a>(rest: &'a AnyState, axis: usize) -> Option<CowArray<'a, f64, Ix2>
 }
 
 fn shear_of<'a>(rest: &'a AnyState, axis: usize) -> Option<CowArray<'a, f64, Ix2>> {
-    rest.traction().map(|traction| traction.index_axis(Axis(0), axis).into())
+    rest.shear(axis).map(Into::into)
 }
 
 /// Options that make a surface move sideways.
@@ -105,7 +105,7 @@ pub const ARRAYS: &[Array] = &[
     )
     .with("--hardness", hardness),
     Array::new("wear_depth", "length", &[(any, "depth that both surfaces have lost so far")], |rest, _| {
-        rest.worn().map(|state| state.depth.view().into())
+        rest.on_path()?.wear_depth().map(|depth| depth.view().into())
     })
     .of_paths(|facts| facts.wears),
     Array::new("displacement_x", "length", &[(any, "displacement of the elastic surface along x")], |rest, _| {

@@ -77,7 +77,7 @@ pub(crate) fn flow(facts: &Facts) -> bool {
 
 /// Returns true if states follow a law; on a path also for a periodic hard wall.
 pub(crate) fn of_a_law(facts: &Facts) -> bool {
-    if path(facts) { !friction(facts) && !facts.is_wall_on_path() } else { law(facts) }
+    facts.solves_a_law()
 }
 
 /// Returns true for a hard wall on a path that is solved by hard-wall methods.

@@ -1,12 +1,12 @@
 //! Memory of a viscoelastic body in a path file, used to check the pressure of the last step.
 
 use gfmd_check::result::Comparison;
-use gfmd_contact::Contact;
+use gfmd_contact::{Contact, Load, Refusal};
 use gfmd_files::{Archive, Dimension, Reader, Variable, axes, contiguous};
 use gfmd_input::failure::Failure;
 use gfmd_input::source::Surface;
+use gfmd_medium::{Medium as _, Relaxing};
 use gfmd_run::series::{Prepared, StateFile};
-use gfmd_viscoelastic::ViscoelasticContact;
 use ndarray::Array2;
 
 const DISPLACEMENT: &str = "/history/displacement";
@@ -29,9 +29,9 @@ pub(super) fn write(file: &mut StateFile, surface: &Surface, memory: &[Array2<f6
 
 /// Defines the memory, without values.
 pub(super) fn lay_out(file: &mut StateFile, prepared: &Prepared) -> Result<(), Failure> {
-    let contact = contact_of(prepared)?;
-    let Some((archive, contact)) = file.archive().zip(contact) else { return Ok(()) };
-    define(archive, &prepared.surface, contact.branches())
+    let medium = medium_of(prepared)?;
+    let Some((archive, medium)) = file.archive().zip(medium) else { return Ok(()) };
+    define(archive, &prepared.surface, medium.branches())
 }
 
 fn define(archive: &mut Archive, surface: &Surface, branches: usize) -> Result<(), Failure> {
@@ -53,13 +53,34 @@ fn define(archive: &mut Archive, surface: &Surface, branches: usize) -> Result<(
     Ok(archive.define(BRANCH, &variable)?)
 }
 
-/// Returns the contact of a viscoelastic body; `None` for an elastic one.
-fn contact_of(prepared: &Prepared) -> Result<Option<ViscoelasticContact>, Failure> {
+/// Returns the medium of a body that relaxes; `None` for an elastic one.
+fn medium_of(prepared: &Prepared) -> Result<Option<Relaxing>, Failure> {
     let Prepared { facts, surface, body, prony: Some(prony), .. } = prepared else { return Ok(None) };
-    let elastic = Contact::with_boundary(facts.boundary, body, &surface.grid, &surface.heights);
     let relaxes = facts.relaxes.unwrap_or_default();
-    let contact = elastic.and_then(|elastic| ViscoelasticContact::new(elastic, body, prony, relaxes));
-    contact.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
+    let medium = Relaxing::new(body, &surface.grid, facts.boundary, 1, prony, relaxes);
+    medium.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
+}
+
+/// Returns the mismatch between `pressure` and the memory of a body, zero if they belong together: the largest
+/// difference between the displacement by the pressure, with the long-term moduli, and the memory, divided by the
+/// largest displacement or elongation.
+fn mismatch(
+    Prepared { facts, surface, body, .. }: &Prepared,
+    medium: &Relaxing,
+    pressure: &Array2<f64>,
+    memory: &[Array2<f64>],
+) -> Result<f64, Refusal> {
+    let contact = Contact::with_boundary(facts.boundary, body, &surface.grid, &surface.heights)?;
+    let elastic = contact.certify(pressure, Load::Approach(0.0))?;
+    let expected: Vec<f64> = elastic.displacement.iter().map(|u| -u).collect();
+    let total = medium.long_term_indentation(memory)?;
+    let largest = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold(0.0, |most: f64, x| if x.abs() > most || x.is_nan() { x.abs() } else { most })
+    };
+    let apart = largest(&mut total.iter().zip(&expected).map(|(a, b)| a - b));
+    // Without pressure the body may not have recovered yet.
+    let scale = largest(&mut expected.iter().chain(memory.iter().flatten()).copied());
+    Ok(if apart == 0.0 { 0.0 } else { apart / scale })
 }
 
 /// Recomputes the pressure of the last step and its elastic energy, given as `stored`, from the memory.
@@ -70,7 +91,7 @@ pub(super) fn check(
     tolerance: f64,
     comparison: &mut Comparison,
 ) -> Result<(), Failure> {
-    let Some(contact) = contact_of(prepared)? else { return Ok(()) };
+    let Some(medium) = medium_of(prepared)? else { return Ok(()) };
     let points = prepared.surface.grid.points();
     let field =
         |values: Vec<f64>| Array2::from_shape_vec(points, values).map_err(|error| Failure::input("/history", error));
@@ -78,13 +99,13 @@ pub(super) fn check(
     let below: Vec<f64> = displacement.iter().map(|u| -u).collect();
     comparison.values(DISPLACEMENT, &contiguous(&indentation), &below, 0.0);
     let mut memory = vec![indentation];
-    for index in 0..contact.branches() {
+    for index in 0..medium.branches() {
         memory.push(field(reader.slab(BRANCH, index)?)?);
     }
-    let apart = contact.consistency(pressure, &memory);
+    let apart = mismatch(prepared, &medium, pressure, &memory);
     let apart = apart.map_err(|refusal| Failure::input("/history", refusal))?;
     comparison.at_most(BRANCH, apart, tolerance.max(ROUNDING_OF_DISPLACEMENT));
-    let energy = contact.elastic_energy(&prepared.body, &memory);
+    let energy = medium.elastic_energy(&prepared.body, &memory);
     if let Some(energy) = energy.map_err(|refusal| Failure::input("/history", refusal))? {
         let apart = (energy - stored).abs() / energy.max(stored);
         let apart = if energy == stored { 0.0 } else { apart };

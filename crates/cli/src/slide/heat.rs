@@ -5,9 +5,9 @@ use gfmd_contact::Budget;
 use gfmd_field::Grid;
 use gfmd_heat::{Flash, HeatError, Heated, Thermal, Watch};
 use gfmd_input::failure::Failure;
+use gfmd_medium::Velocity;
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_problem::{SIZES, key, words};
-use gfmd_viscoelastic::Velocity;
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use gfmd_files::contiguous;
 use gfmd_heat::Heated;
-use gfmd_viscoelastic::SlidingState;
+use gfmd_medium::SlidingState;
 use ndarray::Array2;
 
 /// A state, and its temperature if it is asked for.

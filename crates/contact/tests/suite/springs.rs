@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::{
-    Boundary, Contact, Cotangents, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Springs,
-};
+use gfmd_contact::{Boundary, Contact, Cotangents, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Springs};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_surface::{Discretisation, SelfAffine};

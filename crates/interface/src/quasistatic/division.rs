@@ -38,12 +38,7 @@ impl QuasistaticContact {
     /// Returns true if the limits or directions of the shear change so much in an increment from `start`, or from the
     /// undeformed surface, to `end` that division may change the shear by more than `tolerance` (see
     /// [`distance`](Self::distance)).
-    pub(super) fn may_change(
-        &self,
-        start: Option<&QuasistaticState>,
-        end: &QuasistaticState,
-        tolerance: f64,
-    ) -> bool {
+    pub(super) fn may_change(&self, start: Option<&QuasistaticState>, end: &QuasistaticState, tolerance: f64) -> bool {
         let Some(Changes { largest, sheared, changed }) = self.changes(start, end) else { return false };
         sheared > NO_SHEAR * largest && changed > tolerance.sqrt() * largest
     }
@@ -53,12 +48,7 @@ impl QuasistaticContact {
     /// the squared ratio of its mean limit to its mean repulsion (about the energy of a shear at its limit everywhere)
     /// times the fraction of the limits that changes between `start` and `b`. With this measure, the error energies of
     /// many short steps add up to the error energy of a long one.
-    pub(super) fn distance(
-        &self,
-        start: Option<&QuasistaticState>,
-        a: &QuasistaticState,
-        b: &QuasistaticState,
-    ) -> f64 {
+    pub(super) fn distance(&self, start: Option<&QuasistaticState>, a: &QuasistaticState, b: &QuasistaticState) -> f64 {
         let Some(((shear, of_a), of_b)) = self.shear.as_ref().zip(a.sheared.as_ref()).zip(b.sheared.as_ref()) else {
             return 0.0;
         };

@@ -5,11 +5,11 @@ use gfmd_medium::Energies;
 use gfmd_vector::{contiguous, dot, total};
 use ndarray::Array2;
 
+use super::QuasistaticContact;
 use super::normal::{Normal, NormalState};
 use super::shear::Sheared;
 use super::state::{Losses, QuasistaticState, ShearFields};
 use super::step::{Reached, Step};
-use super::QuasistaticContact;
 use crate::numbers::mean;
 
 /// Error of a pressure divided by the pressure that would close the largest gap left in contact; the depth contains the
@@ -121,8 +121,8 @@ impl QuasistaticContact {
             spread += 0.5 * ((forces_now[k] - forces[k]) * moved).abs();
         }
         let missing = work - (state.elastic_energy + interface_energy - energy) - state.losses.total();
-        let is_at_once = (self.medium.is_none() || step.affine.duration == 0.0)
-            && (self.wear.is_none() || step.moved == 0.0);
+        let is_at_once =
+            (self.medium.is_none() || step.affine.duration == 0.0) && (self.wear.is_none() || step.moved == 0.0);
         let flows = self.shear.is_some() || self.hardness.is_some();
         state.work_imbalance = match (step.start, state.law()) {
             // The path on which attracting surfaces came together is unknown.
@@ -131,7 +131,11 @@ impl QuasistaticContact {
                 let attracts = start.interface_energy().abs() + interface_energy.abs() > 0.0;
                 // The energy balance gives the loss of a jump, whatever the curvature: a law may end in a step. Slip
                 // and yield may leave as much, where the increments are long.
-                let is_jump = if flows { law.passed_instability && missing > 0.0 } else { missing > spread || law.passed_instability };
+                let is_jump = if flows {
+                    law.passed_instability && missing > 0.0
+                } else {
+                    missing > spread || law.passed_instability
+                };
                 match attracts && is_jump {
                     true => {
                         state.losses.jumps = missing;

@@ -1,8 +1,8 @@
 //! Elastic contact along the normal, which each step solves with other moduli and another clearance.
 
 use gfmd_contact::{
-    Boundary, Contact, Drive, Effort, Equilibrium as _, Fields, Load, Refusal, RigidSurface, Solution,
-    SolveError, Solver, Springs, Variables as _, Visit,
+    Boundary, Contact, Drive, Effort, Equilibrium as _, Fields, Load, Refusal, RigidSurface, Solution, SolveError,
+    Solver, Springs, Variables as _, Visit,
 };
 use gfmd_medium::Stiffening;
 use gfmd_relax::{Budget, Watch};
@@ -10,7 +10,7 @@ use gfmd_vector::with_contiguous;
 use ndarray::{Array2, Axis, CowArray, Ix2};
 use std::sync::Arc;
 
-use crate::{Interface, State};
+use crate::{Interface, State, StoredFields};
 
 /// Hard wall, solved for the pressure, or law, solved for the displacement.
 #[derive(Clone, Debug)]
@@ -139,6 +139,28 @@ impl Normal {
         }
     }
 
+    /// Computes the state of a pressure at a wall, or of a gap below a law, from fresh transforms.
+    pub(super) fn certify_fields(
+        &self,
+        (gap, pressure): (&Array2<f64>, &Array2<f64>),
+        drive: Drive,
+    ) -> Result<NormalState, Refusal> {
+        match self {
+            Self::Wall(contact) => contact.certify(pressure, drive.load).map(NormalState::Wall),
+            Self::Law(interface) => interface.certify(gap, pressure, drive).map(NormalState::Law),
+        }
+    }
+
+    /// Restores a state from stored fields.
+    pub(super) fn recall(&self, stored: StoredFields<'_>) -> Result<NormalState, Refusal> {
+        match self {
+            Self::Wall(contact) => {
+                contact.certify(stored.pressure, Load::Approach(stored.approach)).map(NormalState::Wall)
+            }
+            Self::Law(interface) => interface.recall(stored).map(NormalState::Law),
+        }
+    }
+
     /// Returns the state without pressure under `load` of surfaces that are apart.
     pub(super) fn unloaded(&self, load: Load) -> Result<NormalState, Refusal> {
         let none = Array2::zeros(self.surface().grid().points());
@@ -221,12 +243,7 @@ impl NormalState {
     }
 
     /// Converts the state to other units; `surface` and `contact_modulus` are in these.
-    pub(super) fn times(
-        self,
-        length: f64,
-        stress: f64,
-        (surface, contact_modulus): (&Arc<RigidSurface>, f64),
-    ) -> Self {
+    pub(super) fn times(self, length: f64, stress: f64, (surface, contact_modulus): (&Arc<RigidSurface>, f64)) -> Self {
         match self {
             Self::Wall(solution) => Self::Wall(solution.times(length, stress, surface, contact_modulus)),
             Self::Law(state) => {

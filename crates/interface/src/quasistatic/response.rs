@@ -1,7 +1,5 @@
 use std::sync::Arc;
 
-use gfmd_contact::Boundary;
-use gfmd_field::Grid;
 use gfmd_response::{Components, FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 
 /// Response of the body with either boundary.
@@ -12,21 +10,6 @@ pub(super) enum Response {
 }
 
 impl Response {
-    pub(super) fn boundary(&self) -> Boundary {
-        match self {
-            Self::Periodic(_) => Boundary::Periodic,
-            Self::Free(_) => Boundary::Free,
-        }
-    }
-
-    /// Returns the grid of the surface.
-    pub(super) fn grid(&self) -> &Grid {
-        match self {
-            Self::Periodic(response) => response.grid(),
-            Self::Free(response) => response.grid(),
-        }
-    }
-
     pub(super) fn components(&self) -> Components {
         match self {
             Self::Periodic(response) => response.components(),
@@ -39,14 +22,6 @@ impl Response {
         match self {
             Self::Periodic(response) => response.stiffness_range(),
             Self::Free(response) => response.stiffness_range(),
-        }
-    }
-
-    /// Returns true if the mean pressure does not move the mean level of the surface.
-    pub(super) fn has_fixed_level(&self) -> bool {
-        match self {
-            Self::Periodic(response) => response.uniform_compliance()[2] == 0.0,
-            Self::Free(_) => false,
         }
     }
 

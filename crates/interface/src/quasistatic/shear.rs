@@ -1,6 +1,6 @@
 //! Shear of a step: the tractions in the plane that keep the surfaces from slipping, within their limits.
 
-use gfmd_contact::{Drive, Fields as _, Refusal};
+use gfmd_contact::{Drive, Refusal};
 use gfmd_medium::Affine;
 use gfmd_relax::{Budget, Descended, Ending, SpectralProjectedGradient, Watch};
 use gfmd_vector::{add, reduce};
@@ -218,8 +218,8 @@ pub(super) fn limits_of(shear: &Shear, factor: f64, state: &NormalState) -> Vec<
     match shear.pressure {
         LimitingPressure::Repulsion => repulsion.iter().map(|r| if *r > 0.0 { limit(*r) } else { 0.0 }).collect(),
         LimitingPressure::Net => {
-            let both = repulsion.iter().zip(&state.pressure()).map(|(r, p)| (*r, *p));
-            both.map(|(r, p)| if r > 0.0 { limit(p.max(0.0)) } else { 0.0 }).collect()
+            let of = |(r, p): (&f64, &f64)| if *r > 0.0 { limit(p.max(0.0)) } else { 0.0 };
+            repulsion.iter().zip(&state.pressure()).map(of).collect()
         }
     }
 }

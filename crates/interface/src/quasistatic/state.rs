@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
 use gfmd_contact::{Effort, Fields, RigidSurface, Solution, Variables, Visit};
-use gfmd_medium::Memory;
 use gfmd_measure::{Scales, Summary};
+use gfmd_medium::Memory;
 use gfmd_vector::with_contiguous;
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 

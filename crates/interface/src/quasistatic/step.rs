@@ -105,7 +105,9 @@ impl<'a> Step<'a> {
         let keeps_depth = contact.medium.is_some() || contact.wear.is_some() || contact.hardness.is_some();
         let depth = keeps_depth.then(|| {
             let mut depth = match &contact.medium {
-                Some(_) => contact.field(affine.residual_indentation[affine.residual_indentation.len() - points..].to_vec()),
+                Some(_) => {
+                    contact.field(affine.residual_indentation[affine.residual_indentation.len() - points..].to_vec())
+                }
                 None => contact.field(vec![0.0; points]),
             };
             start.iter().flat_map(|start| start.worn.iter().chain(&start.pressed_in)).for_each(|more| depth += more);
@@ -255,6 +257,15 @@ impl<'a> Step<'a> {
         Ok(Reached { normal, touch, unpressed, sheared, worn })
     }
 
+    /// Computes what a step without shear reaches with a gap below a law, or a pressure at a wall.
+    pub(super) fn reached(&self, (gap, pressure): (&Array2<f64>, &Array2<f64>)) -> Result<Reached, Refusal> {
+        let (contact, touch) = self.at(self.normal.clone(), self.depth_with(None).as_ref())?;
+        let (drive, _) = self.drive_from(touch);
+        let normal = contact.certify_fields((gap, pressure), drive)?;
+        let worn = self.contact.wear.map(|_| Array2::zeros(gap.raw_dim()));
+        Ok(Reached { normal, touch, unpressed: None, sheared: None, worn })
+    }
+
     /// Returns the length scale of residuals.
     fn length(&self, state: &NormalState) -> f64 {
         match (state, &self.normal) {
@@ -282,9 +293,7 @@ impl<'a> Step<'a> {
         match failed {
             None if is_new => judge(state, Ending::Converged, budget.tolerance),
             None => Ok(state),
-            Some(SolveError::NotConverged { why, .. }) if is_new => {
-                judge(state, Ending::GaveUp(why), budget.tolerance)
-            }
+            Some(SolveError::NotConverged { why, .. }) if is_new => judge(state, Ending::GaveUp(why), budget.tolerance),
             Some(error) => Err(error.map(|()| state)),
         }
     }

@@ -4,8 +4,8 @@ use crate::{GridError, Moduli, Unknown};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
+use gfmd_medium::Relaxes;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
-use gfmd_viscoelastic::Relaxes;
 
 /// A list of values that a library defines, each with a name and a meaning.
 pub trait Choice: Copy + Send + Sync + 'static {

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use gfmd_green::Material;
-use gfmd_viscoelastic::{Prony, Relaxes};
+use gfmd_medium::{Prony, Relaxes};
 use serde::{Deserialize, Serialize};
 
 use super::body::BodyArgs;

@@ -6,8 +6,8 @@ use gfmd_contact::{Boundary, Dynamics};
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, Material};
 use gfmd_law::{HardWall, Law, LawKind, Limit};
+use gfmd_medium::{Prony, Relaxes};
 use gfmd_problem::{Facts, Friction, Given, GridError, Lower, Support, Task, Unknown};
-use gfmd_viscoelastic::{Prony, Relaxes};
 use ndarray::Array2;
 
 const N: usize = 16;

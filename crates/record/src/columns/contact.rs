@@ -1,5 +1,7 @@
 //! Area, pressure in contact, gap and wear of a state.
 
+use gfmd_interface::QuasistaticState;
+
 use super::{Column, undefined::reduced};
 use crate::column::Form;
 use crate::when::{any, friction, law, loads, path, relaxing, wears};
@@ -26,7 +28,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "stick_fraction",
         "1",
         &[(any, "points in contact whose shear is below its limit, over all points; NaN without friction")],
-        |at| at.rest.and_then(|rest| rest.friction()).map_or(f64::NAN, |state| state.stick_fraction).into(),
+        |at| on_path(at).and_then(QuasistaticState::stick_fraction).unwrap_or(f64::NAN).into(),
     )
     .with(path)
     .unless(|facts| (!friction(facts)).then_some("without friction nothing sticks"))
@@ -86,12 +88,12 @@ pub(super) const COLUMNS: &[Column] = &[
         "wear_volume",
         "length",
         &[(any, "mean over the whole surface of the depth lost so far, the volume over the area")],
-        |at| at.rest.and_then(|rest| rest.worn()).map_or(f64::NAN, |state| state.volume).into(),
+        |at| worn(at).map_or(f64::NAN, |(volume, _)| volume).into(),
     )
     .with(wears)
     .head("wear", Form::Size),
     Column::new("max_wear", "length", &[(any, "largest depth lost so far")], |at| {
-        at.rest.and_then(|rest| rest.worn()).map_or(f64::NAN, |state| state.deepest).into()
+        worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into()
     })
     .with(wears)
     .head("deepest", Form::Size),
@@ -133,4 +135,14 @@ fn ratio(at: &StateContext, value: f64) -> Cell {
         return Cell::undefined("attraction carries the load, to which the area has no ratio");
     }
     reduced(at, value)
+}
+
+/// Returns the state of a path.
+fn on_path<'a>(at: &StateContext<'a>) -> Option<&'a QuasistaticState> {
+    at.rest.and_then(|rest| rest.on_path())
+}
+
+/// Returns mean and largest depth that the surfaces have lost.
+fn worn(at: &StateContext) -> Option<(f64, f64)> {
+    on_path(at).and_then(QuasistaticState::wear_volume_and_depth)
 }

@@ -3,8 +3,8 @@
 use gfmd_contact::{Effort, Fields as _};
 use gfmd_heat::Heated;
 use gfmd_measure::{Scales, Summary};
+use gfmd_medium::{Persson, SlidingState};
 use gfmd_relax::worst;
-use gfmd_viscoelastic::{Persson, SlidingState};
 
 use crate::Cell;
 use crate::column::{Form, Origin, Subject, Table};

@@ -50,7 +50,7 @@ pub(super) const COLUMNS: &[Column] = &[
 fn plastic(at: &StateContext) -> Option<(f64, f64)> {
     let rest = at.rest?;
     match rest.on_path() {
-        Some(state) => state.solution.plastic.as_ref().map(|_| (state.fraction, state.volume)),
+        Some(state) => state.plastic_volume().map(|volume| (state.plastic_fraction, volume)),
         None => rest.plastic().map(|plastic| (plastic.fraction, plastic.volume)),
     }
 }

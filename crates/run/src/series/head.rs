@@ -119,10 +119,15 @@ impl Head {
         let Prepared { facts, surface: Surface { grid, boundary, .. }, limit, .. } = prepared;
         let given = &prepared.surface;
         let is_path = facts.task == Task::Path;
-        let law = match limit {
-            Some(Limit::Coulomb(_)) => "coulomb",
-            Some(Limit::Tresca(_)) => "tresca",
-            None => asked.law.law.name(),
+        let friction = limit.map(|limit| match limit {
+            Limit::Coulomb(_) => "coulomb",
+            Limit::Tresca(_) => "tresca",
+            Limit::Orowan { .. } => "orowan",
+        });
+        let law = match friction {
+            Some(friction) if facts.has_law() => format!("{}+{friction}", asked.law.law.name()),
+            Some(friction) => friction.to_owned(),
+            None => asked.law.law.name().to_owned(),
         };
         Self {
             n: grid.points(),
@@ -146,7 +151,7 @@ impl Head {
                 rms_gradient: lower.rms_gradient(),
                 rms_height: lower.statistics.moments.rms_height(),
             }),
-            law: is_path.then(|| law.into()),
+            law: is_path.then_some(law),
             boundary: (!is_path || *boundary == Boundary::Free).then(|| boundary.name()),
             components: facts.unknown,
             hardness: asked.hardness.cloned(),

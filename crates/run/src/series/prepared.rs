@@ -9,11 +9,11 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_measure::{Scales, top};
+use gfmd_medium::Prony;
 use gfmd_problem::{AnyState, Facts, Given, Posed, Words, key, pose, setting, words};
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
-use gfmd_viscoelastic::Prony;
 use ndarray::Array2;
 
 use super::layout::SeriesLayout;
