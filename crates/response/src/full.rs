@@ -16,7 +16,7 @@ pub struct FullResponse {
     compliance: Operator,
     uniform_compliance: [f64; 3],
     stiffness_range: [f64; 2],
-    contact_modulus: f64,
+    body: Body,
 }
 
 impl FullResponse {
@@ -40,8 +40,13 @@ impl FullResponse {
             compliance,
             uniform_compliance: [xx, yy, zz],
             stiffness_range: range.map_or([0.0; 2], |range| [range.softest * unit, range.stiffest * unit]),
-            contact_modulus: body.contact_modulus(),
+            body: body.clone(),
         }
+    }
+
+    /// Returns the body.
+    pub(crate) fn body(&self) -> &Body {
+        &self.body
     }
 
     /// Returns the grid of the surface.
@@ -82,7 +87,7 @@ impl FullResponse {
 
     /// Returns E* of the body, in stress; 1/(1/E₁* + 1/E₂*) for two bodies.
     pub fn contact_modulus(&self) -> f64 {
-        self.contact_modulus
+        self.body.contact_modulus()
     }
 
     /// Returns the smallest and largest stiffness eigenvalue over all modes, in stress/length, without zero and

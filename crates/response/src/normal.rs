@@ -5,6 +5,7 @@ use gfmd_field::{Grid, Mode, Share, Transform};
 use gfmd_green::{Body, Conductor, GreenError, patch_compliance, table_of_lanes, table_of_modes};
 use gfmd_vector::{once, pass};
 
+use crate::FullResponse;
 use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
 
@@ -31,7 +32,18 @@ pub struct NormalResponse {
 /// Smallest allowed compliance of a patch, relative to the largest.
 const LEAST_COMPLIANCE: f64 = 1e-12;
 
-/// Sets the stiffness of the uniform mode, identified by its index, the first, to zero.
+/// Largest relative difference between equal compliances that are computed in different ways.
+const ROUNDING_OF_COMPLIANCE: f64 = 1e-12;
+
+/// Compliances of all modes, laid out as [`Grid::modes`].
+struct TabulatedModes {
+    /// Zero for the uniform mode.
+    compliance: Vec<f64>,
+    uniform_compliance: f64,
+    is_isotropic: bool,
+}
+
+/// Sets the entry of the uniform mode, identified by its index, the first, to zero.
 fn without_uniform(mut table: Vec<f64>) -> Vec<f64> {
     table[0] = 0.0;
     table
@@ -166,6 +178,24 @@ impl NormalResponse {
         })
     }
 
+    /// Tabulates the normal part of a response of all components: u_z of a pressure without shear traction. It differs
+    /// from [`new`](Self::new) in the Nyquist modes, in which [`FullResponse`] averages the stiffness matrix over the
+    /// aliases and inverts the mean.
+    pub fn of_all_components(response: &FullResponse) -> Self {
+        let (body, grid, matrices) = (response.body(), *response.grid(), response.compliance().matrices());
+        // The uniform mode is identified by its index, the first, never by a small wavenumber.
+        let compliance = without_uniform(matrices.iter().map(|matrix| matrix.zz).collect());
+        let [.., uniform_compliance] = response.uniform_compliance();
+        let like_others = |(index, compliance): (usize, &f64)| {
+            let mode = grid.mode_at(index);
+            let other = || (compliance * stiffness_of_mode(body, &mode, free) - 1.0).abs() < ROUNDING_OF_COMPLIANCE;
+            mode.is_uniform() || mode.nyquist == [false, false] || other()
+        };
+        let is_isotropic = body.is_isotropic() && compliance.iter().enumerate().all(like_others);
+        let modes = TabulatedModes { compliance, uniform_compliance, is_isotropic };
+        Self::of_modes(modes, (response.compliance().shared_transform(), grid.whole()), body, free)
+    }
+
     /// Multiplies the stiffness of each mode by one of `factors`, laid out as [`Grid::modes`]; the first factor belongs
     /// to the uniform mode. All modes must belong to this process.
     #[must_use]
@@ -188,17 +218,29 @@ impl NormalResponse {
 
     /// Returns the response with other compliances.
     fn changed(&self, compliance: Vec<f64>, uniform_compliance: f64, is_isotropic: bool) -> Self {
+        let modes = TabulatedModes { compliance, uniform_compliance, is_isotropic };
+        Self::of_modes(modes, (Arc::clone(&self.transform), self.share.clone()), &self.body, self.stiffness_of)
+    }
+
+    /// Returns the response with the compliances of all modes.
+    fn of_modes(
+        modes: TabulatedModes,
+        (transform, share): (Arc<Transform>, Share),
+        body: &Body,
+        stiffness_of: StiffnessOf,
+    ) -> Self {
+        let TabulatedModes { compliance, uniform_compliance, is_isotropic } = modes;
         let stiffness = compliance.iter().map(|compliance| 1.0 / compliance).collect();
         let waves = || compliance[1.min(compliance.len())..].iter().copied();
         Self {
-            transform: Arc::clone(&self.transform),
-            share: self.share.clone(),
+            transform,
+            share,
             stiffness_range: [1.0 / waves().fold(0.0, f64::max), 1.0 / waves().fold(f64::INFINITY, f64::min)],
             uniform_compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
-            stiffness_of: self.stiffness_of,
-            body: self.body.clone(),
-            contact_modulus: self.contact_modulus,
+            stiffness_of,
+            body: body.clone(),
+            contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
             is_isotropic,
             compliance,

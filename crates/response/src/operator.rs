@@ -87,6 +87,11 @@ impl Operator {
         &self.transform
     }
 
+    /// Returns the planned transforms of one component, shared.
+    pub(crate) fn shared_transform(&self) -> Arc<Transform> {
+        Arc::clone(&self.transform)
+    }
+
     /// Returns the matrices, laid out as [`Grid::modes`].
     pub fn matrices(&self) -> &[Hermitian] {
         &self.matrices
