@@ -5,12 +5,13 @@ use gfmd_field::{Grid, Rows};
 use gfmd_green::{Body, Conductor};
 use gfmd_relax::Upper;
 use gfmd_response::{FreeCompliance, NormalResponse};
-use gfmd_vector::{Ranks, Share};
+use gfmd_vector::{Ranks, Share, for_each};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
 use crate::pull_push::PullPush;
 use crate::solution::{Conditions, field};
+use crate::springs::{Springs, SpringsInUnits};
 use crate::{Boundary, Dynamics, Hardness, Load, Refusal, RigidSurface, Solution, Units};
 
 /// Rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
@@ -23,6 +24,8 @@ pub struct Contact {
     pub(crate) free: Option<Arc<FreeCompliance>>,
     /// Largest pressure, in `units`.
     pub(crate) hardness: Option<Upper>,
+    /// Compliance of the spring at each point beyond the one that the response contains, in `units`.
+    pub(crate) springs: Option<Arc<[f64]>>,
     /// Rows solved by this process.
     pub(crate) share: Share,
     /// Time step and damping of the damped dynamics.
@@ -110,6 +113,7 @@ impl Contact {
             response: response(units.grid(grid), &units.body(body), share).into(),
             free: None,
             hardness: None,
+            springs: None,
             share: share.clone(),
             dynamics: Dynamics::default(),
             worn: 0.0,
@@ -161,6 +165,7 @@ impl Contact {
             response: NormalResponse::of_conductor(grid, &conductor).into(),
             free,
             hardness: None,
+            springs: None,
             share: grid.whole(),
             dynamics: Dynamics::default(),
             worn: 0.0,
@@ -189,6 +194,7 @@ impl Contact {
             response,
             free,
             hardness,
+            springs: None,
             share,
             dynamics,
             worn,
@@ -240,13 +246,21 @@ impl Contact {
         Ok(Self { worn: (most - least).max(0.0) / self.units.length(), ..self.with_indentation(depth)? })
     }
 
-    /// Returns this contact on a body below springs that act point by point, with a `compliance` in length/stress: G(q)
-    /// is larger by it for every wave and for the uniform mode. The displacement of a solution includes the springs.
-    #[must_use]
-    pub fn softened(&self, compliance: f64) -> Self {
-        let compliance = compliance * self.units.stiffness();
-        let free = self.free.as_ref().map(|free| free.softened(compliance).into());
-        Self { response: self.response.softened(compliance).into(), free, is_softened: true, ..self.clone() }
+    /// Returns this contact on a body below `springs` that act point by point, with a compliance in length/stress: a
+    /// number, by which G(q) is larger for every wave and for the uniform mode, or a field `[x, y]`. The displacement of
+    /// a solution includes the springs. Springs below springs act in series.
+    ///
+    /// # Errors
+    /// A compliance that is negative or not finite, or differs in shape from the heights; a contact of several
+    /// processes.
+    pub fn softened(&self, springs: impl Into<Springs>) -> Result<Self, Refusal> {
+        let SpringsInUnits { common, rest } = springs.into().in_units(&self.surface, &self.units)?;
+        let free = self.free.as_ref().map(|free| free.softened(common).into());
+        let springs = match (&self.springs, rest) {
+            (Some(own), Some(rest)) => Some(own.iter().zip(&rest[..]).map(|(own, rest)| own + rest).collect()),
+            (own, rest) => rest.or_else(|| own.clone()),
+        };
+        Ok(Self { response: self.response.softened(common).into(), free, springs, is_softened: true, ..self.clone() })
     }
 
     /// Returns this contact on a body with waves that are stiffer by `factors`, laid out as the
@@ -340,12 +354,17 @@ impl Contact {
         displacement.resize(pressure.len(), 0.0);
         let columns = response.grid().rows()[1];
         let source = |_: usize, Rows(p, _): Rows<&[f64]>, row: &mut [f64]| row.copy_from_slice(p);
-        // u_z = −G p.
+        // u_z = −G p, less the shortening of the springs that the response does not contain.
         let sink = |_: usize, row: &mut [f64], Rows(u, _): Rows<&mut [f64]>| {
             u.iter_mut().zip(row).for_each(|(u, g)| *u = -*g);
         };
         let (input, output) = (Rows(&pressure[..], columns), Rows(&mut displacement[..], columns));
         compliance.apply_rows(response.compliance(), (input, source), (output, sink));
+        if let Some(springs) = &self.springs {
+            for_each((&mut displacement[..], &pressure[..], &springs[..]), &|_, (u, p, k)| {
+                u.iter_mut().zip(p.iter().zip(k)).for_each(|(u, (p, k))| *u -= k * p);
+            });
+        }
         // The gap of the solution needs the memory.
         compliance.release();
         let uniform = match self.uniform_compliance() {
@@ -405,6 +424,11 @@ impl Contact {
         if self.free.is_some() { 0.0 } else { self.response.uniform_compliance() }
     }
 
+    /// Returns true if no pressure moves the mean level of the whole surface.
+    pub(crate) fn has_fixed_mean(&self) -> bool {
+        self.free.is_none() && self.springs.is_none() && self.response.uniform_compliance() == 0.0
+    }
+
     /// Returns false if the displacement is known up to a constant.
     pub(crate) fn has_level(&self) -> bool {
         self.free.as_ref().is_none_or(|free| free.has_level())
@@ -419,8 +443,7 @@ impl Contact {
                     return Err(Refusal::LineApproach);
                 }
                 // With a hardness points yield, and any approach has a state.
-                let is_fixed =
-                    self.free.is_none() && self.hardness.is_none() && self.response.uniform_compliance() == 0.0;
+                let is_fixed = self.hardness.is_none() && self.has_fixed_mean();
                 let limit = is_fixed.then_some(self.surface.mean_clearance());
                 let reachable = found > 0.0 && found < limit.unwrap_or(f64::INFINITY);
                 if reachable { Ok(()) } else { Err(Refusal::Approach { found, limit }) }

@@ -80,7 +80,8 @@ pub(crate) fn solve(
 ) -> Result<Option<SolverResult>, RelaxError> {
     let contact = attempt.contact;
     let (response, surface) = (&contact.response, &contact.scaled);
-    if contact.free.is_some() || contact.hardness.is_some() || surface.mean_clearance() == 0.0 {
+    let suits = contact.free.is_none() && contact.hardness.is_none() && contact.springs.is_none();
+    if !suits || surface.mean_clearance() == 0.0 {
         return Ok(None);
     }
     let Some(overlap) = Overlap::of(contact, attempt.load) else { return Ok(None) };

@@ -2,11 +2,13 @@
 //! the mean of p prescribed and the approach as its multiplier (theory.md, section 7).
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use gfmd_field::{Rows, Share, Split};
 use gfmd_relax::{Budget, Ending, PolonskyKeer, PreconditionedCg, ProjectedCg, RelaxError, Target};
 use gfmd_relax::{Preconditioned, Quadratic, Upper, Variables, Visit};
 use gfmd_vector::{for_each, pass_by};
+use multiversion::multiversion;
 use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
@@ -15,7 +17,7 @@ use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::compliance::{Compliance, Rounded};
 use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
-use crate::{Contact, Load};
+use crate::{Contact, Load, springs};
 
 /// Methods of conjugate gradients.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +45,39 @@ pub(crate) struct Dual<'a> {
     transforms: Compliance,
     rounded: Rounded,
     extension: PullPush,
+    /// Springs that differ between points. The preconditioner ignores them: it then overestimates the inverse.
+    springs: Option<PointSprings>,
     /// True while x is a start without displacement.
     is_flat: bool,
+}
+
+/// Springs that differ between points, with the memory of their pressures.
+struct PointSprings {
+    /// Compliance of each point.
+    compliance: Arc<[f64]>,
+    /// Compliance of each point divided by the unit.
+    rounded: Vec<f32>,
+    /// Last pressure in double precision; empty before.
+    pressure: Vec<f64>,
+    /// Vector of the last image; empty before.
+    step: Vec<f32>,
+}
+
+impl PointSprings {
+    fn new(compliance: &Arc<[f64]>, unit: f64) -> Self {
+        Self {
+            compliance: Arc::clone(compliance),
+            rounded: compliance.iter().map(|k| (k / unit) as f32).collect(),
+            pressure: Vec::new(),
+            step: Vec::new(),
+        }
+    }
+}
+
+/// Adds the shortening of springs in one row.
+#[multiversion(targets = "simd")]
+fn add_rounded(compliance: &[f32], pressure: &[f32], out: &mut [f32]) {
+    out.iter_mut().zip(compliance.iter().zip(pressure)).for_each(|(out, (k, p))| *out += k * p);
 }
 
 /// Number of iterations after which [`Solver::Auto`] continues without the preconditioner. Some 30 are usually
@@ -75,11 +108,24 @@ impl<'a> Dual<'a> {
         let extension = PullPush::new(points, floating, edges, contact.stiffness_of_waves()).distributed(share);
         let upper = contact.upper();
         let (transforms, rounded) = (Compliance::of(contact), Rounded::of(contact, level));
+        let springs = contact.springs.as_ref().map(|springs| PointSprings::new(springs, rounded.unit()));
         let (row, share) = (response.grid().rows()[1], share.clone());
-        Self { compliance, linear, floating, upper, row, share, transforms, rounded, extension, is_flat: false }
+        Self {
+            compliance,
+            linear,
+            floating,
+            upper,
+            row,
+            share,
+            transforms,
+            rounded,
+            extension,
+            springs,
+            is_flat: false,
+        }
     }
 
-    /// Computes G p of the pressure p with rows that `source` makes from the rows of `input`. `sink` receives the rows
+    /// Computes (G + D) p of the pressure p, with the compliance D of springs at the points, with rows that `source` makes from the rows of `input`. `sink` receives the rows
     /// of the displacement and of `output`, and its results are put into `sums`.
     pub(crate) fn displace<I: Split, O: Split, R: Send>(
         &mut self,
@@ -87,11 +133,27 @@ impl<'a> Dual<'a> {
         (output, sink): (O, impl Fn(&mut [f64], O) -> R + Sync),
         sums: &mut [R],
     ) {
-        let Self { compliance, row, transforms, rounded, .. } = self;
+        let Self { compliance, row, transforms, rounded, springs, .. } = self;
         rounded.release();
-        let input = (Rows(input, *row), |_: usize, Rows(input, _): Rows<I>, row: &mut [f64]| source(input, row));
-        let sink = |_: usize, row: &mut [f64], (Rows(output, _), sum): (Rows<O>, &mut [R])| sum[0] = sink(row, output);
-        transforms.apply_rows(compliance, input, ((Rows(output, *row), sums), sink));
+        let columns = *row;
+        let Some(PointSprings { compliance: springs, pressure, .. }) = springs else {
+            let input = (Rows(input, columns), |_: usize, Rows(input, _): Rows<I>, row: &mut [f64]| source(input, row));
+            let sink =
+                |_: usize, row: &mut [f64], (Rows(output, _), sum): (Rows<O>, &mut [R])| sum[0] = sink(row, output);
+            return transforms.apply_rows(compliance, input, ((Rows(output, columns), sums), sink));
+        };
+        pressure.resize(springs.len(), 0.0);
+        let rows = (Rows(input, columns), Rows(&mut pressure[..], columns));
+        pass_by(1, rows, &|_, (Rows(input, _), Rows(row, _))| source(input, row), &|(), ()| ());
+        let rows = |values| Rows(values, columns);
+        let input = (rows(&pressure[..]), |_: usize, Rows(p, _): Rows<&[f64]>, row: &mut [f64]| row.copy_from_slice(p));
+        type Parts<'a, O, R> = (Rows<O>, &'a mut [R], Rows<&'a [f64]>, Rows<&'a [f64]>);
+        let sink = |_: usize, row: &mut [f64], (Rows(output, _), sum, Rows(springs, _), Rows(p, _)): Parts<O, R>| {
+            springs::add_row(springs, p, row);
+            sum[0] = sink(row, output);
+        };
+        let output = (Rows(output, columns), sums, rows(&springs[..]), rows(&pressure[..]));
+        transforms.apply_rows(compliance, input, (output, sink));
     }
 
     /// Computes `out` = Eᵀ K E of the known values, with their extension E: about G⁻¹ of a displacement on the contact,
@@ -127,6 +189,9 @@ impl Quadratic for Dual<'_> {
 
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
         self.transforms.apply(&self.compliance, x, out);
+        if let Some(PointSprings { compliance, .. }) = &self.springs {
+            springs::add(compliance, x, out);
+        }
     }
 
     fn share(&self) -> Share {
@@ -134,7 +199,9 @@ impl Quadratic for Dual<'_> {
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {
-        self.transforms.quadratic_form(&self.compliance, direction)
+        let of_body = self.transforms.quadratic_form(&self.compliance, direction);
+        let Some(PointSprings { compliance, .. }) = &self.springs else { return of_body };
+        of_body + self.share.sum(&|range| range.map(|i| compliance[i] * direction[i] * direction[i]).sum())
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {
@@ -186,16 +253,42 @@ impl Preconditioned for Dual<'_> {
     }
 
     fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync) {
-        self.transforms.release();
-        self.rounded.compliance(Rows(input, self.row), |_, Rows(input, _), row| source(input, row));
+        let Self { transforms, rounded, row, springs, .. } = self;
+        transforms.release();
+        match springs {
+            None => rounded.compliance(Rows(input, *row), |_, Rows(input, _), row| source(input, row)),
+            Some(PointSprings { rounded: springs, step, .. }) => {
+                step.resize(springs.len(), 0.0);
+                let input = (Rows(input, *row), Rows(&mut step[..], *row));
+                rounded.compliance(input, |_, (Rows(input, _), Rows(step, _)), row| {
+                    source(input, row);
+                    step.copy_from_slice(row);
+                });
+            }
+        }
     }
 
     fn collect<O: Split, R: Send>(&mut self, output: O, sink: impl Fn(&[f32], O) -> R + Sync, sums: &mut [R]) {
-        self.rounded.rows((Rows(output, self.row), sums), |_, row, (Rows(output, _), sum)| sum[0] = sink(row, output));
+        let Self { rounded, row, springs, .. } = self;
+        match springs {
+            None => {
+                rounded.rows((Rows(output, *row), sums), |_, row, (Rows(output, _), sum)| sum[0] = sink(row, output))
+            }
+            Some(PointSprings { rounded: springs, step, .. }) => {
+                let output = (Rows(output, *row), sums, Rows(&springs[..], *row), Rows(&step[..], *row));
+                rounded.rows(output, |_, row, (Rows(output, _), sum, Rows(springs, _), Rows(step, _))| {
+                    add_rounded(springs, step, row);
+                    sum[0] = sink(row, output);
+                });
+            }
+        }
     }
 
     fn curvature(&mut self, direction: &[f32]) -> f64 {
-        self.rounded.quadratic_form(direction)
+        let of_body = self.rounded.quadratic_form(direction);
+        let Some(PointSprings { rounded, .. }) = &self.springs else { return of_body };
+        let of_point = |i: usize| f64::from(rounded[i]) * f64::from(direction[i]).powi(2);
+        of_body + self.share.sum(&|range| range.map(of_point).sum())
     }
 
     /// Applies Eᵀ K E with E the extension from the contact to the whole surface. The quadratic form of (G on the
@@ -239,9 +332,9 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Solver
     let mut dual = Dual::new(contact, attempt.load);
     let mean = attempt.load.mean_pressure();
     let own = contact.share.own().len();
-    // A uniform pressure on a periodic cell has no displacement; under a prescribed approach the pressure starts at
+    // Without springs a uniform pressure on a periodic cell has no displacement; under a prescribed approach the pressure starts at
     // zero.
-    let is_uniform = contact.free.is_none() && matches!(dual.upper, Upper::All(_));
+    let is_uniform = contact.free.is_none() && contact.springs.is_none() && matches!(dual.upper, Upper::All(_));
     dual.is_flat = attempt.start.is_none() && (is_uniform || mean.is_none());
     let mut pressure = attempt.start.take().unwrap_or_else(|| repeat_n(mean.unwrap_or(0.0), own).collect());
     let upper = dual.upper();

@@ -6,6 +6,7 @@ use gfmd_vector::{dot, for_each, total};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::compliance::Compliance;
+use crate::springs;
 use crate::{Contact, Effort, Load, Solution};
 
 /// Derivatives of a number L with respect to the fields of a contact, ∂L/∂p and ∂L/∂g at each point `[x, y]`, and with
@@ -33,7 +34,8 @@ pub struct Gradient {
     pub heights: Array2<f64>,
     /// Derivative with respect to the prescribed mean pressure or approach.
     pub load: f64,
-    /// Derivative with respect to E*, with all moduli of the body in proportion, at the same mean pressure or approach.
+    /// Derivative with respect to E*, with all moduli of the body and the stiffness of springs in proportion, at the same
+    /// mean pressure or approach.
     pub modulus: f64,
     /// Relative error of the linear problem, from its residual with fresh transforms.
     pub error: f64,
@@ -154,7 +156,7 @@ impl Contact {
                 "no point is in contact; there must be some under a mean pressure",
             ));
         }
-        if count == n as f64 && is_driven && self.free.is_none() && self.uniform_compliance() == 0.0 {
+        if count == n as f64 && is_driven && self.has_fixed_mean() {
             let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not \
                           determine the pressure";
             return Err(GradientError::Undetermined(reason));
@@ -292,7 +294,10 @@ impl<'a> Problem<'a> {
     fn displace(&mut self, pressure: &[f64], out: &mut [f64]) {
         self.compliance.apply(self.contact.response.compliance(), pressure, out);
         let sunk = self.uniform[0] * total(pressure) / pressure.len() as f64;
-        for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += sunk));
+        for_each([&mut *out], &|_, [out]| out.iter_mut().for_each(|out| *out += sunk));
+        if let Some(springs) = &self.contact.springs {
+            springs::add(springs, pressure, out);
+        }
     }
 
     /// Computes `out` = a − G `pressure` in contact, 0 elsewhere.

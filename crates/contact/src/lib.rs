@@ -5,7 +5,7 @@
 //! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
 //! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. The states of [`Resumable`] contacts can be saved outside the
 //! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] excludes it;
-//! [`Dynamics`] sets time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
+//! [`Springs`] between the surfaces act point by point; [`Dynamics`] sets time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
 //! allows finite slopes, and [`Conductors`] touch at the contact points of any contact.
 //!
 //! | method                                  | unknown           | cost of a step     |
@@ -26,6 +26,7 @@ mod refusal;
 mod rigid_surface;
 mod solve_error;
 mod solver;
+mod springs;
 mod units;
 
 mod contact;
@@ -70,6 +71,7 @@ pub use rigid_surface::RigidSurface;
 pub use solution::{Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
+pub use springs::Springs;
 pub use squeezed::{SqueezedContact, SqueezedSolution};
 pub use steep::{SteepContact, SteepSolution};
 pub use stiffness::Stiffness;

@@ -24,7 +24,8 @@ impl Contact {
     /// Solvers with a hardness: the methods that support two bounds.
     pub const HARDNESS_SOLVERS: [Solver; 2] = [Solver::Auto, Solver::PreconditionedCg];
 
-    /// Solvers with free boundaries: the methods that seek the pressure.
+    /// Solvers with free boundaries, with springs that differ between points, and of several processes: the methods that
+    /// seek the pressure.
     pub const FREE_SOLVERS: [Solver; 4] =
         [Solver::Auto, Solver::PolonskyKeer, Solver::ProjectedCg, Solver::PreconditionedCg];
 }
@@ -36,7 +37,7 @@ impl Equilibrium for Contact {
         match (&self.hardness, &self.free) {
             (Some(_), _) => &Self::HARDNESS_SOLVERS,
             (None, Some(_)) => &Self::FREE_SOLVERS,
-            _ if !self.share.is_whole() => &Self::FREE_SOLVERS,
+            _ if self.springs.is_some() || !self.share.is_whole() => &Self::FREE_SOLVERS,
             (None, None) => &Self::SOLVERS,
         }
     }

@@ -80,7 +80,7 @@ impl Contact {
             return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
         } else if count == 0 {
             return exact(0.0);
-        } else if count == n && self.free.is_none() {
+        } else if count == n && self.free.is_none() && self.springs.is_none() {
             return exact(self.units().stiffness() / self.uniform_compliance());
         }
         let mut unit = Unit::new(self, pressure, hardness, count);

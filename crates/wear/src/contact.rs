@@ -189,7 +189,7 @@ impl Equilibrium for WearContact {
             },
             pressure => pressure,
         };
-        let contact = if moved == 0.0 { contact } else { contact.softened(self.coefficient * moved) };
+        let contact = if moved == 0.0 { contact } else { contact.softened(self.coefficient * moved)? };
         let warm = start.filter(|start| start.solution.mean_pressure > 0.0).map(|start| &start.solution);
         let (solution, ending) = match contact.equilibrate(load.into(), solver, budget, warm, watch) {
             Ok(solution) => (solution, Ending::Converged),

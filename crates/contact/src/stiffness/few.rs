@@ -31,9 +31,9 @@ pub(super) struct Few {
 
 impl Few {
     /// Selects the points of the own rows with positive `pressure`; `None` if they are too many, or if the contact has
-    /// free boundaries or a hardness.
+    /// free boundaries, a hardness, or springs that differ between points.
     pub(super) fn of(contact: &Contact, pressure: &[f64]) -> Option<Self> {
-        if contact.free.is_some() || contact.hardness.is_some() {
+        if contact.free.is_some() || contact.hardness.is_some() || contact.springs.is_some() {
             return None;
         }
         let scattered = Scattered::of(&contact.response, [0.0; 2])?;

@@ -12,6 +12,7 @@ mod free;
 mod full;
 mod hardness;
 mod ranks;
+mod springs;
 mod squeezed;
 mod steep;
 mod stiffness;
