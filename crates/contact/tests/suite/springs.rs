@@ -9,7 +9,7 @@ use gfmd_surface::{Discretisation, SelfAffine};
 use gfmd_vector::ThreadRanks;
 use ndarray::{Array2, Axis};
 
-const LOADS: [Load; 2] = [Load::MeanPressure(0.02), Load::Approach(0.03)];
+const LOADS: [Load; 2] = [Load::MeanPressure(0.02), Load::Approach(0.015)];
 
 fn material() -> Material {
     Material::from_contact_modulus(1.0, 0.0).unwrap()
@@ -56,9 +56,6 @@ fn solve(contact: &Contact, load: Load) -> Solution {
 fn a_field_of_one_compliance_is_that_compliance() {
     for boundary in Boundary::ALL {
         for body in bodies() {
-            if boundary == Boundary::Free && body != bodies()[0] {
-                continue;
-            }
             let bare = contact(boundary, &body, 48);
             for hardness in [None, Some(0.08)] {
                 let bare = hardness.map_or_else(|| bare.clone(), |hard| bare.clone().with_hardness(hard).unwrap());
@@ -92,8 +89,7 @@ fn springs_on_springs_are_in_series() {
     assert!(largest(&(&sum.pressure - &solve(&series, load).pressure)) < 1e-9);
 }
 
-/// Returns the smallest p between zero and `upper` at which A p + b is not negative below the upper bound and not
-/// positive above zero, by sweeps over the points.
+/// Computes the minimum of ½⟨p, A p⟩ + ⟨b, p⟩ between zero and `upper` by projected Gauss-Seidel sweeps over the points.
 fn relaxed(matrix: &Array2<f64>, linear: &[f64], upper: f64) -> Vec<f64> {
     let mut p = vec![0.0; linear.len()];
     for _ in 0..200_000 {
@@ -116,12 +112,9 @@ fn a_jump_agrees_with_dense_matrices() {
     const N: usize = 12;
     for boundary in Boundary::ALL {
         for (body, hardness) in bodies().into_iter().zip([None, Some(0.1)]).chain([(bodies()[0].clone(), Some(0.1))]) {
-            if boundary == Boundary::Free && body != bodies()[0] {
-                continue;
-            }
             let bare = contact(boundary, &body, N);
             let bare = hardness.map_or_else(|| bare.clone(), |hard| bare.clone().with_hardness(hard).unwrap());
-            // Of a wave of four points, 1/(π N E*) is the compliance.
+            // The compliance 2/(E* q) of the shortest waves along an axis is about the same.
             let springs = Array2::from_shape_fn((N, N), |(i, _)| if i < N / 2 { 0.0 } else { 0.05 });
             let soft = bare.softened(springs.clone()).unwrap();
             let unit = |i: usize| Array2::from_shape_fn((N, N), |(a, b)| f64::from(u8::from(a * N + b == i)));
@@ -166,16 +159,19 @@ fn every_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
-fn stiff_and_soft_springs_converge() {
-    // The compliance of the shortest waves is about 1/(π n E*).
+fn springs_up_to_ten_times_softer_than_the_shortest_waves_take_few_iterations() {
     const N: usize = 64;
+    // The compliance 2/(E* q) of the shortest waves along an axis.
+    let shortest = 2.0 / (std::f64::consts::PI * N as f64);
     for boundary in Boundary::ALL {
         let bare = contact(boundary, &bodies()[0], N);
-        for compliance in [1e-4, 1e-3, 1e-2, 0.1] {
-            let soft = bare.softened(stripes(N, compliance)).unwrap();
+        for (softer, most) in [(0.1, 25), (1.0, 30), (10.0, 70)] {
+            let soft = bare.softened(stripes(N, softer * shortest)).unwrap();
             for load in [Load::MeanPressure(1e-3), Load::MeanPressure(0.02), Load::MeanPressure(0.2), LOADS[1]] {
-                let found = soft.press(load).solve().unwrap_or_else(|error| panic!("{compliance} {load:?}: {error}"));
-                eprintln!("{boundary} {compliance} {load:?}: {}", found.effort.iterations);
+                let found = soft.press(load).solve().unwrap_or_else(|error| panic!("{softer} {load:?}: {error}"));
+                // Chosen above the 10, 21 and 50 that are needed.
+                let needed = found.effort.iterations;
+                assert!(needed <= most, "{boundary} {softer} {load:?}: {needed}");
             }
         }
     }

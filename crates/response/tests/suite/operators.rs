@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use approx::assert_relative_eq;
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Rows};
 use gfmd_green::{Base, Body, Material};
-use gfmd_response::{Components, FullResponse, Hermitian, NormalResponse, NormalTransforms, RoundedTransforms};
+use gfmd_response::{
+    Components, FullResponse, FullTransforms, Hermitian, NormalResponse, NormalTransforms, RoundedTransforms, Scattered,
+};
 use proptest::prelude::*;
 use rayon::prelude::*;
 
@@ -219,4 +221,68 @@ fn tasks_that_ask_for_a_table_at_once_do_not_wait_for_one_another() {
         done.send(()).unwrap();
     });
     ended.recv_timeout(std::time::Duration::from_secs(60)).expect("the tasks end");
+}
+
+#[test]
+fn the_normal_part_of_all_components_displaces_as_they_do() {
+    for grid in grids() {
+        for body in bodies() {
+            let full = Arc::new(FullResponse::new(grid, &body));
+            let normal = Arc::new(NormalResponse::of_all_components(&full));
+            let (n, components) = (grid.len(), full.components().len());
+            let pressure = noise(n, 4);
+            let traction: Vec<f64> = [vec![0.0; (components - 1) * n], pressure.clone()].concat();
+            let (mut all, mut found) = (vec![0.0; components * n], vec![0.0; n]);
+            FullTransforms::of(&full).compliance(&traction, &mut all);
+            let mut transforms = NormalTransforms::of(&normal);
+            transforms.convolve(normal.compliance(), &pressure, &mut found);
+            let sunk = normal.uniform_compliance() * pressure.iter().sum::<f64>() / n as f64;
+            let largest = found.iter().fold(sunk.abs(), |most: f64, u| most.max(u.abs()));
+            for (found, all) in found.iter().zip(&all[(components - 1) * n..]) {
+                assert_relative_eq!(found + sunk, *all, epsilon = 1e-13 * largest);
+            }
+
+            // The other tables follow from the compliance.
+            let waves = || normal.compliance().iter().zip(normal.stiffness()).enumerate().skip(1);
+            for (index, (compliance, stiffness)) in waves() {
+                assert_relative_eq!(compliance * stiffness, 1.0, max_relative = 1e-14);
+                assert!(normal.compliance_at(index) == *compliance);
+            }
+            assert!(normal.compliance()[0] == 0.0 && normal.stiffness()[0] == 0.0);
+            let [softest, stiffest] = normal.stiffness_range();
+            assert!(waves().all(|(_, (_, k))| (softest * (1.0 - 1e-14)..=stiffest * (1.0 + 1e-14)).contains(k)));
+            assert_eq!(normal.contact_modulus(), full.contact_modulus());
+            let mut rounded = RoundedTransforms::of(&normal, None);
+            let unit = rounded.unit();
+            let mut image = vec![0.0_f32; n];
+            rounded.compliance(Rows(&pressure[..], grid.rows()[1]), |_, Rows(p, _), row: &mut [f32]| {
+                row.iter_mut().zip(p).for_each(|(row, p)| *row = *p as f32);
+            });
+            rounded.rows(Rows(&mut image[..], grid.rows()[1]), |_, row, Rows(image, _): Rows<&mut [f32]>| {
+                image.copy_from_slice(row);
+            });
+            for (image, found) in image.iter().zip(&found) {
+                assert_relative_eq!(f64::from(*image) * unit, *found, epsilon = 1e-5 * largest);
+            }
+
+            // Only Nyquist modes differ from the response of u_z alone, and only for bodies that couple it with shear.
+            let alone = NormalResponse::new(grid, &body);
+            for (index, (compliance, other)) in normal.compliance().iter().zip(alone.compliance()).enumerate() {
+                if grid.mode_at(index).nyquist == [false, false] {
+                    assert_relative_eq!(*compliance, *other, max_relative = 1e-11);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn few_points_use_the_normal_part_of_all_components_only_if_it_is_isotropic() {
+    let grid = Grid::square(256, 1.0).unwrap();
+    for (poisson, is_isotropic) in [(0.5, true), (0.3, false)] {
+        let body = Body::half_space(Material::from_young(3.0, poisson).unwrap());
+        let normal = NormalResponse::of_all_components(&FullResponse::new(grid, &body));
+        assert_eq!(Scattered::of(&normal, [0.0; 2]).is_some(), is_isotropic, "{poisson}");
+        assert!(Scattered::of(&NormalResponse::new(grid, &body), [0.0; 2]).is_some());
+    }
 }
