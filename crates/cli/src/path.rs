@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_interface::{Path, Refinement, Step};
+use gfmd_interface::{Path, QuasistaticState, Refinement, Step};
 use gfmd_law::{LawKind, Limit};
 use gfmd_problem::{AnyState, Facts, Friction, Posed, key, setting, words};
 use serde::{Deserialize, Serialize};
@@ -221,7 +221,8 @@ fn finish(
 ) -> Result<Outcome<Report>, Failure> {
     let Followed { contact, path, outcome, mut file, widest, unsettled } = followed;
     warn_unsettled_steps(&unsettled, &path, args, session);
-    if let (Some(file), Some(remembered)) = (&mut file, path.state().and_then(AnyState::memory)) {
+    let remembered = path.state().and_then(AnyState::on_path).and_then(QuasistaticState::memory);
+    if let (Some(file), Some(remembered)) = (&mut file, remembered) {
         memory::write(file, &prepared.surface, &remembered)?;
     }
     let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;

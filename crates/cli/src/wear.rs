@@ -16,7 +16,7 @@ use gfmd_interface::Refinement;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs};
-use gfmd_problem::{AnyState, Facts, key};
+use gfmd_problem::{Facts, key};
 use gfmd_report::figures::{Scene, SceneFields, parse_prefix};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
 use ndarray::Array2;
@@ -186,10 +186,11 @@ fn finish(
     let head = Head::new(&args.asked(), prepared, contact.surface());
     let report = Report::new(head, args.coefficient()?, records);
     let mut report = Report { not_converged, out, ..report };
-    if let (None, Some(prefix), Some(state)) = (&failure, &args.plots, path.state().and_then(AnyState::worn)) {
+    let worn = path.state().and_then(|state| Some((state, state.on_path()?.wear_depth()?)));
+    if let (None, Some(prefix), Some((state, depth))) = (&failure, &args.plots, worn) {
         let shown = SceneFields::of(state, None, None);
         let scene = Scene::upper(&prepared.surface, &shown, report.head.e_star, None);
-        report.plots = figures::draw(prefix, &report, &scene, (&prepared.surface, &state.depth))?;
+        report.plots = figures::draw(prefix, &report, &scene, (&prepared.surface, depth))?;
     }
     Ok(Outcome { report, failure })
 }

@@ -41,7 +41,7 @@ impl QuasistaticContact {
             }
             _ => (None, None),
         };
-        let mut normal = normal.moved(factor, unpressed.as_ref(), touch);
+        let mut normal = normal.of_step(factor, unpressed.as_ref(), touch);
         if let Load::Approach(asked) = step.drive.load {
             *normal.approach() = asked;
         }

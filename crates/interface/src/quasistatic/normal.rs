@@ -6,7 +6,6 @@ use gfmd_contact::{
 };
 use gfmd_medium::Stiffening;
 use gfmd_relax::{Budget, Watch};
-use gfmd_vector::with_contiguous;
 use ndarray::{Array2, Axis, CowArray, Ix2};
 use std::sync::Arc;
 
@@ -215,15 +214,16 @@ impl NormalState {
         }
     }
 
-    /// Multiplies tractions by `factor` and moves the surface down by `depth`, the rigid one down by `touch`.
-    pub(super) fn moved(self, factor: f64, depth: Option<&Array2<f64>>, touch: f64) -> Self {
+    /// Converts the state of the contact of a step, which divides tractions by `factor`, does not know the `depth` of
+    /// the elastic surface at zero pressure, and measures its approach from `touch`.
+    pub(super) fn of_step(self, factor: f64, depth: Option<&Array2<f64>>, touch: f64) -> Self {
         match self {
             Self::Wall(mut state) => {
                 if let Some(depth) = depth {
                     state.displacement -= depth;
                 }
                 if factor != 1.0 {
-                    with_contiguous(&mut state.pressure, |pressure| pressure.iter_mut().for_each(|p| *p *= factor));
+                    state.pressure.mapv_inplace(|p| p * factor);
                     state.mean_pressure *= factor;
                 }
                 state.approach += touch;
@@ -237,6 +237,27 @@ impl NormalState {
                     displacement -= depth;
                 }
                 state.approach += touch;
+                Self::Law(state)
+            }
+        }
+    }
+
+    /// Converts the state to the contact of a step, to start its search there: the inverse of
+    /// [`of_step`](Self::of_step). At a wall the pressure alone is a start.
+    pub(super) fn to_step(&self, factor: f64, depth: Option<&Array2<f64>>, touch: f64) -> Self {
+        match self.clone() {
+            Self::Wall(mut state) => {
+                state.pressure.mapv_inplace(|p| p / factor);
+                Self::Wall(state)
+            }
+            Self::Law(state) => {
+                let mut state = state.times(1.0, 1.0 / factor);
+                if let Some(depth) = depth {
+                    let z = state.displacement.len_of(Axis(0)) - 1;
+                    let mut displacement = state.displacement.index_axis_mut(Axis(0), z);
+                    displacement += depth;
+                }
+                state.approach -= touch;
                 Self::Law(state)
             }
         }

@@ -223,10 +223,7 @@ impl<'a> Step<'a> {
         if is_apart {
             return Ok(Pressed { state: contact.unloaded(drive.load)?, touch, is_apart, failed: None });
         }
-        let warm = warm.map(|state| {
-            let up = self.unpressed().map(|depth| -depth);
-            state.clone().moved(1.0 / self.affine.factor(), up.as_ref(), -touch)
-        });
+        let warm = warm.map(|state| state.to_step(self.affine.factor(), self.unpressed().as_ref(), touch));
         let (mut reached, mut failed) = (None, None);
         match contact.equilibrate(drive, solver, budget, warm.as_ref(), watch) {
             Ok(state) => reached = Some(state),
