@@ -26,6 +26,7 @@ mod refusal;
 mod rigid_surface;
 mod solve_error;
 mod solver;
+mod springs;
 mod units;
 
 mod contact;
@@ -70,6 +71,7 @@ pub use rigid_surface::RigidSurface;
 pub use solution::{Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
+pub use springs::Springs;
 pub use squeezed::{SqueezedContact, SqueezedSolution};
 pub use steep::{SteepContact, SteepSolution};
 pub use stiffness::Stiffness;

@@ -175,6 +175,28 @@ pub enum Refusal {
         /// Shape of the heights.
         expected: [usize; 2],
     },
+    /// The compliance of a spring is negative or not finite.
+    #[error("the compliance of the springs is {found}; it must be finite and not negative")]
+    Springs {
+        /// Compliance.
+        found: f64,
+    },
+    /// The field of springs differs in shape from the heights.
+    #[error("the shape of the springs is {found:?}; it must be {expected:?} as that of the heights")]
+    SpringsShape {
+        /// Shape of the springs.
+        found: [usize; 2],
+        /// Shape of the heights.
+        expected: [usize; 2],
+    },
+    /// A hardness or springs are given for an interface that cannot have them.
+    #[error("{part} given; it must be left out with {with}")]
+    NoWall {
+        /// `a hardness is` or `a compliance of springs is`.
+        part: &'static str,
+        /// Part of the interface that excludes it.
+        with: &'static str,
+    },
     /// The mean pressure reaches the hardness.
     #[error("the mean pressure is {found}; it must be less than the {what} {hardness}")]
     BeyondHardness {

@@ -1,7 +1,8 @@
 //! [docs]: crate
 #![doc = include_str!("../README.md")]
 //!
-//! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. In
+//! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. The
+//!   wall may have a hardness and springs. In
 //!   equilibrium the elastic traction balances the tractions of law and wall. If several equilibria exist, the solver
 //!   finds a stable one by lowering the energy from the starting state.
 //! - [`FrictionalContact`]: a hard wall with Coulomb or Tresca friction, solved increment by increment.
@@ -13,6 +14,7 @@ mod dynamics;
 mod frame;
 mod friction;
 mod gradient;
+mod kinks;
 mod newton;
 mod numbers;
 mod patch;

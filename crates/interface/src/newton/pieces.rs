@@ -1,0 +1,149 @@
+//! Steps at a wall that gives way. The potential of each point has smooth pieces, on which it is convex but for the
+//! law. Each step keeps the pieces and ends where they end, so that it is a projected step of a smooth energy within
+//! bounds (Bertsekas 1982), and steps along the projected gradient lower the energy.
+
+use gfmd_law::Law;
+use gfmd_vector::{for_each, pass};
+
+use super::descent::{Descent, Placed};
+use super::reaction::Reaction;
+use super::trust_region::{Model, Number};
+use super::weight_of;
+use crate::State;
+use crate::frame::Frame;
+use crate::kinks::{Kinks, Piece};
+use crate::numbers::{higher, higher_each, mean_where};
+
+/// Pieces of all points.
+pub(super) struct Pieces {
+    kinks: Kinks,
+    of: Vec<Piece>,
+    length_scale: f64,
+}
+
+impl Pieces {
+    pub(super) fn new(kinks: Kinks, length_scale: f64) -> Self {
+        Self { kinks, of: Vec::new(), length_scale }
+    }
+
+    /// Places the points at the start of a search, with the held mean restored; returns their insets.
+    pub(super) fn start(&mut self, frame: &Frame, start: Option<&State>, w: &mut [f64]) -> Vec<f64> {
+        let mut insets = self.kinks.start(frame, start, w);
+        self.classify(&insets);
+        if frame.held[0] {
+            let (kinks, scale) = (&self.kinks, self.length_scale);
+            let mean: f64 = gfmd_vector::total(w);
+            // Points that touch go the way that restores the mean.
+            for (i, piece) in self.of.iter_mut().enumerate().filter(|(i, _)| insets[*i] == 0.0 && kinks.touches(*i, w[*i])) {
+                *piece = match mean {
+                    mean if mean > 0.0 => Piece::Open,
+                    _ if kinks.spring(i) > 0.0 => Piece::Spring,
+                    _ if kinks.most(i).is_finite() => Piece::Pressed,
+                    _ => Piece::Held,
+                };
+            }
+            kinks.restore_mean(&self.of, w, &mut insets, scale);
+            self.classify(&insets);
+        }
+        insets
+    }
+
+    /// Sets the pieces of the current insets.
+    pub(super) fn classify(&mut self, insets: &[f64]) {
+        let Self { kinks, of, .. } = self;
+        of.resize(insets.len(), Piece::Open);
+        for_each([&mut of[..]], &|start, [of]| {
+            of.iter_mut().enumerate().for_each(|(k, piece)| *piece = kinks.piece(start + k, insets[start + k]));
+        });
+    }
+
+    /// Moves `trial` from `here` by `share` of the `direction`.
+    pub(super) fn step<T: Number>(&self, here: &Placed, share: f64, direction: &[T], trial: &mut Placed) {
+        let Self { kinks, of, .. } = self;
+        for_each([&mut trial.w[..], &mut trial.inset[..]], &|start, [w, inset]| {
+            for (k, (w, inset)) in w.iter_mut().zip(inset).enumerate() {
+                let i = start + k;
+                [*w, *inset] = kinks.moved(i, of[i], [here.w[i], here.inset[i]], share * direction[i].into());
+            }
+        });
+    }
+
+    /// Restores the held mean on the pieces; returns false if they do not allow it.
+    pub(super) fn restore_mean(&self, w: &mut [f64], insets: &mut [f64]) -> bool {
+        self.kinks.restore_mean(&self.of, w, insets, self.length_scale)
+    }
+
+    /// Computes the reaction of law and wall on the pieces, at positions and insets.
+    pub(super) fn react(
+        &self,
+        law: &dyn Law,
+        frame: &Frame,
+        [w, insets]: [&[f64]; 2],
+        (reaction, energy): (&mut Reaction, &mut [f64]),
+    ) {
+        let Self { kinks, of, .. } = self;
+        reaction.update_normal(energy, |i| match of[i] {
+            Piece::Open => law.opening(frame.separation(w, i).0),
+            piece => kinks.act(i, piece, insets[i]),
+        });
+    }
+}
+
+impl<M: Model> Descent<'_, M> {
+    /// Chooses the piece of each point for the next step, subtracts the mean force if the mean is held, and returns the
+    /// residual, as [`release`](Self::release) for a wall that gives way.
+    pub(super) fn release_pieces(&mut self) -> f64 {
+        let Self { interface, frame, pieces, model, here, force, multipliers, .. } = self;
+        let Some(Pieces { kinks, of, .. }) = pieces else { return f64::NAN };
+        let Placed { w, inset, elastic, reaction, .. } = here;
+        let (w, inset, elastic, push) = (&w[..], &inset[..], &elastic[..], frame.push_on(0));
+        let [softest, stiffest] = interface.elastic.stiffness_range();
+        let reference = (softest * stiffest).sqrt();
+        // The force depends on the position alone, not on the pieces of the step before.
+        for_each([&mut force[..]], &|start, [force]| {
+            for (k, force) in force.iter_mut().enumerate().filter(|(k, _)| kinks.touches(start + k, w[start + k])) {
+                let i = start + k;
+                *force = kinks.touch.traction - kinks.repulsion(i, inset[i]) - elastic[i] + push;
+            }
+        });
+        let multiplier = if frame.held[0] { held_level(kinks, force, [w, inset]) } else { 0.0 };
+        multipliers[0] = multiplier;
+        let [traction, slope] = reaction.normal_mut();
+        let choose = |start: usize, ([force, traction, slope], pieces, weight): Chosen<'_, M::Value>| {
+            let mut worst = [0.0_f64; 2];
+            for (k, (force, piece)) in force.iter_mut().zip(pieces).enumerate() {
+                let i = start + k;
+                *force -= multiplier;
+                *piece = Piece::Open;
+                if kinks.touches(i, w[i]) {
+                    let alone = *force + kinks.repulsion(i, inset[i]);
+                    *piece = kinks.release(i, inset[i], alone);
+                    let act = kinks.act(i, *piece, inset[i]);
+                    (traction[k], slope[k]) = (act.traction, act.slope);
+                    *force = alone - kinks.repulsion_on(i, *piece, inset[i]);
+                }
+                let is_held = *piece == Piece::Held;
+                weight[k] = M::Value::of(if is_held { 0.0 } else { weight_of(slope[k], reference) });
+                let free = if is_held { 0.0 } else { force.abs() };
+                worst = higher_each(worst, [free, (traction[k] - *force).abs()]);
+            }
+            worst
+        };
+        let [unbalanced, stress] =
+            pass(([&mut force[..], traction, slope], &mut of[..], model.weight()), &choose, &higher_each);
+        let largest = higher(interface.stress_scale(frame.drive.load), stress);
+        unbalanced / largest.max(f64::MIN_POSITIVE)
+    }
+}
+
+type Chosen<'a, T> = ([&'a mut [f64]; 3], &'a mut [Piece], &'a mut [T]);
+
+/// Returns the mean force of the points that are not at a kink; if all are, the force that a held mean balances.
+fn held_level(kinks: &Kinks, force: &[f64], [w, inset]: [&[f64]; 2]) -> f64 {
+    let is_free = |i: usize| !kinks.is_at_kink(i, w[i], inset[i]);
+    if gfmd_vector::reduce(force.len(), &|mut range| range.any(is_free), &|a, b| a || b) {
+        mean_where(force, is_free)
+    } else {
+        kinks.level(force)
+    }
+}
