@@ -237,11 +237,8 @@ impl Certificate<'_> {
                 traction.iter_mut().enumerate().fold([0.0; 4], |worst, (k, traction)| {
                     *traction += unknown - push;
                     let left = law(start + k) - repulsion(start + k) - *traction;
-                    let [free, tension, excess] = if touches(start + k) {
-                        [0.0, -left, left - most(start + k)]
-                    } else {
-                        [left.abs(), 0.0, 0.0]
-                    };
+                    let [free, tension, excess] =
+                        if touches(start + k) { [0.0, -left, left - most(start + k)] } else { [left.abs(), 0.0, 0.0] };
                     higher_each(worst, [free, tension, traction.abs(), excess])
                 })
             },

@@ -11,21 +11,21 @@ use std::sync::Arc;
 use gfmd_contact::{Hardness, Load, Refusal, Springs};
 use gfmd_law::Opening;
 use gfmd_relax::Upper;
-use gfmd_vector::{add, for_each, reduce};
+use gfmd_vector::{for_each, reduce, sum, total};
 use ndarray::Array2;
 
 use crate::frame::Frame;
 use crate::{Interface, State};
 
-/// Compliance of a spring times the largest stiffness of the body below which the spring is a wall: it changes the
-/// displacement by less than rounding errors.
-const RIGID: f64 = 1e-14;
+/// Compliance of a spring times the largest stiffness of the body below which the spring is a wall for the search: it
+/// changes the displacement by a smaller part than the tightest tolerance.
+const RIGID: f64 = 1e-10;
 
 /// Largest relative difference between the repulsion and its bound at a point of given fields that counts as pressed
 /// into the other surface.
 const NEAR: f64 = 1e-6;
 
-/// Mean below which a held mean is restored, in rms heights, if no round improves it.
+/// Mean below which a held mean is restored, in rms heights, if rounds no longer improve it.
 const RESTORED: f64 = 1e-12;
 
 /// Maximum number of rounds to restore a mean; a few suffice.
@@ -122,7 +122,7 @@ impl Interface {
         if !self.gives_way() {
             return None;
         }
-        let [_, stiffest] = self.elastic.stiffness_range();
+        let [softest, stiffest] = self.elastic.stiffness_range();
         let touch = self.law.opening(0.0);
         let (mut most, mut springs) = (vec![f64::INFINITY; frame.points()], vec![0.0; frame.points()]);
         for i in 0..frame.inside() {
@@ -134,7 +134,8 @@ impl Interface {
                 springs[at] = if given[i] * stiffest > RIGID { given[i] } else { 0.0 };
             }
         }
-        Some(Kinks { bound: frame.wall().collect(), most, springs, touch })
+        let stiffness = (softest * stiffest).sqrt();
+        Some(Kinks { bound: frame.wall().collect(), most, springs, touch, stiffness })
     }
 }
 
@@ -167,6 +168,8 @@ pub(crate) struct Kinks {
     springs: Vec<f64>,
     /// Law at a closed gap.
     pub(crate) touch: Opening,
+    /// Stiffness of a wave of middle length.
+    stiffness: f64,
 }
 
 impl Kinks {
@@ -284,73 +287,53 @@ impl Kinks {
         }
     }
 
-    /// Returns true if point `i` can move both ways on its piece.
-    fn is_inner(&self, i: usize, piece: Piece, [w, inset]: [f64; 2]) -> bool {
+    /// Returns true if point `i` can move on its piece in one direction, up or down.
+    fn can_move(&self, i: usize, piece: Piece, inset: f64, up: bool, w: f64) -> bool {
         match piece {
-            Piece::Open => w < self.bound[i],
+            Piece::Open => !up || w < self.bound[i],
             Piece::Held => false,
-            Piece::Spring => inset > 0.0 && inset < self.limit(i),
-            Piece::Pressed => inset > self.limit(i),
+            Piece::Spring if up => inset < self.limit(i),
+            Piece::Spring => inset > 0.0,
+            Piece::Pressed => up || inset > self.limit(i),
         }
     }
 
-    /// Returns true if point `i` can move on its piece in one direction, up or down.
-    fn can_move(&self, i: usize, piece: Piece, place: [f64; 2], up: bool) -> bool {
-        let [w, inset] = place;
-        self.is_inner(i, piece, place)
-            || match piece {
-                Piece::Open => !up && w >= self.bound[i],
-                Piece::Held => false,
-                Piece::Spring => if up { inset <= 0.0 } else { inset > 0.0 },
-                Piece::Pressed => up,
-            }
+    /// Returns the share of point `i` in a shift of all points: 1, or less at a spring, stiffer than the body.
+    pub(crate) fn share(&self, i: usize, piece: Piece) -> f64 {
+        let relative = self.springs[i] * self.stiffness;
+        if piece == Piece::Spring { relative / (1.0 + relative) } else { 1.0 }
     }
 
-    /// Shifts points on their pieces until the mean of the positions is 0: points that can move both ways or, if there
-    /// are none, points that can move in the direction of the shift. Returns false if the pieces do not allow it.
+    /// Shifts points on their pieces until the mean of the positions is 0. A shift may push points to the ends of their
+    /// pieces; it is repeated. Returns false if the pieces do not allow it.
     pub(crate) fn restore_mean(&self, pieces: &[Piece], w: &mut [f64], inset: &mut [f64], length_scale: f64) -> bool {
         let points = w.len() as f64;
-        let mut total = f64::NAN;
+        let mut last = f64::INFINITY;
         for _ in 0..ROUNDS {
-            let (at, depth) = (&*w, &*inset);
-            let [sum, inner] = reduce(
-                at.len(),
-                &|range| {
-                    range.fold([0.0; 2], |sums, i| {
-                        let is_inner = self.is_inner(i, pieces[i], [at[i], depth[i]]);
-                        add(sums, [at[i], f64::from(u8::from(is_inner))])
-                    })
-                },
-                &add,
-            );
-            total = sum;
-            if total.abs() / points <= f64::EPSILON * length_scale {
+            let now = total(w);
+            let is_near = now.abs() / points <= RESTORED * length_scale;
+            if now.abs() / points <= f64::EPSILON * length_scale || (is_near && now.abs() >= 0.5 * last.abs()) {
                 return true;
             }
-            let up = total < 0.0;
-            let moves = |i: usize, place: [f64; 2]| {
-                if inner > 0.0 { self.is_inner(i, pieces[i], place) } else { self.can_move(i, pieces[i], place, up) }
+            last = now;
+            let share = |i: usize, w: f64, inset: f64| {
+                if self.can_move(i, pieces[i], inset, last < 0.0, w) { self.share(i, pieces[i]) } else { 0.0 }
             };
-            let count = |mut range: std::ops::Range<usize>| {
-                let mut count = 0.0;
-                range.by_ref().for_each(|i| count += f64::from(u8::from(moves(i, [at[i], depth[i]]))));
-                count
-            };
-            let movable: f64 = if inner > 0.0 { inner } else { reduce(at.len(), &count, &|a, b| a + b) };
+            let movable = sum(w.len(), &|range| range.map(|i| share(i, w[i], inset[i])).sum());
             if movable == 0.0 {
                 break;
             }
-            let shift = -total / movable;
+            let shift = -last / movable;
             for_each([&mut *w, &mut *inset], &|start, [w, inset]| {
                 for (k, (w, inset)) in w.iter_mut().zip(inset).enumerate() {
-                    let i = start + k;
-                    if moves(i, [*w, *inset]) {
-                        [*w, *inset] = self.moved(i, pieces[i], [*w, *inset], shift);
+                    let (i, part) = (start + k, share(start + k, *w, *inset));
+                    if part > 0.0 {
+                        [*w, *inset] = self.moved(i, pieces[i], [*w, *inset], shift * part);
                     }
                 }
             });
         }
-        total.abs() / points <= RESTORED * length_scale
+        last.abs() / points <= RESTORED * length_scale
     }
 
     /// Returns the force for which a held mean balances points that are all at kinks, the middle of the possible ones.

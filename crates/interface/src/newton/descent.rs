@@ -61,6 +61,15 @@ impl Placed {
         Self { elastic: vec![0.0; w.len()], w, inset: Vec::new(), reaction, energy: vec![0.0; points] }
     }
 
+    /// Returns the step of value `k` from another position. Between insets it is their difference, which has all digits.
+    fn step_from(&self, from: &Self, k: usize) -> f64 {
+        let (to, before) = (self.inset.get(k), from.inset.get(k));
+        match to.zip(before) {
+            Some((to, before)) if *to > 0.0 || *before > 0.0 => to - before,
+            _ => self.w[k] - from.w[k],
+        }
+    }
+
     /// Computes the reaction of the law and of a wall that gives way.
     fn react(&mut self, interface: &Interface, frame: &Frame, pieces: Option<&Pieces>) {
         let Self { w, inset, reaction, energy, .. } = self;
@@ -306,7 +315,7 @@ impl<'a, M: Model> Descent<'a, M> {
             here.w.len(),
             &|range| {
                 range.fold([0.0; 4], |sums, k| {
-                    let step = trial.w[k] - here.w[k];
+                    let step = trial.step_from(here, k);
                     let uniform = frame.push_on(k / points) - multipliers[k / points];
                     let work = step * (0.5 * (here.elastic[k] + trial.elastic[k]) - uniform);
                     let next = traction[k] - trial.elastic[k] + uniform;

@@ -3,7 +3,7 @@
 //! bounds (Bertsekas 1982), and steps along the projected gradient lower the energy.
 
 use gfmd_law::Law;
-use gfmd_vector::{for_each, pass};
+use gfmd_vector::{for_each, pass, reduce, total};
 
 use super::descent::{Descent, Placed};
 use super::reaction::Reaction;
@@ -13,6 +13,10 @@ use crate::State;
 use crate::frame::Frame;
 use crate::kinks::{Kinks, Piece};
 use crate::numbers::{higher, higher_each, mean_where};
+
+/// Least share in a shift of all points with which a point restores a held mean: at stiffer springs, points hardly move.
+/// A share is the square of a weight in the preconditioner.
+const SOFT: f64 = 0.01;
 
 /// Pieces of all points.
 pub(super) struct Pieces {
@@ -31,18 +35,23 @@ impl Pieces {
         let mut insets = self.kinks.start(frame, start, w);
         self.classify(&insets);
         if frame.held[0] {
-            let (kinks, scale) = (&self.kinks, self.length_scale);
-            let mean: f64 = gfmd_vector::total(w);
-            // Points that touch go the way that restores the mean.
-            for (i, piece) in self.of.iter_mut().enumerate().filter(|(i, _)| insets[*i] == 0.0 && kinks.touches(*i, w[*i])) {
-                *piece = match mean {
-                    mean if mean > 0.0 => Piece::Open,
-                    _ if kinks.spring(i) > 0.0 => Piece::Spring,
-                    _ if kinks.most(i).is_finite() => Piece::Pressed,
-                    _ => Piece::Held,
-                };
+            let Self { kinks, of, length_scale } = self;
+            // If the other points cannot restore the mean, points that touch go the way that does.
+            for go in [false, true] {
+                let excess = total(w);
+                let touch = |i: usize, w: &[f64]| insets[i] == 0.0 && kinks.touches(i, w[i]);
+                for (i, piece) in of.iter_mut().enumerate().filter(|(i, _)| touch(*i, w)) {
+                    *piece = match () {
+                        () if go && excess > 0.0 => Piece::Open,
+                        () if go && kinks.spring(i) > 0.0 => Piece::Spring,
+                        () if go && kinks.most(i).is_finite() => Piece::Pressed,
+                        () => Piece::Held,
+                    };
+                }
+                if kinks.restore_mean(of, w, &mut insets, *length_scale) {
+                    break;
+                }
             }
-            kinks.restore_mean(&self.of, w, &mut insets, scale);
             self.classify(&insets);
         }
         insets
@@ -131,6 +140,7 @@ impl<M: Model> Descent<'_, M> {
         };
         let [unbalanced, stress] =
             pass(([&mut force[..], traction, slope], &mut of[..], model.weight()), &choose, &higher_each);
+        model.hold_mean_above(SOFT.sqrt());
         let largest = higher(interface.stress_scale(frame.drive.load), stress);
         unbalanced / largest.max(f64::MIN_POSITIVE)
     }
@@ -138,10 +148,15 @@ impl<M: Model> Descent<'_, M> {
 
 type Chosen<'a, T> = ([&'a mut [f64]; 3], &'a mut [Piece], &'a mut [T]);
 
-/// Returns the mean force of the points that are not at a kink; if all are, the force that a held mean balances.
+/// Returns the mean force of the points that are not at a kink, without stiff springs unless there are only these; if
+/// all points are at kinks, the force that a held mean balances.
 fn held_level(kinks: &Kinks, force: &[f64], [w, inset]: [&[f64]; 2]) -> f64 {
     let is_free = |i: usize| !kinks.is_at_kink(i, w[i], inset[i]);
-    if gfmd_vector::reduce(force.len(), &|mut range| range.any(is_free), &|a, b| a || b) {
+    let is_soft = |i: usize| is_free(i) && kinks.share(i, kinks.piece(i, inset[i])) > SOFT;
+    let any = |is: &(dyn Fn(usize) -> bool + Sync)| reduce(force.len(), &|mut range| range.any(is), &|a, b| a || b);
+    if any(&is_soft) {
+        mean_where(force, is_soft)
+    } else if any(&is_free) {
         mean_where(force, is_free)
     } else {
         kinks.level(force)
