@@ -13,6 +13,7 @@ mod certify;
 mod dynamics;
 mod frame;
 mod friction;
+mod give_way;
 mod gradient;
 mod kinks;
 mod newton;

@@ -16,6 +16,7 @@ mod descent;
 mod one_component;
 mod pieces;
 mod reaction;
+mod release;
 mod stability;
 mod trust_region;
 mod wall;
@@ -99,7 +100,7 @@ fn descend_with<M: Model>(
     }
     let end = loop {
         watch.checkpoint(&mut |visitor| visit_all!(visitor));
-        let residual = descent.release();
+        let residual = if descent.pieces.is_some() { descent.release_pieces() } else { descent.release() };
         if watch.see(&Progress { iteration: iterations, residual }).is_break() {
             break End::Finished(Ending::Interrupted);
         }

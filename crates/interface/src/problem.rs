@@ -8,7 +8,6 @@ use gfmd_relax::Upper;
 use gfmd_response::{Elastic, FullResponse, NormalResponse};
 use ndarray::ArrayRef2;
 
-use crate::kinks::stiffer;
 use crate::patch::Patch;
 
 /// Warning: a law too steep for the grid. Single points jump where the contact edge of a continuous surface would move
@@ -131,7 +130,7 @@ impl Interface {
         Self {
             law: InUnits::new(Arc::clone(&self.law), factor, 1.0).into_shared(),
             hardness: self.hardness.as_ref().map(|hardness| hardness.times(factor.recip())),
-            springs: stiffer(&self.springs, factor),
+            springs: self.springs.as_ref().map(|springs| springs.iter().map(|k| k * factor).collect()),
             ..self.clone()
         }
     }

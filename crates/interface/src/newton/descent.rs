@@ -186,9 +186,6 @@ impl<'a, M: Model> Descent<'a, M> {
     /// Finds the points held by the wall, subtracts the mean force of components with a held mean, and returns the
     /// residual.
     pub(super) fn release(&mut self) -> f64 {
-        if self.pieces.is_some() {
-            return self.release_pieces();
-        }
         let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, multipliers, .. } = self;
         let points = frame.points();
         let [softest, stiffest] = interface.elastic.stiffness_range();
@@ -296,7 +293,7 @@ impl<'a, M: Model> Descent<'a, M> {
         let Self { here, trial, region, pieces, .. } = self;
         let direction = &region.vectors.direction[..];
         if let Some(pieces) = pieces {
-            pieces.step(here, share, direction, trial);
+            pieces.step([&here.w, &here.inset], share, direction, [&mut trial.w, &mut trial.inset]);
         } else {
             let along = |start: usize, [trial]: [&mut [f64]; 1]| {
                 let from = here.w[start..].iter().zip(&direction[start..]);

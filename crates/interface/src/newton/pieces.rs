@@ -3,25 +3,18 @@
 //! bounds (Bertsekas 1982), and steps along the projected gradient lower the energy.
 
 use gfmd_law::Law;
-use gfmd_vector::{for_each, pass, reduce, total};
+use gfmd_vector::{for_each, total};
 
-use super::descent::{Descent, Placed};
 use super::reaction::Reaction;
-use super::trust_region::{Model, Number};
-use super::weight_of;
+use super::trust_region::Number;
 use crate::State;
 use crate::frame::Frame;
 use crate::kinks::{Kinks, Piece};
-use crate::numbers::{higher, higher_each, mean_where};
-
-/// Least share in a shift of all points with which a point restores a held mean: at stiffer springs, points hardly move.
-/// A share is the square of a weight in the preconditioner.
-const SOFT: f64 = 0.01;
 
 /// Pieces of all points.
 pub(super) struct Pieces {
-    kinks: Kinks,
-    of: Vec<Piece>,
+    pub(super) kinks: Kinks,
+    pub(super) of: Vec<Piece>,
     length_scale: f64,
 }
 
@@ -66,13 +59,13 @@ impl Pieces {
         });
     }
 
-    /// Moves `trial` from `here` by `share` of the `direction`.
-    pub(super) fn step<T: Number>(&self, here: &Placed, share: f64, direction: &[T], trial: &mut Placed) {
-        let Self { kinks, of, .. } = self;
-        for_each([&mut trial.w[..], &mut trial.inset[..]], &|start, [w, inset]| {
+    /// Moves positions and insets of the trial from the positions and insets `here` by `share` of the `direction`.
+    pub(super) fn step<T: Number>(&self, here: [&[f64]; 2], share: f64, direction: &[T], trial: [&mut [f64]; 2]) {
+        let (Self { kinks, of, .. }, [at, depth]) = (self, here);
+        for_each(trial, &|start, [w, inset]| {
             for (k, (w, inset)) in w.iter_mut().zip(inset).enumerate() {
                 let i = start + k;
-                [*w, *inset] = kinks.moved(i, of[i], [here.w[i], here.inset[i]], share * direction[i].into());
+                [*w, *inset] = kinks.moved(i, of[i], [at[i], depth[i]], share * direction[i].into());
             }
         });
     }
@@ -95,70 +88,5 @@ impl Pieces {
             Piece::Open => law.opening(frame.separation(w, i).0),
             piece => kinks.act(i, piece, insets[i]),
         });
-    }
-}
-
-impl<M: Model> Descent<'_, M> {
-    /// Chooses the piece of each point for the next step, subtracts the mean force if the mean is held, and returns the
-    /// residual, as [`release`](Self::release) for a wall that gives way.
-    pub(super) fn release_pieces(&mut self) -> f64 {
-        let Self { interface, frame, pieces, model, here, force, multipliers, .. } = self;
-        let Some(Pieces { kinks, of, .. }) = pieces else { return f64::NAN };
-        let Placed { w, inset, elastic, reaction, .. } = here;
-        let (w, inset, elastic, push) = (&w[..], &inset[..], &elastic[..], frame.push_on(0));
-        let [softest, stiffest] = interface.elastic.stiffness_range();
-        let reference = (softest * stiffest).sqrt();
-        // The force depends on the position alone, not on the pieces of the step before.
-        for_each([&mut force[..]], &|start, [force]| {
-            for (k, force) in force.iter_mut().enumerate().filter(|(k, _)| kinks.touches(start + k, w[start + k])) {
-                let i = start + k;
-                *force = kinks.touch.traction - kinks.repulsion(i, inset[i]) - elastic[i] + push;
-            }
-        });
-        let multiplier = if frame.held[0] { held_level(kinks, force, [w, inset]) } else { 0.0 };
-        multipliers[0] = multiplier;
-        let [traction, slope] = reaction.normal_mut();
-        let choose = |start: usize, ([force, traction, slope], pieces, weight): Chosen<'_, M::Value>| {
-            let mut worst = [0.0_f64; 2];
-            for (k, (force, piece)) in force.iter_mut().zip(pieces).enumerate() {
-                let i = start + k;
-                *force -= multiplier;
-                *piece = Piece::Open;
-                if kinks.touches(i, w[i]) {
-                    let alone = *force + kinks.repulsion(i, inset[i]);
-                    *piece = kinks.release(i, inset[i], alone);
-                    let act = kinks.act(i, *piece, inset[i]);
-                    (traction[k], slope[k]) = (act.traction, act.slope);
-                    *force = alone - kinks.repulsion_on(i, *piece, inset[i]);
-                }
-                let is_held = *piece == Piece::Held;
-                weight[k] = M::Value::of(if is_held { 0.0 } else { weight_of(slope[k], reference) });
-                let free = if is_held { 0.0 } else { force.abs() };
-                worst = higher_each(worst, [free, (traction[k] - *force).abs()]);
-            }
-            worst
-        };
-        let [unbalanced, stress] =
-            pass(([&mut force[..], traction, slope], &mut of[..], model.weight()), &choose, &higher_each);
-        model.hold_mean_above(SOFT.sqrt());
-        let largest = higher(interface.stress_scale(frame.drive.load), stress);
-        unbalanced / largest.max(f64::MIN_POSITIVE)
-    }
-}
-
-type Chosen<'a, T> = ([&'a mut [f64]; 3], &'a mut [Piece], &'a mut [T]);
-
-/// Returns the mean force of the points that are not at a kink, without stiff springs unless there are only these; if
-/// all points are at kinks, the force that a held mean balances.
-fn held_level(kinks: &Kinks, force: &[f64], [w, inset]: [&[f64]; 2]) -> f64 {
-    let is_free = |i: usize| !kinks.is_at_kink(i, w[i], inset[i]);
-    let is_soft = |i: usize| is_free(i) && kinks.share(i, kinks.piece(i, inset[i])) > SOFT;
-    let any = |is: &(dyn Fn(usize) -> bool + Sync)| reduce(force.len(), &|mut range| range.any(is), &|a, b| a || b);
-    if any(&is_soft) {
-        mean_where(force, is_soft)
-    } else if any(&is_free) {
-        mean_where(force, is_free)
-    } else {
-        kinks.level(force)
     }
 }

@@ -353,9 +353,7 @@ fn a_wall_without_attraction_is_a_contact_with_hardness_and_springs() {
                 let deep = [0.05, 0.3].map(Load::Approach).into_iter().filter(|_| name == "half-space");
                 for load in LOADS.into_iter().chain(near).chain(deep) {
                     let budget = Budget { tolerance: 1e-10, max_iterations: 20_000 };
-                    let Ok(expected) = contact.press(load).budget(budget).solve() else {
-                        continue;
-                    };
+                    let expected = contact.press(load).budget(budget).solve().unwrap();
                     let found = solve(&interface, load, None);
                     let case = format!("{name}, {hardness}, {compliance}, {load:?}");
                     let pressure = largest(&(&found.wall_pressure - &expected.pressure)) / largest(&expected.pressure);
