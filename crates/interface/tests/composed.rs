@@ -137,7 +137,9 @@ fn follow(case: &Value) -> Result<(f64, String), String> {
     let mut worst = (0.0, String::new());
     for name in found[0].keys() {
         let known = |step: &Value| step[*name].as_f64().unwrap();
-        let scale = steps.iter().map(|step| known(step).abs()).fold(1e-300, f64::max);
+        // Pressures at a wall are positive up to rounding errors.
+        let name_of_scale = if *name == "min_pressure" { "max_pressure" } else { name };
+        let scale = steps.iter().map(|step| step[name_of_scale].as_f64().unwrap().abs()).fold(1e-300, f64::max);
         for (index, (step, found)) in steps.iter().zip(&found).enumerate() {
             let apart = (found[name] - known(step)).abs() / scale;
             if !(apart <= worst.0) {

@@ -238,11 +238,9 @@ impl<'a> Step<'a> {
         let worn = self.worn_by(&normal);
         if self.shear.is_some() || worn.is_some() {
             let Effort { iterations, transform_pairs } = *normal.effort();
-            let pressed_in = normal.law().and_then(|state| state.pressed_in.clone());
             let (contact, first) = self.at(self.normal.clone(), self.depth_with(worn.as_ref()).as_ref())?;
             let (drive, _) = self.drive_from(first);
             normal = if is_apart { contact.unloaded(drive.load)? } else { contact.certify(&normal, drive)? };
-            normal.keep_pressed_in(pressed_in);
             let effort = normal.effort();
             effort.iterations += iterations;
             effort.transform_pairs += transform_pairs;
