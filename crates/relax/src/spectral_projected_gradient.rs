@@ -31,6 +31,10 @@ pub struct Descended {
     pub ending: Ending,
 }
 
+/// Relative change of a variable that is a rounding error of the projection. Its product with a large gradient, at the
+/// edge of the set, would exceed the slope of the others.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 impl SpectralProjectedGradient {
     /// Minimises from `x`, a point of the set with `gradient` A x + b, and updates both in place. Gives up if rounding
     /// leaves no downhill direction.
@@ -63,7 +67,12 @@ impl SpectralProjectedGradient {
                 d.iter_mut().zip(here).for_each(|(d, (x, g))| *d = x - length * g);
             });
             problem.project(&mut direction);
-            for_each([&mut direction[..]], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
+            for_each([&mut direction[..]], &|start, [d]| {
+                for (d, x) in d.iter_mut().zip(&x[start..]) {
+                    let moved = *d - x;
+                    *d = if moved.abs() <= ROUNDING * x.abs() { 0.0 } else { moved };
+                }
+            });
             problem.apply(&direction, &mut image);
             let [slope, curvature, square, images] = reduce(
                 x.len(),
