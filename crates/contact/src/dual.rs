@@ -126,8 +126,8 @@ impl<'a> Dual<'a> {
     }
 
     /// Computes (G + D) p of the pressure p, with the compliance D of springs at the points, with rows that `source`
-    /// makes from the rows of `input`. `sink` receives the rows of the displacement and of `output`, and its results are
-    /// put into `sums`.
+    /// makes from the rows of `input`. `sink` receives the rows of the displacement and of `output`, and its results
+    /// are put into `sums`.
     pub(crate) fn displace<I: Split, O: Split, R: Send>(
         &mut self,
         (input, source): (I, impl Fn(I, &mut [f64]) + Sync),
