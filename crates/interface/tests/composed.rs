@@ -124,7 +124,8 @@ fn numbers(state: &QuasistaticState) -> BTreeMap<&'static str, f64> {
 /// Follows a case; returns the worst difference of a number, and the name of the number.
 fn follow(case: &Value) -> Result<(f64, String), String> {
     let contact = contact(&case["parts"])?;
-    let budget = Budget { tolerance: 1e-10, ..Budget::default() };
+    let tolerance = std::env::var("GFMD_TOL").ok().map_or(1e-10, |t| t.parse().unwrap());
+    let budget = Budget { tolerance, ..Budget::default() };
     let (mut states, mut found): (Vec<QuasistaticState>, Vec<BTreeMap<&str, f64>>) = Default::default();
     for (index, given) in case["drives"].as_array().unwrap().iter().enumerate() {
         let press = contact.press(drive(given)).budget(budget).starting_from(states.last());
