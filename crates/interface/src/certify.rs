@@ -93,8 +93,7 @@ impl Interface {
     }
 
     /// Computes the state as [`certify`](Self::certify), with the depth by which the surfaces are
-    /// [pressed in](State::pressed_in). It counts where the gap is closed and the pressure is the hardness, to one part
-    /// in a million.
+    /// [pressed in](State::pressed_in). It counts where the gap is closed.
     ///
     /// # Errors
     /// Returns an error as [`certify`](Self::certify).
@@ -120,6 +119,7 @@ impl Interface {
         let fields: Vec<[f64; 2]> = pressure.iter().zip(gap).map(|(p, gap)| [*p, *gap]).collect();
         let insets = kinks.insets(&frame, |i, at| {
             let [pressure, gap] = fields[i];
+            let pressure = if depth[i] > 0.0 { f64::INFINITY } else { pressure };
             (gap <= 0.0).then(|| [pressure, kinks.limit(at) + depth[i]])
         });
         let added = frame.values_inside(insets.clone());
