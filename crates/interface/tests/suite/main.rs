@@ -12,8 +12,11 @@ mod relaxing;
 mod small_loads;
 mod wear;
 
+use gfmd_contact::{Boundary, Fields as _};
 use gfmd_field::Grid;
-use gfmd_green::Material;
+use gfmd_green::{Body, Material};
+use gfmd_interface::{Parts, QuasistaticContact, QuasistaticState};
+use gfmd_law::Limit;
 use ndarray::Array2;
 use serde_json::Value;
 
@@ -51,6 +54,24 @@ fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
 
 fn material(poisson: f64) -> Material {
     Material::from_young(2.0, poisson).unwrap()
+}
+
+/// Returns the contact with friction at a hard wall.
+fn rubbing(
+    boundary: Boundary,
+    body: &Body,
+    grid: &Grid,
+    heights: &Array2<f64>,
+    limit: Limit,
+) -> QuasistaticContact {
+    let shear = Some(limit.into());
+    QuasistaticContact::new(&Parts { boundary, shear, ..Parts::new(body, grid, heights) }).unwrap()
+}
+
+/// Returns all components of the traction on the elastic surface, one after the other.
+fn traction(state: &QuasistaticState) -> Vec<f64> {
+    let lateral = (0..2).filter_map(|axis| state.shear(axis)).flat_map(|shear| shear.into_iter().copied());
+    lateral.chain(state.pressure().iter().map(|p| -p)).collect()
 }
 
 /// Divides each leg of a path into equal steps. A leg without duration (or distance) is one step. The first leg begins
