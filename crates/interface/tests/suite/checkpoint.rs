@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use gfmd_contact::{
-    Boundary, Budget, Drive, Equilibrium, Fields as _, Load, MemoryCheckpoint, Progress, Resumable, Solver, Variables as _,
-    Visit, Watch,
+    Boundary, Budget, Drive, Equilibrium, Fields as _, Load, MemoryCheckpoint, Progress, Resumable, Solver,
+    Variables as _, Visit, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};

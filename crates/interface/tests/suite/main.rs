@@ -57,13 +57,7 @@ fn material(poisson: f64) -> Material {
 }
 
 /// Returns the contact with friction at a hard wall.
-fn rubbing(
-    boundary: Boundary,
-    body: &Body,
-    grid: &Grid,
-    heights: &Array2<f64>,
-    limit: Limit,
-) -> QuasistaticContact {
+fn rubbing(boundary: Boundary, body: &Body, grid: &Grid, heights: &Array2<f64>, limit: Limit) -> QuasistaticContact {
     let shear = Some(limit.into());
     QuasistaticContact::new(&Parts { boundary, shear, ..Parts::new(body, grid, heights) }).unwrap()
 }

@@ -24,13 +24,7 @@ fn one() -> Prony {
     Prony::from_fractions(&[(1.3, 0.6)]).unwrap()
 }
 
-fn relaxing(
-    body: &Body,
-    grid: &Grid,
-    heights: &Array2<f64>,
-    prony: &Prony,
-    relaxes: Relaxes,
-) -> QuasistaticContact {
+fn relaxing(body: &Body, grid: &Grid, heights: &Array2<f64>, prony: &Prony, relaxes: Relaxes) -> QuasistaticContact {
     on(Boundary::Periodic, body, grid, heights, prony, relaxes)
 }
 

@@ -21,13 +21,7 @@ fn wearing(body: &Body, grid: &Grid, heights: &Array2<f64>, coefficient: f64) ->
     on(Boundary::Periodic, body, grid, heights, coefficient)
 }
 
-fn on(
-    boundary: Boundary,
-    body: &Body,
-    grid: &Grid,
-    heights: &Array2<f64>,
-    coefficient: f64,
-) -> QuasistaticContact {
+fn on(boundary: Boundary, body: &Body, grid: &Grid, heights: &Array2<f64>, coefficient: f64) -> QuasistaticContact {
     let wear = by_distance(coefficient);
     QuasistaticContact::new(&Parts { boundary, wear, ..Parts::new(body, grid, heights) }).unwrap()
 }

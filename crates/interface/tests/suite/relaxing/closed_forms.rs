@@ -58,9 +58,8 @@ fn equal_area(prony: &Prony, turn: f64, end: f64, duration: f64) -> f64 {
     let t = 1.0 + duration;
     // ∫_{t₁}^t ψ(t − t') δ̇ dt' = 0, with ∫ψ in closed form.
     let whole = |from: f64, to: f64| {
-        let of = |b: &gfmd_medium::Branch| {
-            b.weight * b.time * ((-(t - to) / b.time).exp() - (-(t - from) / b.time).exp())
-        };
+        let of =
+            |b: &gfmd_medium::Branch| b.weight * b.time * ((-(t - to) / b.time).exp() - (-(t - from) / b.time).exp());
         (to - from) + prony.branches().iter().map(of).sum::<f64>()
     };
     let rate = (end - turn) / duration;
@@ -113,8 +112,7 @@ fn unloading_follows_ting_with_order_two() {
     let states = [10, 20, 40, 80].map(last);
     let same = fixed.press(Load::Approach(equivalent)).tolerance(1e-11).solve().unwrap();
     assert_eq!(states[3].summary().contact_nodes, same.summary().contact_nodes);
-    let errors: Vec<f64> =
-        states.iter().map(|state| (state.mean_pressure() - expected).abs() / expected).collect();
+    let errors: Vec<f64> = states.iter().map(|state| (state.mean_pressure() - expected).abs() / expected).collect();
     // The reference has its own error, from 400 steps.
     assert!(errors[3] < 2e-4, "{errors:?}");
     let apart = |k: usize| (states[k].mean_pressure() - states[k + 1].mean_pressure()).abs();

@@ -87,11 +87,10 @@ fn energy_is_never_gained_in_random_steps_and_the_work_of_the_pressure_is_accoun
             }
             let state = step(&contact, held, time, last.as_ref());
             assert!(state.losses.total() >= 0.0 && state.elastic_energy >= 0.0);
-            let (pressure, approach, stored) = last.as_ref().map_or((0.0, 0.0, 0.0), |last| {
-                (last.mean_pressure(), last.approach(), last.elastic_energy)
-            });
-            let scale =
-                state.elastic_energy.max(stored) + (state.mean_pressure() * state.approach()).abs();
+            let (pressure, approach, stored) = last
+                .as_ref()
+                .map_or((0.0, 0.0, 0.0), |last| (last.mean_pressure(), last.approach(), last.elastic_energy));
+            let scale = state.elastic_energy.max(stored) + (state.mean_pressure() * state.approach()).abs();
             // The work of the last pressure bounds the stored energy, for any duration (theory.md, section 7.7).
             let bound = state.mean_pressure() * (state.approach() - approach);
             let gained = state.elastic_energy - stored;

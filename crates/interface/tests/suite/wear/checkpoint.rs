@@ -26,7 +26,13 @@ fn a_restored_state_goes_on_bit_for_bit() {
         checkpoint.rewind();
         let again = contact.restore(drives[1], &mut checkpoint).unwrap();
         let numbers = |state: &QuasistaticState| {
-            [state.elastic_energy, state.losses.total(), state.work_imbalance, state.wear_volume_and_depth().unwrap().0, state.worst()]
+            [
+                state.elastic_energy,
+                state.losses.total(),
+                state.work_imbalance,
+                state.wear_volume_and_depth().unwrap().0,
+                state.worst(),
+            ]
         };
         assert_eq!((again.gap(), numbers(&again)), (second.gap(), numbers(&second)));
         let other = contact.press(drives[2]).starting_from(Some(&again)).solve().unwrap();
