@@ -247,8 +247,8 @@ impl Contact {
     }
 
     /// Returns this contact on a body below `springs` that act point by point, with a compliance in length/stress: a
-    /// number, by which G(q) is larger for every wave and for the uniform mode, or a field `[x, y]`. The displacement of
-    /// a solution includes the springs. Springs below springs act in series.
+    /// number, by which G(q) is larger for every wave and for the uniform mode, or a field `[x, y]`. The displacement
+    /// of a solution includes the springs. Springs below springs act in series.
     ///
     /// # Errors
     /// A compliance that is negative or not finite, or differs in shape from the heights; a contact of several

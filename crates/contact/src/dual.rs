@@ -125,8 +125,9 @@ impl<'a> Dual<'a> {
         }
     }
 
-    /// Computes (G + D) p of the pressure p, with the compliance D of springs at the points, with rows that `source` makes from the rows of `input`. `sink` receives the rows
-    /// of the displacement and of `output`, and its results are put into `sums`.
+    /// Computes (G + D) p of the pressure p, with the compliance D of springs at the points, with rows that `source`
+    /// makes from the rows of `input`. `sink` receives the rows of the displacement and of `output`, and its results
+    /// are put into `sums`.
     pub(crate) fn displace<I: Split, O: Split, R: Send>(
         &mut self,
         (input, source): (I, impl Fn(I, &mut [f64]) + Sync),
@@ -332,8 +333,8 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Solver
     let mut dual = Dual::new(contact, attempt.load);
     let mean = attempt.load.mean_pressure();
     let own = contact.share.own().len();
-    // Without springs a uniform pressure on a periodic cell has no displacement; under a prescribed approach the pressure starts at
-    // zero.
+    // Without springs a uniform pressure on a periodic cell has no displacement; under a prescribed approach the
+    // pressure starts at zero.
     let is_uniform = contact.free.is_none() && contact.springs.is_none() && matches!(dual.upper, Upper::All(_));
     dual.is_flat = attempt.start.is_none() && (is_uniform || mean.is_none());
     let mut pressure = attempt.start.take().unwrap_or_else(|| repeat_n(mean.unwrap_or(0.0), own).collect());

@@ -34,8 +34,8 @@ pub struct Gradient {
     pub heights: Array2<f64>,
     /// Derivative with respect to the prescribed mean pressure or approach.
     pub load: f64,
-    /// Derivative with respect to E*, with all moduli of the body and the stiffness of springs in proportion, at the same
-    /// mean pressure or approach.
+    /// Derivative with respect to E*, with all moduli of the body and the stiffness of springs in proportion, at the
+    /// same mean pressure or approach.
     pub modulus: f64,
     /// Relative error of the linear problem, from its residual with fresh transforms.
     pub error: f64,

@@ -33,7 +33,10 @@ impl Hardness {
     }
 
     /// Returns the bounds of the pressure on a surface, in `units`; each of several processes gives its rows.
-    pub(crate) fn in_units(&self, surface: &RigidSurface, units: &Units) -> Result<Upper, Refusal> {
+    ///
+    /// # Errors
+    /// A hardness that is not positive and finite, or differs in shape from the surface.
+    pub fn in_units(&self, surface: &RigidSurface, units: &Units) -> Result<Upper, Refusal> {
         let (stress, share) = (units.stress(), surface.share());
         match self {
             Self::Uniform(hardness) => {

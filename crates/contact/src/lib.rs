@@ -5,8 +5,9 @@
 //! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
 //! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. The states of [`Resumable`] contacts can be saved outside the
 //! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] excludes it;
-//! [`Springs`] between the surfaces act point by point; [`Dynamics`] sets time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`]
-//! allows finite slopes, and [`Conductors`] touch at the contact points of any contact.
+//! [`Springs`] between the surfaces act point by point; [`Dynamics`] sets time step and damping. [`SqueezedContact`] is
+//! a slab between two rigid surfaces, [`SteepContact`] allows finite slopes, and [`Conductors`] touch at the contact
+//! points of any contact.
 //!
 //! | method                                  | unknown           | cost of a step     |
 //! |-----------------------------------------|-------------------|--------------------|

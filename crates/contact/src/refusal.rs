@@ -192,6 +192,14 @@ pub enum Refusal {
     /// Springs are given for a contact that several processes share.
     #[error("several processes share the contact; one must have all points, with springs")]
     SpringsShared,
+    /// A hardness or springs are given for an interface that cannot have them.
+    #[error("{part} given; it must be left out with {with}")]
+    NoWall {
+        /// `a hardness is` or `a compliance of springs is`.
+        part: &'static str,
+        /// Part of the interface that excludes it.
+        with: &'static str,
+    },
     /// The mean pressure reaches the hardness.
     #[error("the mean pressure is {found}; it must be less than the {what} {hardness}")]
     BeyondHardness {

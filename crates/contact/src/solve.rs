@@ -24,8 +24,8 @@ impl Contact {
     /// Solvers with a hardness: the methods that support two bounds.
     pub const HARDNESS_SOLVERS: [Solver; 2] = [Solver::Auto, Solver::PreconditionedCg];
 
-    /// Solvers with free boundaries, with springs that differ between points, and of several processes: the methods that
-    /// seek the pressure.
+    /// Solvers with free boundaries, with springs that differ between points, and of several processes: the methods
+    /// that seek the pressure.
     pub const FREE_SOLVERS: [Solver; 4] =
         [Solver::Auto, Solver::PolonskyKeer, Solver::ProjectedCg, Solver::PreconditionedCg];
 }

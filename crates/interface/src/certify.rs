@@ -5,17 +5,21 @@ use gfmd_vector::{add, for_each, pass, reduce, sum};
 use ndarray::{Array2, Array3, ArrayRef2};
 
 use crate::frame::Frame;
+use crate::kinks::Kinks;
 use crate::numbers::{higher, higher_each, lower, mean};
 use crate::{Interface, Residual, State};
 
-/// Computes the state at `position`, the displacement in the frame of the drive, from new transforms and the law.
-pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) -> State {
+/// Computes the state at `position`, the displacement in the frame of the drive, from new transforms and the law. At a
+/// wall that gives way, `inset` has the insets of all points or is empty.
+pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64], inset: &[f64]) -> State {
     let (points, z) = (frame.points(), frame.z());
+    let kinks = interface.kinks(frame);
+    let kinks = kinks.as_ref();
     let mut transforms = interface.elastic.transforms();
     let mut traction = vec![0.0; position.len()];
     transforms.stiffness(position, &frame.uniform_stiffness, &mut traction);
-    let mut certificate =
-        Certificate { interface, frame, position, traction, gap: vec![0.0; points], wall_pressure: vec![0.0; points] };
+    let (gap, wall_pressure) = (vec![0.0; points], vec![0.0; points]);
+    let mut certificate = Certificate { interface, frame, position, kinks, inset, traction, gap, wall_pressure };
     let lowest = certificate.separations();
     let balances: Vec<Balance> = (0..=z).map(|component| certificate.balance(component)).collect();
     let means: Vec<f64> = certificate.traction.chunks_exact(points).map(|field| frame.mean(field)).collect();
@@ -39,6 +43,8 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
     let vectors = |all: Vec<f64>| Array3::from_shape_vec((z + 1, nx, ny), frame.values_inside(all)).expect(FITS);
     let field = |all: Vec<f64>| Array2::from_shape_vec((nx, ny), frame.values_inside(all)).expect(FITS);
     let Certificate { traction, gap, wall_pressure, .. } = certificate;
+    let depth = |kinks: &Kinks| (0..points).map(|i| kinks.pressed_in(i, depth_of(inset, i))).collect();
+    let pressed_in = interface.hardness.as_ref().and(kinks).map(|kinks| field(depth(kinks)));
     let (gap, wall_pressure) = (field(gap), field(wall_pressure));
     let (closed, pressed) = ((&wall_pressure * &gap).sum(), wall_pressure.sum());
     let residual = Residual {
@@ -47,13 +53,14 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
         penetration: if interface.law.has_wall() { higher(-lowest, 0.0) / interface.length_scale() } else { 0.0 },
         wall_tension: worst(|balance| balance.tension) / stress,
         load: load.abs() / stress,
+        saturation: pressed_in.as_ref().map(|_| worst(|balance| balance.excess) / stress),
     };
     State {
         displacement: vectors(displacement),
         traction: vectors(traction),
         gap,
         wall_pressure,
-        pressed_in: None,
+        pressed_in,
         mean_pressure,
         mean_shear: std::array::from_fn(|c| if c < z { means[c] } else { 0.0 }),
         approach,
@@ -74,19 +81,54 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64]) ->
 impl Interface {
     /// Computes the state and its residuals from the gap under `drive`, with new transforms. It applies to an interface
     /// in u_z alone, where the gap determines the displacement. With free boundaries, `pressure` determines the
-    /// displacement outside the patch; otherwise it is not used.
+    /// displacement outside the patch; with springs, it determines their displacement; otherwise it is not used.
+    ///
+    /// With a hardness, it is the state in which nothing is [pressed in](State::pressed_in); see
+    /// [`certify_pressed_in`](Self::certify_pressed_in).
     ///
     /// # Errors
     /// Returns an error for an invalid drive, fields that do not match the grid, or an interface in all components.
     pub fn certify(&self, gap: &ArrayRef2<f64>, pressure: &ArrayRef2<f64>, drive: Drive) -> Result<State, Refusal> {
+        self.certify_pressed_in(gap, pressure, None, drive)
+    }
+
+    /// Computes the state as [`certify`](Self::certify), with the depth by which the surfaces are
+    /// [pressed in](State::pressed_in). It counts where the gap is closed.
+    ///
+    /// # Errors
+    /// Returns an error as [`certify`](Self::certify).
+    pub fn certify_pressed_in(
+        &self,
+        gap: &ArrayRef2<f64>,
+        pressure: &ArrayRef2<f64>,
+        pressed_in: Option<&ArrayRef2<f64>>,
+        drive: Drive,
+    ) -> Result<State, Refusal> {
         let frame = self.frame(drive)?;
         let expected = frame.components() * frame.inside();
-        if let Some(found) = [gap.len(), pressure.len()].into_iter().find(|found| *found != expected) {
+        let sizes = [Some(gap.len()), Some(pressure.len()), pressed_in.map(|depth| depth.len())];
+        if let Some(found) = sizes.into_iter().flatten().find(|found| *found != expected) {
             return Err(Refusal::Start { found, expected });
         }
         let wall: Vec<f64> = frame.values_inside(frame.wall().collect());
-        let inside = wall.iter().zip(gap).map(|(wall, gap)| wall - gap).collect();
-        Ok(certify(self, &frame, &frame.position(&self.elastic, inside, pressure)))
+        let mut inside: Vec<f64> = wall.iter().zip(gap).map(|(wall, gap)| wall - gap).collect();
+        let Some(kinks) = self.kinks(&frame) else {
+            return Ok(certify(self, &frame, &frame.position(&self.elastic, inside, pressure), &[]));
+        };
+        let depth: Vec<f64> = pressed_in.map_or_else(|| vec![0.0; expected], |depth| depth.iter().copied().collect());
+        let fields: Vec<[f64; 2]> = pressure.iter().zip(gap).map(|(p, gap)| [*p, *gap]).collect();
+        let insets = kinks.insets(&frame, |i, at| {
+            let [pressure, gap] = fields[i];
+            let pressure = if depth[i] > 0.0 { f64::INFINITY } else { pressure };
+            (gap <= 0.0).then(|| [pressure, kinks.limit(at) + depth[i]])
+        });
+        let added = frame.values_inside(insets.clone());
+        inside.iter_mut().zip(&added).for_each(|(w, inset)| *w += inset);
+        let mut state = certify(self, &frame, &frame.position(&self.elastic, inside, pressure), &insets);
+        // A point with an inset has a closed gap, whatever the given one is.
+        let lowest = gap.iter().fold(0.0, |least, gap| lower(least, *gap));
+        state.residual.penetration = higher(state.residual.penetration, -lowest / self.length_scale());
+        Ok(state)
     }
 }
 
@@ -101,6 +143,8 @@ struct Certificate<'a> {
     interface: &'a Interface,
     frame: &'a Frame<'a>,
     position: &'a [f64],
+    kinks: Option<&'a Kinks>,
+    inset: &'a [f64],
     /// K w at first; the traction on the elastic surface after [`balance`](Self::balance).
     traction: Vec<f64>,
     gap: Vec<f64>,
@@ -117,17 +161,27 @@ struct Balance {
     largest: f64,
     /// Mean traction of the law.
     law_mean: f64,
+    /// Largest excess of the repulsion over its largest possible value.
+    excess: f64,
+}
+
+/// Returns the inset of point `i`; 0 without insets.
+fn depth_of(inset: &[f64], i: usize) -> f64 {
+    inset.get(i).copied().unwrap_or(0.0)
 }
 
 impl Certificate<'_> {
     /// Computes the gap; returns its lowest value, NaN if any value is NaN.
     fn separations(&mut self) -> f64 {
-        let Self { frame, position, gap, .. } = self;
+        let Self { frame, position, inset, gap, .. } = self;
         pass(
             [&mut gap[..]],
             &|start, [gap]| {
                 gap.iter_mut().enumerate().fold(f64::INFINITY, |least, (k, gap)| {
                     (*gap, _) = frame.separation(position, start + k);
+                    if depth_of(inset, start + k) > 0.0 {
+                        *gap = 0.0;
+                    }
                     lower(least, *gap)
                 })
             },
@@ -139,14 +193,20 @@ impl Certificate<'_> {
     /// wall balances the difference, by pressure only. If the mean of a component is held, its mean traction is
     /// unknown; it is chosen so that the mean force on the free points vanishes.
     fn balance(&mut self, component: usize) -> Balance {
-        let Self { interface, frame, position, traction, gap, wall_pressure } = self;
+        let Self { interface, frame, position, kinks, inset, traction, gap, wall_pressure } = self;
+        let (kinks, inset) = (*kinks, *inset);
         let points = frame.points();
         let normal = component == frame.z();
         let axis = if normal { 2 } else { component };
-        let touches = |i: usize| normal && interface.law.has_wall() && gap[i] <= 0.0;
+        // At a wall that gives way, these are the points at kinks.
+        let gives = |i: usize| kinks.is_some_and(|kinks| depth_of(inset, i) > 0.0 || kinks.spring(i) > 0.0);
+        let touches = |i: usize| normal && interface.law.has_wall() && gap[i] <= 0.0 && !gives(i);
+        // The repulsion that the inset determines.
+        let repulsion = |i: usize| kinks.map_or(0.0, |kinks| kinks.repulsion(i, depth_of(inset, i)));
         let push = frame.push_on(component);
         let law = |i: usize| {
             let (normal, sliding) = frame.separation(position, i);
+            let normal = if depth_of(inset, i) > 0.0 { 0.0 } else { normal };
             interface.law.traction(normal, sliding)[axis]
         };
         let traction = &mut traction[component * points..][..points];
@@ -156,20 +216,30 @@ impl Certificate<'_> {
                 range.fold([0.0; 3], |sums, i| {
                     let law = law(i);
                     let free = if touches(i) { 0.0 } else { 1.0 };
-                    add(sums, [free, free * (law + push - traction[i]), law])
+                    add(sums, [free, free * (law - repulsion(i) + push - traction[i]), law])
                 })
             },
             &add,
         );
-        let unknown = if frame.held[component] && free > 0.0 { net / free } else { 0.0 };
-        let [unbalanced, tension, largest] = pass(
+        let unknown = match kinks {
+            _ if !frame.held[component] => 0.0,
+            _ if free > 0.0 => net / free,
+            None => 0.0,
+            Some(kinks) => {
+                let force: Vec<f64> = (0..points).map(|i| law(i) + push - traction[i]).collect();
+                kinks.level(&force)
+            }
+        };
+        let most = |i: usize| kinks.map_or(f64::INFINITY, |kinks| kinks.most(i));
+        let [unbalanced, tension, largest, excess] = pass(
             [&mut *traction],
             &|start, [traction]| {
-                traction.iter_mut().enumerate().fold([0.0; 3], |worst, (k, traction)| {
+                traction.iter_mut().enumerate().fold([0.0; 4], |worst, (k, traction)| {
                     *traction += unknown - push;
-                    let left = law(start + k) - *traction;
-                    let [free, tension] = if touches(start + k) { [0.0, -left] } else { [left.abs(), 0.0] };
-                    higher_each(worst, [free, tension, traction.abs()])
+                    let left = law(start + k) - repulsion(start + k) - *traction;
+                    let [free, tension, excess] =
+                        if touches(start + k) { [0.0, -left, left - most(start + k)] } else { [left.abs(), 0.0, 0.0] };
+                    higher_each(worst, [free, tension, traction.abs(), excess])
                 })
             },
             &higher_each,
@@ -177,18 +247,30 @@ impl Certificate<'_> {
         if normal && interface.law.has_wall() {
             let press = |start: usize, [pressure]: [&mut [f64]; 1]| {
                 for (k, pressure) in pressure.iter_mut().enumerate().filter(|(k, _)| touches(start + k)) {
-                    *pressure = (law(start + k) - traction[start + k]).max(0.0);
+                    *pressure = (law(start + k) - traction[start + k]).max(0.0).min(most(start + k));
                 }
             };
             for_each([&mut wall_pressure[..]], &press);
+            let press_in = |start: usize, [pressure]: [&mut [f64]; 1]| {
+                for (k, pressure) in pressure.iter_mut().enumerate().filter(|(k, _)| gives(start + k)) {
+                    *pressure = repulsion(start + k);
+                }
+            };
+            if kinks.is_some() {
+                for_each([&mut wall_pressure[..]], &press_in);
+            }
         }
-        Balance { unbalanced, tension, largest, law_mean: law_total / frame.inside() as f64 }
+        Balance { unbalanced, tension, largest, law_mean: law_total / frame.inside() as f64, excess }
     }
 
     /// Returns the energy of the law per area.
     fn interface_energy(&self) -> f64 {
-        let Self { interface, frame, position, .. } = self;
-        let of = |i: usize| interface.energy(frame.separation(position, frame.place_of(i)));
+        let Self { interface, frame, position, inset, .. } = self;
+        let of = |i: usize| {
+            let at = frame.place_of(i);
+            let (normal, sliding) = frame.separation(position, at);
+            interface.energy((if depth_of(inset, at) > 0.0 { 0.0 } else { normal }, sliding))
+        };
         sum(frame.inside(), &|range| range.map(of).sum()) / frame.inside() as f64
     }
 
@@ -234,7 +316,7 @@ mod tests {
         let interface = Interface::new(&body, &grid, &heights, HardWall).unwrap();
         for load in [Load::MeanPressure(0.1), Load::Approach(0.1)] {
             let frame = interface.frame(load.into()).unwrap();
-            let residual = certify(&interface, &frame, &[f64::NAN; 8]).residual;
+            let residual = certify(&interface, &frame, &[f64::NAN; 8], &[]).residual;
             assert!(residual.penetration.is_nan() && residual.worst().is_nan(), "{residual:?}");
         }
     }

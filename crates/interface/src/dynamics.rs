@@ -52,7 +52,7 @@ pub(crate) fn relax_to_rest(
             &method,
             &mut state,
             &left,
-            &mut |_, state| certify(interface, frame, &state.u).residual.worst(),
+            &mut |_, state| certify(interface, frame, &state.u, &[]).residual.worst(),
             &mut InnerWatch {
                 before: iterations,
                 outer: |visitor: &mut dyn Visit| {
@@ -74,6 +74,7 @@ pub(crate) fn relax_to_rest(
     }
     Ok(SearchResult {
         position,
+        inset: Vec::new(),
         iterations,
         transform_pairs: motion.transforms.pairs(),
         passed_instability: false,

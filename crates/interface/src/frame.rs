@@ -45,7 +45,7 @@ impl Interface {
                     return Err(Refusal::LineApproach);
                 }
                 let limit = self.surface.mean_clearance();
-                if self.law.has_wall() && held[z] && found >= limit {
+                if self.law.has_wall() && !self.gives_way() && held[z] && found >= limit {
                     return Err(Refusal::Approach { found, limit: Some(limit) });
                 }
                 (0.0, found)

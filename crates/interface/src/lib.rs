@@ -1,7 +1,8 @@
 //! [docs]: crate
 #![doc = include_str!("../README.md")]
 //!
-//! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. In
+//! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. The
+//!   wall may have a hardness and springs. In
 //!   equilibrium the elastic traction balances the tractions of law and wall. If several equilibria exist, the solver
 //!   finds a stable one by lowering the energy from the starting state.
 //! - [`QuasistaticContact`]: a contact made of [`Parts`], solved increment by increment: a wall or a law, friction, a
@@ -11,7 +12,9 @@
 mod certify;
 mod dynamics;
 mod frame;
+mod give_way;
 mod gradient;
+mod kinks;
 mod newton;
 mod numbers;
 mod patch;

@@ -6,12 +6,17 @@
 //! on the wall and shortened until the energy falls. No step raises the energy, so that a jump ends in a stable state
 //! of lower energy. The search for a step in u_z alone uses single precision ([`one_component`]); positions, forces and
 //! energies use double precision.
+//!
+//! At a wall that gives way ([`pieces`]) each point stays on one smooth piece of its potential during a step, and stops
+//! where the piece ends. At the ends the force decides on which piece the next step begins.
 
 mod adjoint;
 mod all_components;
 mod descent;
 mod one_component;
+mod pieces;
 mod reaction;
+mod release;
 mod stability;
 mod trust_region;
 mod wall;
@@ -95,7 +100,7 @@ fn descend_with<M: Model>(
     }
     let end = loop {
         watch.checkpoint(&mut |visitor| visit_all!(visitor));
-        let residual = descent.release();
+        let residual = if descent.pieces.is_some() { descent.release_pieces() } else { descent.release() };
         if watch.see(&Progress { iteration: iterations, residual }).is_break() {
             break End::Finished(Ending::Interrupted);
         }
@@ -123,6 +128,6 @@ fn descend_with<M: Model>(
         }
     };
     let (passed_instability, lowest_curvature) = (descent.met_negative && has_start, descent.lowest);
-    let (position, transform_pairs) = descent.into_position_and_pairs();
-    SearchResult { position, iterations, transform_pairs, passed_instability, lowest_curvature, end }
+    let (position, inset, transform_pairs) = descent.into_position_and_pairs();
+    SearchResult { position, inset, iterations, transform_pairs, passed_instability, lowest_curvature, end }
 }

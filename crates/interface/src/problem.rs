@@ -4,6 +4,7 @@ use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_field::Grid;
 use gfmd_green::{Body, has_level};
 use gfmd_law::{InUnits, Law};
+use gfmd_relax::Upper;
 use gfmd_response::{Elastic, FullResponse, NormalResponse};
 use ndarray::ArrayRef2;
 
@@ -29,6 +30,10 @@ pub struct Interface {
     /// Response of the body, law and rigid surface, in `units`.
     pub(crate) elastic: Elastic,
     pub(crate) law: Arc<dyn Law>,
+    /// Largest pressure that the body feels at each inside point, in `units`.
+    pub(crate) hardness: Option<Upper>,
+    /// Compliance of the springs of all inside points, in `units`; `None` without springs.
+    pub(crate) springs: Option<Arc<[f64]>>,
     pub(crate) surface: Arc<RigidSurface>,
     /// Patch inside the cell of `elastic`, with free boundaries.
     pub(crate) patch: Option<Patch>,
@@ -101,7 +106,8 @@ impl Interface {
         let surface = Arc::new(RigidSurface::new(elastic.grid(), heights)?);
         let (given, contact_modulus) = (Arc::clone(&surface), elastic.contact_modulus());
         let (law, patch, units) = (law.into_shared(), None, Units::ONE);
-        Ok(Self { elastic, law, surface, patch, given, contact_modulus, units })
+        let (hardness, springs) = (None, None);
+        Ok(Self { elastic, law, hardness, springs, surface, patch, given, contact_modulus, units })
     }
 
     /// Returns this interface with `depth` `[x, y]`, in length, added to the clearance. The approach is still measured
@@ -116,11 +122,17 @@ impl Interface {
         Ok(Self { surface, given, patch, ..self.clone() })
     }
 
-    /// Returns this interface with the tractions of its law divided by `factor`. It has the displacements of this
-    /// interface on a body stiffer by `factor`, with all tractions divided by `factor`.
+    /// Returns this interface with the tractions of its law, its hardness and the stiffness of its springs divided by
+    /// `factor`. It has the displacements of this interface on a body stiffer by `factor`, with all tractions divided by
+    /// `factor`.
     #[must_use]
     pub fn weakened(&self, factor: f64) -> Self {
-        Self { law: InUnits::new(Arc::clone(&self.law), factor, 1.0).into_shared(), ..self.clone() }
+        Self {
+            law: InUnits::new(Arc::clone(&self.law), factor, 1.0).into_shared(),
+            hardness: self.hardness.as_ref().map(|hardness| hardness.times(factor.recip())),
+            springs: self.springs.as_ref().map(|springs| springs.iter().map(|k| k * factor).collect()),
+            ..self.clone()
+        }
     }
 
     /// Returns this interface with the stiffness of each wave multiplied by `factors`, laid out as the
@@ -158,16 +170,8 @@ impl Interface {
         let law = if units.are_one() { law } else { InUnits::new(law, units.stress(), units.length()).into_shared() };
         let surface = units.surface(&given);
         let (elastic, patch) = response(&surface, &units.body(body))?;
-        Ok(Self { elastic, law, surface, patch, given, contact_modulus: body.contact_modulus(), units })
-    }
-
-    /// STUB
-    pub fn with_hardness(self, _: impl Into<gfmd_contact::Hardness>) -> Result<Self, Refusal> {
-        Err(Refusal::OtherKind)
-    }
-    /// STUB
-    pub fn with_springs(self, _: impl Into<gfmd_contact::Springs>) -> Result<Self, Refusal> {
-        Err(Refusal::OtherKind)
+        let (hardness, springs, contact_modulus) = (None, None, body.contact_modulus());
+        Ok(Self { elastic, law, hardness, springs, surface, patch, given, contact_modulus, units })
     }
 
     /// Returns the boundary of the surface.

@@ -12,13 +12,20 @@ fn visit_field<D: ndarray::Dimension>(field: &mut Array<f64, D>, visitor: &mut d
 
 impl Variables for State {
     fn visit(&mut self, visitor: &mut dyn Visit) {
-        let Self { displacement, traction, gap, wall_pressure, residual, effort, .. } = self;
+        let Self { displacement, traction, gap, wall_pressure, pressed_in, residual, effort, .. } = self;
         visit_field(displacement, visitor);
         visit_field(traction, visitor);
         visit_field(gap, visitor);
         visit_field(wall_pressure, visitor);
-        let crate::Residual { complementarity, equilibrium, penetration, wall_tension, load } = residual;
+        // Both are present with a hardness alone.
+        if let Some(depth) = pressed_in {
+            visit_field(depth, visitor);
+        }
+        let crate::Residual { complementarity, equilibrium, penetration, wall_tension, load, saturation } = residual;
         visitor.numbers(&mut [complementarity, equilibrium, penetration, wall_tension, load]);
+        if let Some(saturation) = saturation {
+            visitor.numbers(&mut [saturation]);
+        }
         effort.visit(visitor);
         let Self { mean_pressure, mean_shear: [shear_x, shear_y], approach, lateral: [x, y], .. } = self;
         visitor.numbers(&mut [mean_pressure, shear_x, shear_y, approach, x, y]);

@@ -14,11 +14,14 @@ use crate::{Interface, State, dynamics, newton};
 /// Solvers of an interface. Newton's method needs an energy; dynamics does not.
 const SOLVERS: [Solver; 4] = [Solver::Auto, Solver::Newton, Solver::Fire, Solver::Fire2];
 
+/// Solvers at a wall that gives way.
+const SMOOTH_SOLVERS: [Solver; 2] = [Solver::Auto, Solver::Newton];
+
 impl Equilibrium for Interface {
     type State = State;
 
     fn solvers(&self) -> &'static [Solver] {
-        &SOLVERS
+        if self.gives_way() { &SMOOTH_SOLVERS } else { &SOLVERS }
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
@@ -26,6 +29,7 @@ impl Equilibrium for Interface {
             Units::check_pressure(mean)?;
         }
         drive.check()?;
+        self.check_hardness(drive.load)?;
         self.frame(self.units.drive(drive)).map(drop).map_err(|refusal| match (refusal, drive.load) {
             (Refusal::Approach { limit, .. }, Load::Approach(found)) => {
                 Refusal::Approach { found, limit: limit.map(|limit| limit * self.units.length()) }
@@ -136,12 +140,12 @@ impl Interface {
         };
         let start = start.or(on_wall.as_ref());
         let before = on_wall.as_ref().map_or(0.0, |wall| wall.effort.transform_pairs);
-        let SearchResult { position, iterations, transform_pairs, passed_instability, lowest_curvature, end } =
+        let SearchResult { position, inset, iterations, transform_pairs, passed_instability, lowest_curvature, end } =
             match method {
                 Method::Newton => newton::descend(self, &frame, budget, start, before, watch),
                 Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
             };
-        let mut state = certify(self, &frame, &position);
+        let mut state = certify(self, &frame, &position, &inset);
         if state.traction.iter().any(|t| !t.is_finite()) {
             return Err(Refusal::Overflow.into());
         }
@@ -167,9 +171,10 @@ impl Interface {
         let engine = match solver {
             Solver::Auto | Solver::Newton if self.has_energy() => return Ok(Method::Newton),
             Solver::Newton => return Err(Refusal::NoEnergy),
+            _ if self.gives_way() => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }),
             Solver::Fire => Fire::bitzek,
             Solver::Auto | Solver::Fire2 => Fire::v2,
-            _ => return Err(Refusal::Solver { found: solver, allowed: &SOLVERS }),
+            _ => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }),
         };
         if solver != Solver::Auto && self.law.has_wall() && frame.held[frame.z()] {
             return Err(Refusal::NoDynamics);
@@ -218,12 +223,16 @@ impl Interface {
     /// Solves the contact of a periodic surface with a hard wall, in u_z alone, by the faster pressure solver. Returns
     /// `None` if this fails.
     fn by_pressure(&self, drive: Drive, budget: &Budget, watch: &mut dyn Watch) -> Option<State> {
-        let (Elastic::Normal(response), None) = (&self.elastic, &self.patch) else { return None };
+        let (Elastic::Normal(response), None, None) = (&self.elastic, &self.patch, &self.springs) else { return None };
         // The search that follows finds and reports the same refusal or failure.
         let clearance = ArrayView2::from_shape(self.surface.grid().points(), self.surface.clearance()).ok()?;
-        let contact = Contact::with_response(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
+        let mut contact = Contact::with_response(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
+        if let Some(hardness) = self.hardness_in(1.0) {
+            contact = contact.with_hardness(hardness).ok()?;
+        }
         let solution = contact.press(drive.load).budget(*budget).watch(watch).solve().ok()?;
-        let mut state = self.certify(&solution.gap, &solution.pressure, drive).ok()?;
+        let plastic = solution.plastic.as_ref().map(|plastic| &*plastic.depth);
+        let mut state = self.certify_pressed_in(&solution.gap, &solution.pressure, plastic, drive).ok()?;
         state.effort.transform_pairs += solution.effort.transform_pairs;
         state.wall_pressure = solution.pressure;
         Some(state)

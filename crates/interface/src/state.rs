@@ -15,7 +15,8 @@ pub struct State {
     pub gap: Array2<f64>,
     /// Pressure of the hard wall, stress ≥ 0; 0 without a wall. It does not include attraction.
     pub wall_pressure: Array2<f64>,
-    /// STUB
+    /// Depth by which the surfaces are pressed into each other beyond their state at the start of the search, where the
+    /// pressure reaches the hardness, length ≥ 0; `None` without a hardness. The gap is 0 there.
     pub pressed_in: Option<Array2<f64>>,
     /// Mean of −t_z, stress; negative if the surfaces are pulled apart.
     pub mean_pressure: f64,
@@ -62,23 +63,26 @@ pub struct Residual {
     pub wall_tension: f64,
     /// Mean pressure minus the prescribed value; 0 if the approach is prescribed.
     pub load: f64,
+    /// Largest excess of the repulsion over its largest possible value; `None` without a hardness.
+    pub saturation: Option<f64>,
 }
 
 impl Residual {
-    /// Returns the residuals with their names.
-    pub fn parts(&self) -> [(&'static str, f64); 5] {
-        [
+    /// Returns the residuals with their names; `saturation` only with a hardness.
+    pub fn parts(&self) -> Vec<(&'static str, f64)> {
+        let always = [
             ("complementarity", self.complementarity),
             ("equilibrium", self.equilibrium),
             ("penetration", self.penetration),
             ("wall_tension", self.wall_tension),
             ("load", self.load),
-        ]
+        ];
+        always.into_iter().chain(self.saturation.map(|saturation| ("saturation", saturation))).collect()
     }
 
     /// Returns the largest residual; NaN if any residual is NaN.
     pub fn worst(&self) -> f64 {
-        gfmd_relax::worst(self.parts().map(|(_, residual)| residual))
+        gfmd_relax::worst(self.parts().into_iter().map(|(_, residual)| residual))
     }
 }
 
@@ -89,11 +93,14 @@ impl State {
     /// Multiplies all lengths and stresses by the given factors.
     #[must_use]
     pub fn times(mut self, length: f64, stress: f64) -> Self {
-        let Self { displacement, traction, gap, wall_pressure, .. } = &mut self;
+        let Self { displacement, traction, gap, wall_pressure, pressed_in, .. } = &mut self;
         displacement.mapv_inplace(|u| u * length);
         traction.mapv_inplace(|t| t * stress);
         gap.mapv_inplace(|g| g * length);
         wall_pressure.mapv_inplace(|p| p * stress);
+        if let Some(depth) = pressed_in {
+            depth.mapv_inplace(|depth| depth * length);
+        }
         Self {
             mean_pressure: self.mean_pressure * stress,
             mean_shear: self.mean_shear.map(|t| t * stress),
@@ -147,7 +154,7 @@ impl Fields for State {
     }
 
     fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.residual.parts().into()
+        self.residual.parts()
     }
 
     fn scales(&self) -> Scales {

@@ -24,7 +24,7 @@ impl Interface {
     /// Returns the state of a position of zero under `drive`, to be filled in.
     pub(crate) fn blank(&self, drive: Drive) -> Result<State, Refusal> {
         let frame = self.frame(self.units.drive(drive))?;
-        Ok(certify(self, &frame, &vec![0.0; frame.components() * frame.points()]))
+        Ok(certify(self, &frame, &vec![0.0; frame.components() * frame.points()], &[]))
     }
 
     /// Returns the state with these fields. A search from it takes the same steps, bit for bit, as from the stored
@@ -52,8 +52,21 @@ impl Interface {
         if let Some(value) = inside.iter().find(|w| !w.is_finite()) {
             return Err(Refusal::NotFinite { what: "displacement of the start", found: *value });
         }
+        let kinks = self.kinks(&frame);
+        let insets = kinks.as_ref().map_or_else(Vec::new, |kinks| {
+            let fields: Vec<_> = pressure.iter().zip(gap).zip(&inside).map(|((p, gap), w)| (*p, *gap, *w)).collect();
+            kinks.insets(&frame, |i, at| {
+                let (pressure, gap, w) = fields[i];
+                (gap <= 0.0).then(|| [pressure, w - kinks.bound(at)])
+            })
+        });
         let position = frame.position(&self.elastic, inside, pressure);
-        let state = certify(self, &frame, &position);
+        let state = certify(self, &frame, &position, &insets);
+        if kinks.is_some() {
+            let alone = |field: &ArrayRef2<f64>| field.to_owned().insert_axis(ndarray::Axis(0));
+            let (displacement, traction) = (alone(displacement_z), -alone(pressure));
+            return Ok(State { displacement, traction, gap: gap.to_owned(), approach, ..state });
+        }
         // The sum above is rounded. The stored gap determines the points that touch the wall.
         let held = |gap: f64, pressure: f64| {
             let touches = self.law.has_wall() && gap <= 0.0;

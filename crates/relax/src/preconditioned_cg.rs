@@ -95,6 +95,12 @@ trait Vectors {
     /// Computes the gradient from x.
     fn refresh(&mut self);
 
+    /// Returns true if rounding errors of the gradient exceed the tolerance, because it was computed for another
+    /// multiplier, as at the start of a search.
+    fn is_coarse(&self) -> bool {
+        false
+    }
+
     /// Sets the multipliers to the mean gradients of the variables between the bounds. Does not count the iteration.
     fn settle(&mut self) -> Iterate;
 
@@ -229,7 +235,7 @@ fn search<V: Vectors>(mut vectors: V, target: &Target, share: &Share, watch: &mu
         }
         if course.step(&mut vectors) {
             continue;
-        } else if course.is_fresh {
+        } else if course.is_fresh && !vectors.is_coarse() {
             return Minimum { reached: now, ending: Ending::GaveUp(Why::NoDescent) };
         }
         vectors.refresh();

@@ -10,6 +10,17 @@ pub trait OnConvexSet {
     /// Moves `x` to the nearest point of the set.
     fn project(&self, x: &mut [f64]);
 
+    /// Writes the projection of x − `length` `gradient`, minus x, into `out`; `x` is a point of the set. At its edge, the
+    /// difference of the two may have rounding errors whose product with the gradient hides the slope.
+    fn direction(&self, x: &[f64], gradient: &[f64], length: f64, out: &mut [f64]) {
+        for_each([&mut *out], &|start, [d]| {
+            let here = x[start..].iter().zip(&gradient[start..]);
+            d.iter_mut().zip(here).for_each(|(d, (x, g))| *d = x - length * g);
+        });
+        self.project(out);
+        for_each([out], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
+    }
+
     /// Returns the distance of `x` from the minimum, to be compared with the tolerance; `gradient` is A x + b.
     fn residual(&self, x: &[f64], gradient: &[f64]) -> f64;
 }
@@ -58,12 +69,7 @@ impl SpectralProjectedGradient {
                 return Descended { steps, ending: Ending::GaveUp(Why::Iterations) };
             }
             steps += 1;
-            for_each([&mut direction[..]], &|start, [d]| {
-                let here = x[start..].iter().zip(&gradient[start..]);
-                d.iter_mut().zip(here).for_each(|(d, (x, g))| *d = x - length * g);
-            });
-            problem.project(&mut direction);
-            for_each([&mut direction[..]], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
+            problem.direction(x, gradient, length, &mut direction);
             problem.apply(&direction, &mut image);
             let [slope, curvature, square, images] = reduce(
                 x.len(),

@@ -89,7 +89,7 @@ fn springs_on_springs_are_in_series() {
     assert!(largest(&(&sum.pressure - &solve(&series, load).pressure)) < 1e-9);
 }
 
-/// Computes the minimum of ½⟨p, A p⟩ + ⟨b, p⟩ between zero and `upper` by projected Gauss-Seidel sweeps over the points.
+/// Computes the minimum of ½⟨p, A p⟩ + ⟨b, p⟩ between zero and `upper` by projected Gauss-Seidel sweeps.
 fn relaxed(matrix: &Array2<f64>, linear: &[f64], upper: f64) -> Vec<f64> {
     let mut p = vec![0.0; linear.len()];
     for _ in 0..200_000 {

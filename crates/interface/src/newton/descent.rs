@@ -2,6 +2,7 @@ use gfmd_relax::{Variables, Visit};
 use gfmd_response::power_of_two;
 use gfmd_vector::{add, for_each, pass, reduce, sum};
 
+use super::pieces::Pieces;
 use super::reaction::Reaction;
 use super::trust_region::{Model, Number, TrustRegion, Vectors};
 use super::wall::Wall;
@@ -24,15 +25,17 @@ pub(super) struct Descent<'a, M: Model> {
     pub(super) interface: &'a Interface,
     pub(super) frame: &'a Frame<'a>,
     wall: Wall,
+    /// Wall that gives way, in place of `wall`.
+    pub(super) pieces: Option<Pieces>,
     pub(super) model: M,
     /// Current position.
     pub(super) here: Placed,
     /// Position after the trial step.
-    trial: Placed,
+    pub(super) trial: Placed,
     /// T − K w + push: the force on a free point.
     pub(super) force: Vec<f64>,
     /// Mean force subtracted from each component by [`release`](Self::release), stress.
-    multipliers: Vec<f64>,
+    pub(super) multipliers: Vec<f64>,
     pub(super) region: TrustRegion<M::Value>,
     /// Lowest curvature in the last search for a direction, relative to the preconditioner.
     pub(super) lowest: f64,
@@ -42,8 +45,10 @@ pub(super) struct Descent<'a, M: Model> {
 
 /// A displacement w, its elastic traction K w, and the reaction of the law.
 pub(super) struct Placed {
-    w: Vec<f64>,
-    elastic: Vec<f64>,
+    pub(super) w: Vec<f64>,
+    /// Insets at a wall that gives way, else empty.
+    pub(super) inset: Vec<f64>,
+    pub(super) elastic: Vec<f64>,
     pub(super) reaction: Reaction,
     /// Energy Φ of each point, per area.
     energy: Vec<f64>,
@@ -53,12 +58,25 @@ impl Placed {
     fn at(w: Vec<f64>, frame: &Frame) -> Self {
         let (components, points) = (frame.components(), frame.points());
         let reaction = Reaction::new(components, points);
-        Self { elastic: vec![0.0; w.len()], w, reaction, energy: vec![0.0; points] }
+        Self { elastic: vec![0.0; w.len()], w, inset: Vec::new(), reaction, energy: vec![0.0; points] }
     }
 
-    /// Computes the reaction of the law.
-    fn react(&mut self, interface: &Interface, frame: &Frame) {
-        self.reaction.update(interface.law.as_ref(), frame, &self.w, &mut self.energy);
+    /// Returns the step of value `k` from another position. Between insets it is their difference, which has all digits.
+    fn step_from(&self, from: &Self, k: usize) -> f64 {
+        let (to, before) = (self.inset.get(k), from.inset.get(k));
+        match to.zip(before) {
+            Some((to, before)) if *to > 0.0 || *before > 0.0 => to - before,
+            _ => self.w[k] - from.w[k],
+        }
+    }
+
+    /// Computes the reaction of the law and of a wall that gives way.
+    fn react(&mut self, interface: &Interface, frame: &Frame, pieces: Option<&Pieces>) {
+        let Self { w, inset, reaction, energy, .. } = self;
+        match pieces {
+            None => reaction.update(interface.law.as_ref(), frame, w, energy),
+            Some(pieces) => pieces.react(interface.law.as_ref(), frame, [w, inset], (reaction, energy)),
+        }
     }
 }
 
@@ -87,13 +105,21 @@ impl Change {
 impl<'a, M: Model> Descent<'a, M> {
     pub(super) fn new(interface: &'a Interface, frame: &'a Frame<'a>, model: M, start: Option<&State>) -> Self {
         let size = frame.components() * frame.points();
+        let mut pieces = interface.kinks(frame).map(|kinks| Pieces::new(kinks, interface.length_scale()));
+        let mut here = Placed::at(vec![0.0; size], frame);
+        let mut trial = Placed::at(frame.starting_position(&interface.elastic, start), frame);
+        if let Some(pieces) = &mut pieces {
+            here.inset = vec![0.0; size];
+            trial.inset = pieces.start(frame, start, &mut trial.w);
+        }
         let mut descent = Self {
             interface,
             frame,
-            wall: Wall::new(frame, interface.law.has_wall(), interface.length_scale()),
+            wall: Wall::new(frame, interface.law.has_wall() && pieces.is_none(), interface.length_scale()),
+            pieces,
             model,
-            here: Placed::at(vec![0.0; size], frame),
-            trial: Placed::at(frame.starting_position(&interface.elastic, start), frame),
+            here,
+            trial,
             force: vec![0.0; size],
             multipliers: vec![0.0; frame.components()],
             region: TrustRegion::new(size),
@@ -105,16 +131,25 @@ impl<'a, M: Model> Descent<'a, M> {
         descent
     }
 
-    pub(super) fn into_position_and_pairs(self) -> (Vec<f64>, f64) {
-        (self.here.w, self.model.pairs())
+    /// Returns position, insets and number of transform pairs.
+    pub(super) fn into_position_and_pairs(self) -> (Vec<f64>, Vec<f64>, f64) {
+        (self.here.w, self.here.inset, self.model.pairs())
     }
 
-    /// Projects the trial on the allowed displacements and computes its traction and reaction.
-    fn place_trial(&mut self) {
-        let Self { interface, trial, wall, frame, model, .. } = self;
-        wall.project_keeping_mean(&mut trial.w);
+    /// Projects the trial on the allowed displacements and computes its traction and reaction. Returns false if a held
+    /// mean cannot be restored.
+    fn place_trial(&mut self) -> bool {
+        let Self { interface, trial, wall, pieces, frame, model, .. } = self;
+        let is_possible = match pieces {
+            None => {
+                wall.project_keeping_mean(&mut trial.w);
+                true
+            }
+            Some(pieces) => !frame.held[0] || pieces.restore_mean(&mut trial.w, &mut trial.inset),
+        };
         model.elastic(&trial.w, &mut trial.elastic);
-        trial.react(interface, frame);
+        trial.react(interface, frame, pieces.as_ref());
+        is_possible
     }
 
     /// Accepts the trial as the current position.
@@ -125,7 +160,10 @@ impl<'a, M: Model> Descent<'a, M> {
 
     /// Computes reaction and forces after the displacement and its elastic traction were restored.
     pub(super) fn restored(&mut self) {
-        self.here.react(self.interface, self.frame);
+        if let Some(pieces) = &mut self.pieces {
+            pieces.classify(&self.here.inset);
+        }
+        self.here.react(self.interface, self.frame, self.pieces.as_ref());
         self.balance();
     }
 
@@ -252,12 +290,20 @@ impl<'a, M: Model> Descent<'a, M> {
     /// Moves the trial by `share` of the direction.
     pub(super) fn try_step(&mut self, share: f64) -> Change {
         let share = share * self.region.unit;
-        let along = |start: usize, [trial]: [&mut [f64]; 1]| {
-            let from = self.here.w[start..].iter().zip(&self.region.vectors.direction[start..]);
-            trial.iter_mut().zip(from).for_each(|(trial, (w, d))| *trial = w + share * (*d).into());
-        };
-        for_each([&mut self.trial.w[..]], &along);
-        self.place_trial();
+        let Self { here, trial, region, pieces, .. } = self;
+        let direction = &region.vectors.direction[..];
+        if let Some(pieces) = pieces {
+            pieces.step([&here.w, &here.inset], share, direction, [&mut trial.w, &mut trial.inset]);
+        } else {
+            let along = |start: usize, [trial]: [&mut [f64]; 1]| {
+                let from = here.w[start..].iter().zip(&direction[start..]);
+                trial.iter_mut().zip(from).for_each(|(trial, (w, d))| *trial = w + share * (*d).into());
+            };
+            for_each([&mut trial.w[..]], &along);
+        }
+        if !self.place_trial() {
+            return Change { energy: f64::NAN, promised: 0.0, ahead: 0.0, size: 0.0 };
+        }
         // A held mean has rounding errors; their work is not part of the energy.
         let Self { frame, here, trial, force, multipliers, .. } = self;
         let points = frame.points();
@@ -266,7 +312,7 @@ impl<'a, M: Model> Descent<'a, M> {
             here.w.len(),
             &|range| {
                 range.fold([0.0; 4], |sums, k| {
-                    let step = trial.w[k] - here.w[k];
+                    let step = trial.step_from(here, k);
                     let uniform = frame.push_on(k / points) - multipliers[k / points];
                     let work = step * (0.5 * (here.elastic[k] + trial.elastic[k]) - uniform);
                     let next = traction[k] - trial.elastic[k] + uniform;
@@ -301,6 +347,9 @@ impl<M: Model> Variables for Descent<'_, M> {
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let Self { here, region, lowest, met_negative, model, .. } = self;
         visitor.field(&mut here.w);
+        if !here.inset.is_empty() {
+            visitor.field(&mut here.inset);
+        }
         visitor.field(&mut here.elastic);
         visitor.number(&mut region.radius);
         visitor.number(&mut region.length);

@@ -23,9 +23,12 @@ pub(super) struct OneComponent<'a> {
     row: usize,
     /// Weight of each point in the preconditioner; 0 for points held by the wall.
     weight: Vec<f32>,
-    /// Number of points not held by the wall; counted only if their mean is held.
+    /// Weight above which points restore a held mean: 0, for all points not held by the wall, but for stiff springs.
+    soft: f32,
+    /// Number of points that restore the mean; counted only if it is held.
     free: f64,
-    /// Means of z and of A p over the free points, to be subtracted; 0 if the mean is not held.
+    /// Values to be subtracted, 0 if the mean is not held: from z at the points that restore the mean, so that its sum
+    /// vanishes; and from A p at all free points, so that its mean over the points that restore the mean vanishes.
     of_preconditioned: f32,
     of_image: f32,
     /// Two sums per row.
@@ -46,6 +49,7 @@ impl<'a> OneComponent<'a> {
             frame,
             row,
             weight: vec![0.0; frame.points()],
+            soft: 0.0,
             free: 0.0,
             of_preconditioned: 0.0,
             of_image: 0.0,
@@ -53,7 +57,7 @@ impl<'a> OneComponent<'a> {
         }
     }
 
-    /// Returns the mean over the free points from the sum over them; 0 if the mean is not held.
+    /// Returns a sum divided by the number of points that restore the mean; 0 if the mean is not held.
     fn mean(&self, sum: f64) -> f32 {
         if self.frame.held[0] && self.free > 0.0 { (sum / self.free) as f32 } else { 0.0 }
     }
@@ -74,10 +78,10 @@ impl Model for OneComponent<'_> {
         (self.of_preconditioned, self.of_image) = (0.0, 0.0);
         let mut mean = 0.0;
         if self.frame.held[0] {
-            let weight = &self.weight;
+            let (weight, soft) = (&self.weight, self.soft);
             let of = |range: std::ops::Range<usize>| {
-                let free = weight[range.clone()].iter().filter(|w| **w > 0.0).count() as f64;
-                [free_sum(&vector[range.clone()], &weight[range]), free]
+                let free = weight[range.clone()].iter().filter(|w| **w > soft).count() as f64;
+                [sum_above(soft, &vector[range.clone()], &weight[range]), free]
             };
             let [sum, free] = reduce(vector.len(), &of, &add);
             self.free = free;
@@ -107,7 +111,7 @@ impl Model for OneComponent<'_> {
         let output = (Rows((&mut preconditioned[..], &residual[..], w), row), &mut sums[..]);
         let sink = |_: usize, made: &mut [f32], (Rows((z, r, w), _), sum): (Rows<Weighed>, &mut [[f64; 2]])| {
             multiply(made, w, z);
-            sum[0] = [product(r, z), if is_held { free_sum(z, w) } else { 0.0 }];
+            sum[0] = [product(r, z), if is_held { sum_above(0.0, z, w) } else { 0.0 }];
         };
         rounded.rows(output, sink);
         let [square, sum] = self.total();
@@ -118,18 +122,18 @@ impl Model for OneComponent<'_> {
     fn turn(&mut self, vectors: &mut Vectors<f32>, reaction: &Reaction, turn: f64) -> f64 {
         let Vectors { preconditioned, conjugate, image, .. } = vectors;
         let unit = self.unit();
-        let Self { rounded, weight, row, sums, of_preconditioned, frame, .. } = self;
-        let (turn, mean, is_held, row) = (turn as f32, *of_preconditioned, frame.held[0], *row);
+        let Self { rounded, weight, soft, row, sums, of_preconditioned, frame, .. } = self;
+        let (turn, mean, soft, is_held, row) = (turn as f32, *of_preconditioned, *soft, frame.held[0], *row);
         let (z, w) = (&preconditioned[..], &weight[..]);
         let source = |_: usize, Rows((p, z, w), _): Rows<Weighed>, out: &mut [f32]| {
-            conjugate_to(turn, (z, mean), w, p);
+            conjugate_to(turn, (z, mean), (w, soft), p);
             out.copy_from_slice(p);
         };
         rounded.stiffness_ahead(Rows((&mut conjugate[..], z, w), row), source);
         let output = (Rows((&mut image[..], &conjugate[..], w, reaction.diagonal(0)), row), &mut sums[..]);
         let sink = |_: usize, made: &mut [f32], (Rows((q, p, w, j), _), sum): (Rows<Curved>, &mut [[f64; 2]])| {
             add_diagonal(made, (j, unit), p, q);
-            sum[0] = [product(p, q), if is_held { free_sum(q, w) } else { 0.0 }];
+            sum[0] = [product(p, q), if is_held { sum_above(soft, q, w) } else { 0.0 }];
         };
         rounded.rows(output, sink);
         let [square, sum] = self.total();
@@ -139,6 +143,11 @@ impl Model for OneComponent<'_> {
 
     fn weight(&mut self) -> &mut [f32] {
         &mut self.weight
+    }
+
+    fn hold_mean_above(&mut self, least: f64) {
+        let is_above = self.frame.held[0] && self.weight.iter().any(|weight| f64::from(*weight) > least);
+        self.soft = if is_above { least as f32 } else { 0.0 };
     }
 
     fn elastic(&mut self, w: &[f64], traction: &mut [f64]) {
@@ -174,12 +183,12 @@ fn multiply(a: &[f32], b: &[f32], out: &mut [f32]) {
     out.iter_mut().zip(a.iter().zip(b)).for_each(|(out, (a, b))| *out = a * b);
 }
 
-/// Computes p ← z + `turn` p, with the mean subtracted from z on the free points.
+/// Computes p ← z + `turn` p, with the mean subtracted from z at the points with a weight above `soft`.
 #[multiversion(targets = "simd")]
-fn conjugate_to(turn: f32, preconditioned: (&[f32], f32), w: &[f32], p: &mut [f32]) {
-    let (z, mean) = preconditioned;
+fn conjugate_to(turn: f32, preconditioned: (&[f32], f32), weight: (&[f32], f32), p: &mut [f32]) {
+    let ((z, mean), (w, soft)) = (preconditioned, weight);
     for (p, (z, w)) in p.iter_mut().zip(z.iter().zip(w)) {
-        *p = z - if *w > 0.0 { mean } else { 0.0 } + turn * *p;
+        *p = z - if *w > soft { mean } else { 0.0 } + turn * *p;
     }
 }
 
@@ -200,9 +209,9 @@ fn product(a: &[f32], b: &[f32]) -> f64 {
     sum_of(a, b, |a, b| f64::from(a) * f64::from(b))
 }
 
-/// Sums the values with positive weight, in double precision.
-fn free_sum(values: &[f32], weight: &[f32]) -> f64 {
-    sum_of(values, weight, |value, weight| if weight > 0.0 { value.into() } else { 0.0 })
+/// Sums the values with a weight above `least`, in double precision.
+fn sum_above(least: f32, values: &[f32], weight: &[f32]) -> f64 {
+    sum_of(values, weight, |value, weight| if weight > least { value.into() } else { 0.0 })
 }
 
 #[multiversion(targets = "simd")]

@@ -41,6 +41,19 @@ impl Reaction {
         }
     }
 
+    /// Fills traction, Jacobian and energy of the single component with the values `of` each point.
+    pub(crate) fn update_normal(&mut self, energy: &mut [f64], of: impl Fn(usize) -> Opening + Sync) {
+        self.fill(energy, |i| {
+            let Opening { energy, traction, slope } = of(i);
+            (energy, [traction, slope])
+        });
+    }
+
+    /// Returns traction and Jacobian of the single component, to be changed.
+    pub(crate) fn normal_mut(&mut self) -> [&mut [f64]; 2] {
+        split(&mut self.tables, self.points)
+    }
+
     fn fill<const TABLES: usize>(
         &mut self,
         energies: &mut [f64],

@@ -52,6 +52,10 @@ pub(crate) trait Model {
     /// subspace.
     fn weight(&mut self) -> &mut [Self::Value];
 
+    /// Restores a held mean by the points with a larger weight than `least`, if any, instead of all free points. Other
+    /// points, at springs stiffer than the body, hardly move.
+    fn hold_mean_above(&mut self, _least: f64) {}
+
     /// Computes `traction` ← K w in double precision.
     fn elastic(&mut self, w: &[f64], traction: &mut [f64]);
 

@@ -130,7 +130,8 @@ impl Normal {
                 contact.certify(&solution.pressure, drive.load).map(NormalState::Wall)
             }
             (Self::Law(interface), NormalState::Law(state)) => {
-                let certified = interface.certify(&state.gap, &state.pressure(), drive)?;
+                let depth = state.pressed_in.as_deref();
+                let certified = interface.certify_pressed_in(&state.gap, &state.pressure(), depth, drive)?;
                 let (passed_instability, lowest_curvature) = (state.passed_instability, state.lowest_curvature);
                 Ok(NormalState::Law(State { passed_instability, lowest_curvature, ..certified }))
             }
@@ -295,12 +296,5 @@ impl NormalState {
 
     pub(super) fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
         self.fields().repulsion()
-    }
-
-    /// Sets the depth pressed in by a law, which a certificate does not know.
-    pub(super) fn keep_pressed_in(&mut self, depth: Option<Array2<f64>>) {
-        if let Self::Law(state) = self {
-            state.pressed_in = depth;
-        }
     }
 }

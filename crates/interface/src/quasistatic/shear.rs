@@ -2,7 +2,7 @@
 
 use gfmd_contact::{Drive, Refusal};
 use gfmd_medium::Affine;
-use gfmd_relax::{Budget, Descended, Ending, SpectralProjectedGradient, Watch};
+use gfmd_relax::{Anderson, Budget, Descended, Ending, SpectralProjectedGradient, Watch};
 use gfmd_vector::{add, reduce};
 
 use super::normal::NormalState;
@@ -12,8 +12,11 @@ use super::tangential::{Limits, TangentialProblem};
 use super::{QuasistaticContact, QuasistaticState, Shear};
 use crate::numbers::higher;
 
-/// Relative distance to the limit within which a point slips.
-pub(super) const AT_LIMIT: f64 = 1e-9;
+/// Relative distance to the limit within which a point slips. Beside a law, the repulsion that sets the limit has the
+/// error of the tolerance.
+pub(super) const AT_LIMIT: f64 = 1e-7;
+/// Number of rounds that are mixed.
+const DEPTH: usize = 5;
 
 /// Shear of a step during its solution. Tractions are divided by the common stiffening of the step.
 pub(super) struct ShearStep {
@@ -37,6 +40,7 @@ pub(super) struct ShearStep {
     pub(super) lift: Vec<f64>,
     /// Length of the slip of each point; empty unless the surfaces wear by slip.
     pub(super) slipped: Vec<f64>,
+    mixing: Anderson,
 }
 
 /// Fields and numbers of the shear that a step has reached. Tractions are divided by the common stiffening of the step.
@@ -100,6 +104,7 @@ impl ShearStep {
             displacement,
             lift,
             slipped,
+            mixing: Anderson::new(DEPTH),
         })
     }
 
@@ -130,13 +135,12 @@ impl ShearStep {
         shear.iter().copied().chain(state.pressure().iter().map(|p| -p)).collect()
     }
 
-    /// Finds the shear for the pressure of `state`; passes the fraction `share` of the change of lift and slip on to
-    /// the normal contact. `length` is the unit of slip.
+    /// Finds the shear for the pressure of `state`, and mixes its lift and slip with those of earlier rounds for the
+    /// next normal contact. `length` is the unit of slip.
     pub(super) fn slide(
         &mut self,
         state: &NormalState,
         length: f64,
-        share: f64,
         budget: &Budget,
         watch: &mut dyn Watch,
     ) -> Descended {
@@ -159,13 +163,14 @@ impl ShearStep {
             descended = method.minimise(&mut problem, &mut shear[..lateral], &mut slip, budget, watch);
         }
         self.transforms.compliance(&self.traction, &mut self.displacement);
-        for (lift, u) in self.lift.iter_mut().zip(&self.displacement[lateral..]) {
-            *lift += share * (u - *lift);
-        }
-        for (i, slipped) in self.slipped.iter_mut().enumerate() {
-            let square: f64 = slip.chunks_exact(points).map(|slip| slip[i] * slip[i]).sum();
-            *slipped += share * (square.sqrt() - *slipped);
-        }
+        let magnitude = |i: usize| slip.chunks_exact(points).map(|slip| slip[i] * slip[i]).sum::<f64>().sqrt();
+        let slipped = (0..self.slipped.len()).map(magnitude);
+        let image: Vec<f64> = self.displacement[lateral..].iter().copied().chain(slipped).collect();
+        let mut mixed: Vec<f64> = self.lift.iter().chain(&self.slipped).copied().collect();
+        self.mixing.advance(&mut mixed, &image);
+        self.lift.copy_from_slice(&mixed[..points]);
+        // A mixture of lengths may be negative.
+        self.slipped.iter_mut().zip(&mixed[points..]).for_each(|(slipped, mixed)| *slipped = mixed.max(0.0));
         descended
     }
 

@@ -17,10 +17,6 @@ const ROUNDING_OF_APPROACH: f64 = 8.0 * f64::EPSILON;
 
 /// Maximum number of rounds of normal contact and shear.
 const ROUNDS: usize = 150;
-/// Number of rounds after which they may be cyclic. From then on, only the fraction [`PART`] of the change of the shear
-/// is passed to the normal contact.
-const WHOLE_ROUNDS: usize = 20;
-const PART: f64 = 0.3;
 /// Final tolerance of either problem divided by the tolerance of the contact.
 const SHARE: f64 = 0.1;
 /// Tolerance of either problem divided by the previous residual of the contact. A round reduces the residual to about a
@@ -238,11 +234,9 @@ impl<'a> Step<'a> {
         let worn = self.worn_by(&normal);
         if self.shear.is_some() || worn.is_some() {
             let Effort { iterations, transform_pairs } = *normal.effort();
-            let pressed_in = normal.law().and_then(|state| state.pressed_in.clone());
             let (contact, first) = self.at(self.normal.clone(), self.depth_with(worn.as_ref()).as_ref())?;
             let (drive, _) = self.drive_from(first);
             normal = if is_apart { contact.unloaded(drive.load)? } else { contact.certify(&normal, drive)? };
-            normal.keep_pressed_in(pressed_in);
             let effort = normal.effort();
             effort.iterations += iterations;
             effort.transform_pairs += transform_pairs;
@@ -305,7 +299,7 @@ impl<'a> Step<'a> {
         let mut effort = Effort::default();
         let mut tolerance = self.coarsest(self.contact.normal.surface().length_scale(self.drive.load));
         let mut last: Option<QuasistaticState> = None;
-        for round in 0..ROUNDS {
+        for _ in 0..ROUNDS {
             let part = Budget {
                 tolerance: tolerance.max(SHARE * budget.tolerance),
                 max_iterations: budget.max_iterations.saturating_sub(effort.iterations),
@@ -320,6 +314,10 @@ impl<'a> Step<'a> {
             let mut ending = match pressed.failed.take() {
                 None => Ending::Converged,
                 Some(SolveError::Interrupted { .. }) => Ending::Interrupted,
+                // The next round may do better, from a pressure whose rounding errors differ.
+                Some(SolveError::NotConverged { why: Why::NoDescent | Why::Rounding | Why::Certificate, .. }) => {
+                    Ending::Converged
+                }
                 Some(SolveError::NotConverged { why, .. }) => Ending::GaveUp(why),
                 Some(SolveError::Refused(refusal)) => return Err(refusal.into()),
                 Some(error @ SolveError::Detached { .. }) => {
@@ -332,10 +330,9 @@ impl<'a> Step<'a> {
                 let before = effort.iterations;
                 let mut part_watch =
                     |now: &Progress| watch.see(&Progress { iteration: before + now.iteration, ..*now });
-                let share = if round < WHOLE_ROUNDS { 1.0 } else { PART };
                 let length = self.length(&pressed.state);
                 if let Some(shear) = &mut self.shear {
-                    let slid = shear.slide(&pressed.state, length, share, &part, &mut part_watch);
+                    let slid = shear.slide(&pressed.state, length, &part, &mut part_watch);
                     effort.iterations += slid.steps;
                     if slid.ending == Ending::Interrupted {
                         ending = Ending::Interrupted;

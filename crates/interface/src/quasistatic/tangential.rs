@@ -4,6 +4,9 @@ use gfmd_vector::{for_each, reduce};
 use super::response::Transforms;
 use crate::numbers::higher;
 
+/// Relative distance to the limit that is a rounding error.
+const EDGE: f64 = 1e-12;
+
 /// Tangential problem: ½⟨τ, G τ⟩ + ⟨τ, s₀⟩ → min over |τ| ≤ limit; s₀ is the slip without shear.
 pub(super) struct TangentialProblem<'a> {
     pub(super) transforms: &'a mut Transforms,
@@ -31,6 +34,41 @@ impl OnConvexSet for TangentialProblem<'_> {
 
     fn project(&self, x: &mut [f64]) {
         self.limits.project(x);
+    }
+
+    /// At a point that slips, the direction is tangential up to its curvature, and computed from the component of the
+    /// slip across the shear: the sum of all slopes is negative to the last digit.
+    fn direction(&self, x: &[f64], gradient: &[f64], length: f64, out: &mut [f64]) {
+        let limits = &self.limits.values;
+        let [points, components] = [limits.len(), x.len() / limits.len()];
+        if components == 1 {
+            for_each([out], &|start, [out]| {
+                for (k, out) in out.iter_mut().enumerate() {
+                    let (x, limit) = (x[start + k], limits[start + k]);
+                    *out = (x - length * gradient[start + k]).clamp(-limit, limit) - x;
+                }
+            });
+            return;
+        }
+        let (out_x, out_y) = out.split_at_mut(points);
+        for_each([out_x, out_y], &|start, [out_x, out_y]| {
+            for (k, (out_x, out_y)) in out_x.iter_mut().zip(out_y).enumerate() {
+                let i = start + k;
+                let (at, g, limit) = ([x[i], x[points + i]], [gradient[i], gradient[points + i]], limits[i]);
+                let moved = [at[0] - length * g[0], at[1] - length * g[1]];
+                let (size, reach) = (at[0].hypot(at[1]), moved[0].hypot(moved[1]));
+                [*out_x, *out_y] = if reach <= limit {
+                    [moved[0] - at[0], moved[1] - at[1]]
+                } else if size < limit * (1.0 - EDGE) || moved[0] * at[0] + moved[1] * at[1] <= 0.0 {
+                    [moved[0] * (limit / reach) - at[0], moved[1] * (limit / reach) - at[1]]
+                } else {
+                    let along = [at[0] / size, at[1] / size];
+                    let sine = -length * (along[0] * g[1] - along[1] * g[0]) / reach;
+                    let cosine_less_one = -sine * sine / (1.0 + (1.0 - sine * sine).max(0.0).sqrt());
+                    [0, 1].map(|c| limit * (cosine_less_one * along[c] + sine * [-along[1], along[0]][c]))
+                };
+            }
+        });
     }
 
     fn residual(&self, x: &[f64], gradient: &[f64]) -> f64 {

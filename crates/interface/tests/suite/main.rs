@@ -6,6 +6,7 @@ mod cohesive;
 mod cost;
 mod free;
 mod friction;
+mod kinks;
 mod path;
 mod plastic;
 mod relaxing;

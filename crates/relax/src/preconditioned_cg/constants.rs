@@ -48,3 +48,6 @@ pub(super) const PAIR_MEAN: f64 = 1e-14;
 
 /// Largest number of steps in the search for μ of two fields; at worst, they halve a bracket.
 pub(super) const SHIFTS: usize = 200;
+
+/// Relative excess of a start over its upper bounds that is a rounding error.
+pub(super) const ROUNDING_OF_START: f64 = 1e-12;

@@ -4,7 +4,7 @@ use gfmd_vector::{Share, add, add_times, for_each, pass};
 use multiversion::multiversion;
 
 use super::active::{Active, Flags};
-use super::constants::{CANCELLED, CHANGE, REFRESH};
+use super::constants::{CANCELLED, CHANGE, REFRESH, ROUNDING_OF_START};
 use super::path::{Path, Start};
 use super::sums::{Sums, View, block_sums, measure};
 use super::{Advance, Course, Vectors};
@@ -153,6 +153,11 @@ impl<P: Preconditioned> Vectors for Single<'_, P> {
         };
         problem.gradient(x, (&mut gradient[..], &**x, &last_step[..], upper.ceiling()), sink, parts);
         self.sums = Sums::all(&self.share, parts);
+    }
+
+    fn is_coarse(&self) -> bool {
+        let Target { gradient_scale, budget, .. } = self.target;
+        (self.multiplier - self.level).abs() * f64::from(f32::EPSILON) > budget.tolerance * gradient_scale
     }
 
     fn settle(&mut self) -> Iterate {
@@ -352,7 +357,13 @@ fn begin(share: &Share, x: &mut [f64], mean: Option<f64>, upper: &Upper) {
     };
     let part = x.iter().enumerate().map(allowed).fold(1.0, f64::min);
     let part = share.each(part).into_iter().fold(1.0, f64::min);
-    if part < 1.0 {
+    if part < 1.0 && part > 1.0 - ROUNDING_OF_START {
+        // The start has this mean already; the other variables stay where they are, above all those at zero.
+        for_each((&mut *x, ceiling), &|_, (x, ceiling)| {
+            x.iter_mut().enumerate().for_each(|(i, x)| *x = x.min(ceiling.at(i)));
+        });
+        keep_mean(share, x, Some(mean), ceiling);
+    } else if part < 1.0 {
         for_each((x, ceiling), &|_, (x, ceiling)| {
             for (i, x) in x.iter_mut().enumerate() {
                 let base = base(ceiling.at(i));
