@@ -21,6 +21,8 @@ pub struct RigidSurface {
     rms_height: f64,
     /// Rounding error of a difference of two heights as given.
     rounding: f64,
+    /// True if rounding errors decide which of the heights of this process touch first.
+    is_uncertain: bool,
     boundary: Boundary,
     rms_gradient: OnceLock<f64>,
 }
@@ -82,6 +84,7 @@ impl RigidSurface {
         let mean_clearance = share.total_of(&clearance) / n;
         let highest = highest_of(&clearance);
         let rounding = f64::EPSILON * top.abs().max((top - highest).abs());
+        let is_uncertain = clearance.iter().any(|c| *c > 0.0 && *c <= rounding);
         // The squares of very large or small heights overflow or vanish. A power of two changes no digit.
         let unit = unit_of(highest);
         let squares = share.sum(&|range| clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum());
@@ -97,6 +100,7 @@ impl RigidSurface {
             mean_clearance,
             rms_height,
             rounding,
+            is_uncertain,
             boundary: Boundary::Periodic,
             rms_gradient,
         };
@@ -131,8 +135,11 @@ impl RigidSurface {
             return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value });
         }
         let mean_clearance = share.sum(&|range| clearance[range].iter().sum()) / share.total() as f64;
+        // The clearance of a top has no rounding error, nor has the sum of zero and a depth.
+        let is_near = |(before, after): (&f64, &f64)| *before > 0.0 && after.abs() <= self.rounding;
+        let is_uncertain = self.clearance.iter().zip(&clearance).any(is_near);
         let rms_gradient = OnceLock::from(self.rms_gradient());
-        Ok(Self { clearance, mean_clearance, rms_gradient, ..self.clone() })
+        Ok(Self { clearance, mean_clearance, rms_gradient, is_uncertain, ..self.clone() })
     }
 
     /// Returns the surface in other units of lengths and heights, given in the present units: powers of two.
@@ -144,6 +151,7 @@ impl RigidSurface {
             mean_clearance: self.mean_clearance / units.length(),
             rms_height: self.rms_height / units.length(),
             rounding: self.rounding / units.length(),
+            is_uncertain: self.is_uncertain,
             boundary: self.boundary,
             rms_gradient: if self.share.is_whole() {
                 OnceLock::new()
@@ -214,8 +222,7 @@ impl RigidSurface {
     /// The load, with the least possible one.
     pub(crate) fn check_heights(&self, load: Load, scale: f64, tolerance: f64) -> Result<(), Refusal> {
         let allowed = tolerance * scale;
-        let is_near = |c: &f64| *c > 0.0 && *c <= self.rounding;
-        if self.rounding <= allowed || !self.share.any(self.clearance.iter().any(is_near)) {
+        if self.rounding <= allowed || !self.share.any(self.is_uncertain) {
             return Ok(());
         }
         let (what, found) = load.named();

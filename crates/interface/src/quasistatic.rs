@@ -391,6 +391,15 @@ impl Equilibrium for QuasistaticContact {
 
 impl QuasistaticContact {
     fn check_load(&self, drive: Drive) -> Result<(), Refusal> {
+        if self.shear.is_some() && matches!(self.normal, Normal::Wall(_)) {
+            match drive.load {
+                Load::MeanPressure(found) if found <= 0.0 => {
+                    return Err(Refusal::NotPressed { what: "mean pressure", found });
+                }
+                Load::Approach(found) if found <= 0.0 => return Err(Refusal::NotPressed { what: "approach", found }),
+                _ => {}
+            }
+        }
         if let Load::MeanPressure(mean) = drive.load {
             Units::check_pressure(mean)?;
         }

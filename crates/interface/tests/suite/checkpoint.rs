@@ -3,12 +3,12 @@
 use std::ops::ControlFlow;
 
 use gfmd_contact::{
-    Budget, Drive, Equilibrium, Fields as _, Load, MemoryCheckpoint, Progress, Resumable, Solver, Variables as _,
-    Visit, Watch,
+    Boundary, Budget, Drive, Equilibrium, Fields as _, Load, MemoryCheckpoint, Progress, Resumable, Solver,
+    Variables as _, Visit, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{FrictionalContact, Interface, Path, Quasistatic, Refinement, Step};
+use gfmd_interface::{Interface, Path, Quasistatic, Refinement, Step};
 use gfmd_law::{Exponential, Limit};
 use ndarray::Array2;
 
@@ -136,7 +136,7 @@ fn paths_continue_bit_for_bit() {
 
     let (body, grid, heights) = surface();
     let slide = |x: f64| Drive { load: Load::MeanPressure(0.02), lateral: [x, 0.0], time: 0.0, distance: 0.0 };
-    let friction = FrictionalContact::new(&body, &grid, &heights, Limit::Coulomb(0.3)).unwrap();
+    let friction = crate::rubbing(Boundary::Periodic, &body, &grid, &heights, Limit::Coulomb(0.3));
     continues(&friction, &[0.0, 0.0005, 0.002, 0.001, -0.001].map(slide));
     let law = Exponential::new(1e-4, 3e-3).unwrap();
     let all = Interface::in_all_components(&body, &grid, &heights, law).unwrap();

@@ -1,13 +1,15 @@
 //! Loads so small that the roughness or the tractions of a law hide them: flat tops, where all fields are proportional
 //! to the load, and contact by a law without traction far away.
 
-use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveError};
+use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveError};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{FrictionalContact, Interface};
+use gfmd_interface::Interface;
 use gfmd_law::{Dugdale, Exponential, HardWall, Limit, Morse};
 use gfmd_surface::{Discretisation, SelfAffine};
 use ndarray::Array2;
+
+use crate::{rubbing, traction};
 
 fn half_space(nu: f64) -> Body {
     Body::half_space(Material::from_contact_modulus(1.0, nu).unwrap())
@@ -54,11 +56,12 @@ fn a_wall_alone_carries_a_small_load_on_a_flat_top() {
 #[test]
 fn friction_under_a_small_load_is_that_under_a_large_one() {
     let (grid, heights) = disc(24);
-    let contact = FrictionalContact::new(&half_space(0.2), &grid, &heights, Limit::Coulomb(0.3)).unwrap();
+    let contact = rubbing(Boundary::Periodic, &half_space(0.2), &grid, &heights, Limit::Coulomb(0.3));
     let tractions = |mean: f64| {
         let pressed = contact.press(Load::MeanPressure(mean)).solve().unwrap();
         let drive = Drive { load: Load::MeanPressure(mean), lateral: [0.3 * mean, 0.0], time: 0.0, distance: 0.0 };
-        [contact.press(drive).starting_from(Some(&pressed)).solve().unwrap().traction / mean, pressed.traction / mean]
+        let sheared = contact.press(drive).starting_from(Some(&pressed)).solve().unwrap();
+        [sheared, pressed].map(|state| traction(&state).into_iter().map(|t| t / mean).collect::<Vec<f64>>())
     };
     let expected = tractions(1e-3);
     for mean in [1e-6, 1e-8, 1e-10] {
@@ -73,13 +76,13 @@ fn friction_under_a_small_load_is_that_under_a_large_one() {
 #[test]
 fn friction_at_a_small_approach_is_that_at_a_large_one() {
     let (grid, heights) = disc(24);
-    let contact = FrictionalContact::new(&half_space(0.2), &grid, &heights, Limit::Coulomb(0.3)).unwrap();
+    let contact = rubbing(Boundary::Periodic, &half_space(0.2), &grid, &heights, Limit::Coulomb(0.3));
     let tractions = |approach: f64| {
         let pressed = contact.press(Load::Approach(approach)).solve().unwrap();
         let lateral = [0.1 * approach, 0.0];
         let drive = Drive { load: Load::Approach(approach), lateral, time: 0.0, distance: 0.0 };
         let sheared = contact.press(drive).starting_from(Some(&pressed)).solve().unwrap();
-        [sheared.traction / approach, pressed.traction / approach]
+        [sheared, pressed].map(|state| traction(&state).into_iter().map(|t| t / approach).collect::<Vec<f64>>())
     };
     let expected = tractions(1e-2);
     for approach in [1e-5, 1e-6, 1e-9, 1e-30] {
