@@ -28,9 +28,9 @@ impl Interface {
     }
 
     /// Sets the compliance of `springs` in series with the wall, in length/stress, a number or a field `[x, y]`: in
-    /// contact, the surfaces overlap by the compliance times the [pressure of the wall](crate::State::wall_pressure). At a
-    /// compliance of 0 the wall is hard. Archard's law in one step of sliding is such a compliance, the coefficient
-    /// times the distance.
+    /// contact, the surfaces overlap by the compliance times the [pressure of the wall](crate::State::wall_pressure).
+    /// At a compliance of 0 the wall is hard. Archard's law in one step of sliding is such a compliance, the
+    /// coefficient times the distance.
     ///
     /// # Errors
     /// Returns an error for a compliance that is negative or not finite or differs in shape from the heights, for a law
@@ -92,8 +92,13 @@ impl Interface {
     /// Returns true if the wall gives way at some points, so that a body with a fixed mean level may be pressed beyond
     /// full contact.
     pub(crate) fn gives_way(&self) -> bool {
+        self.hardness.is_some() || self.has_springs()
+    }
+
+    /// Returns true if the springs at some points are not walls for the search.
+    pub(crate) fn has_springs(&self) -> bool {
         let [_, stiffest] = self.elastic.stiffness_range();
-        self.hardness.is_some() || self.springs.iter().flat_map(|all| all.iter()).any(|k| !is_rigid(*k, stiffest))
+        self.springs.iter().flat_map(|all| all.iter()).any(|k| !is_rigid(*k, stiffest))
     }
 
     /// Returns the wall in a frame; `None` if it gives way nowhere.

@@ -26,7 +26,7 @@ impl Interface {
         if self.hardness.is_some() {
             return Err(GradientError::Hardness);
         }
-        if self.springs.is_some() {
+        if self.has_springs() {
             return Err(GradientError::Undetermined(
                 "the interface has springs; it must have none, since their derivative is not implemented",
             ));
