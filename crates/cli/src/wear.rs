@@ -86,6 +86,7 @@ impl Args {
     fn facts(&self, line: bool) -> Facts {
         Facts {
             wear: Some(WearBy::Distance),
+            is_wear: true,
             line,
             approach: self.loads.is_approach(),
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
