@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_interface::{Path, QuasistaticState, Refinement, Step};
-use gfmd_law::{LawKind, Limit};
-use gfmd_problem::{AnyState, Facts, Friction, Posed, key, setting, words};
+use gfmd_law::LawKind;
+use gfmd_problem::{AnyState, Facts, Posed, WearBy, key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use self::waypoints::WaypointArgs;
@@ -23,7 +23,7 @@ use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::toml_of;
-use gfmd_problem::options::{ComplianceArgs, LawArgs, PronyArgs};
+use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PronyArgs, WearArgs};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
@@ -62,33 +62,18 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
-    /// Coulomb friction with this coefficient, at a hard wall
-    #[arg(
-        long,
-        value_name = "MU",
-        conflicts_with_all = ["law", "shear_strength"],
-        allow_negative_numbers = true,
-        help_heading = "Contact"
-    )]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    friction: Option<f64>,
-    /// Friction with this shear strength (Tresca), stress, at a hard wall
-    #[arg(long, value_name = "TAU", conflicts_with = "law", allow_negative_numbers = true, help_heading = "Contact")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[option(kinds = Kinds::STRESS)]
-    shear_strength: Option<f64>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    friction: FrictionArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    wear: WearArgs,
     #[command(flatten)]
     #[serde(flatten)]
     around: PathOptions,
-    /// Largest pressure that the surfaces carry behind a hard wall, stress, or FILE.npy or FILE.h5:/dataset with a
-    /// value for each point; the plastic depth stays
-    #[arg(
-        long,
-        value_name = "P|FILE",
-        allow_negative_numbers = true,
-        conflicts_with_all = ["friction", "shear_strength"],
-        help_heading = "Contact"
-    )]
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
+    /// the plastic depth stays
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::HARDNESS, array)]
     hardness: Option<GivenHardness>,
@@ -111,7 +96,7 @@ pub struct Args {
     )]
     energy_tolerance: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
-    /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body 0]
+    /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body and with wear 0]
     #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
     /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap,
@@ -124,29 +109,28 @@ pub struct Args {
 impl Args {
     /// Returns the facts of the path; `line` is true for a profile.
     fn facts(&self, line: bool) -> Facts {
-        let friction = (self.friction.map(|_| Friction::Coulomb)).or(self.shear_strength.map(|_| Friction::Tresca));
         Facts {
             law: self.law.law,
             hardness: self.hardness.is_some(),
-            friction,
+            friction: self.friction.fact(),
             line,
             approach: self.waypoints.given() == "approach",
-            lateral: !self.waypoints.lateral.is_empty(),
+            lateral: self.waypoints.moves_sideways(),
             relaxes: self.prony.relaxing(),
+            wear: self.wear.fact(),
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
         }
     }
 
     /// Returns the problem requested by the flags.
     fn asked(&self) -> Result<Asked<'_>, Failure> {
-        let limit = (self.friction.map(|friction| (Limit::Coulomb(friction), "friction")))
-            .or(self.shear_strength.map(|strength| (Limit::Tresca(strength), "shear_strength")));
         let body = self.prony.long_term(&self.body)?;
         Ok(Asked {
             compliance: Cow::Borrowed(&self.compliance),
             law: Cow::Borrowed(&self.law),
             hardness: self.hardness.as_ref(),
-            limit,
+            shear: self.friction.shear(),
+            wear: self.wear.wear()?,
             prony: self.prony.series()?,
             boundary: self.around.boundary,
             ..Asked::new(&self.source, Cow::Owned(body), self.steps.search.budget())
@@ -154,11 +138,10 @@ impl Args {
     }
 
     fn energy_solves(&self) -> u64 {
-        let slips = self.friction.is_some() || self.shear_strength.is_some();
         let default = match () {
-            // Steps of a relaxing body are never subdivided.
-            () if self.prony.relaxing().is_some() => 0,
-            () if slips => FRICTION_SOLVES,
+            // Steps of a body that relaxes or of surfaces that wear are never subdivided.
+            () if self.prony.relaxing().is_some() || self.wear.coefficient.is_some() => 0,
+            () if self.friction.fact().is_some() => FRICTION_SOLVES,
             () => Refinement::default().solves_per_step,
         };
         self.energy_solves.unwrap_or(default)
@@ -202,11 +185,27 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
         (None, false) => return Err(Failure::value(key("time"), "given", words!["left out without ", key("prony")])),
         _ => {}
     }
+    match (args.wear.fact(), args.waypoints.distance.is_empty()) {
+        (Some(WearBy::Distance), true) => {
+            return Err(Failure::missing("distance", words!["it is needed with ", key("coefficient")]));
+        }
+        (Some(WearBy::Slip), false) => {
+            return Err(Failure::value(key("distance"), "given", words!["left out with ", setting("wear_by", "slip")]));
+        }
+        (None, false) => {
+            return Err(Failure::value(key("distance"), "given", words!["left out without ", key("coefficient")]));
+        }
+        _ => {}
+    }
+    if args.wear.fact().is_none() && args.wear.wear_by != WearBy::default() {
+        let without = words!["left out without ", key("coefficient")];
+        return Err(Failure::value(key("wear_by"), args.wear.wear_by, without));
+    }
     let prepared = Prepared::new(&args.asked()?, |line| args.facts(line), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may lag behind the surface and touch it again.
     let may_part = prepared.prony.is_some() && args.waypoints.given() == "approach";
-    let hard = !may_part && (prepared.limit.is_some() || args.law.law == LawKind::HardWall);
+    let hard = !may_part && args.law.law == LawKind::HardWall;
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
     let output = session.output(args.steps.out.as_ref())?;
     Ok(PathInput { prepared, drives, places, output })

@@ -12,11 +12,11 @@ use gfmd_contact::{Drive, Load};
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
-use gfmd_interface::Refinement;
+use gfmd_interface::{Refinement, Wear};
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs};
-use gfmd_problem::{Facts, key};
+use gfmd_problem::{Facts, WearBy, key};
 use gfmd_report::figures::{Scene, SceneFields, parse_prefix};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
 use ndarray::Array2;
@@ -85,7 +85,8 @@ pub struct Args {
 impl Args {
     fn facts(&self, line: bool) -> Facts {
         Facts {
-            wears: true,
+            wear: Some(WearBy::Distance),
+            is_wear: true,
             line,
             approach: self.loads.is_approach(),
             ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
@@ -96,7 +97,7 @@ impl Args {
     fn asked(&self) -> Asked<'_> {
         Asked {
             compliance: Cow::Borrowed(&self.compliance),
-            wear: self.coefficient,
+            wear: self.coefficient.map(|by_distance| Wear { by_distance, by_slip: 0.0 }),
             boundary: self.around.boundary,
             ..Asked::new(&self.source, Cow::Borrowed(&self.body), self.steps.search.budget())
         }
@@ -149,7 +150,7 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     check_distance(args.coefficient()? * pressure.fold(0.0, f64::max), &distances, &prepared.surface.heights)?;
     let lists = [(args.loads.option(), values.len()), ("distance", distances.len())];
     let count = counted(&lists, args.steps.steps, |count| count)?;
-    let (drives, places) = legs((&values, &distances, count), args.steps.steps, |value, distance| {
+    let (drives, places) = legs([&values], [&distances], count, args.steps.steps, |[value], [distance]| {
         Drive::from(load(value)).after(distance)
     });
     let output = session.output(args.steps.out.as_ref())?;

@@ -6,7 +6,7 @@ use ndarray::Array2;
 
 use crate::Interface;
 use crate::frame::Frame;
-use crate::kinks::Kinks;
+use crate::kinks::{Kinks, is_rigid};
 
 /// Reason why a [`Refusal`] names all components.
 const ALL_COMPONENTS: &str = "all components of the displacement";
@@ -16,7 +16,7 @@ const NO_WALL: &str = "a law without a hard wall";
 impl Interface {
     /// Sets the `hardness`, the largest pressure that the body feels, in stress: a number or a field `[x, y]`. Beside a
     /// law, the repulsion of the wall may exceed it by the attraction in contact. Where it is reached, the surfaces are
-    /// [pressed into each other](State::pressed_in). A repulsive law is not bounded.
+    /// [pressed into each other](crate::State::pressed_in). A repulsive law is not bounded.
     ///
     /// # Errors
     /// Returns an error for a hardness that is not positive and finite or differs in shape from the heights, for a law
@@ -28,8 +28,9 @@ impl Interface {
     }
 
     /// Sets the compliance of `springs` in series with the wall, in length/stress, a number or a field `[x, y]`: in
-    /// contact, the surfaces overlap by the compliance times the repulsion of the wall. At a compliance of 0 the wall is
-    /// hard. Archard's law in one step of sliding is such a compliance, the coefficient times the distance.
+    /// contact, the surfaces overlap by the compliance times the [pressure of the wall](crate::State::wall_pressure).
+    /// At a compliance of 0 the wall is hard. Archard's law in one step of sliding is such a compliance, the
+    /// coefficient times the distance.
     ///
     /// # Errors
     /// Returns an error for a compliance that is negative or not finite or differs in shape from the heights, for a law
@@ -91,7 +92,13 @@ impl Interface {
     /// Returns true if the wall gives way at some points, so that a body with a fixed mean level may be pressed beyond
     /// full contact.
     pub(crate) fn gives_way(&self) -> bool {
-        self.hardness.is_some() || self.springs.is_some()
+        self.hardness.is_some() || self.has_springs()
+    }
+
+    /// Returns true if the springs at some points are not walls for the search.
+    pub(crate) fn has_springs(&self) -> bool {
+        let [_, stiffest] = self.elastic.stiffness_range();
+        self.springs.iter().flat_map(|all| all.iter()).any(|k| !is_rigid(*k, stiffest))
     }
 
     /// Returns the wall in a frame; `None` if it gives way nowhere.

@@ -18,14 +18,15 @@ impl Interface {
     /// the wall is kept fixed, as it is for almost all heights and loads.
     ///
     /// # Errors
-    /// Returns an error for an interface in all components, with a hardness or with springs; for derivatives of another shape or not finite; if the load
-    /// does not determine the state, or the state jumps; or if the linear problem was not solved.
+    /// Returns an error for an interface in all components, with a hardness or with springs; for derivatives of another
+    /// shape or not finite; if the load does not determine the state, or the state jumps; or if the linear problem was
+    /// not solved.
     pub fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
         let shape: [usize; 2] = self.surface.grid().points();
         if self.hardness.is_some() {
             return Err(GradientError::Hardness);
         }
-        if self.springs.is_some() {
+        if self.has_springs() {
             return Err(GradientError::Undetermined(
                 "the interface has springs; it must have none, since their derivative is not implemented",
             ));

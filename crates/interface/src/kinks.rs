@@ -1,7 +1,7 @@
 //! Wall that gives way below a law: a hardness bounds its repulsion, and springs act in series with it.
 //!
-//! With a the gap that the elastic surface leaves to the rigid one, the repulsion of a point is r = min(r_max, −a/k) for
-//! a < 0 and 0 for a > 0, with the compliance k of the spring. The hardness P bounds the pressure that the body feels,
+//! The repulsion of a point is r = min(r_max, −a/k) for a < 0 and 0 for a > 0, with the distance a from the elastic up
+//! to the rigid surface and the compliance k of the spring. The hardness P bounds the pressure that the body feels,
 //! r − T(0) ≤ P, so that r_max = P + T(0), with the attraction T(0) of the law. The potential of the point is Φ(a) for
 //! a ≥ 0 and Φ(0) + T(0) a + ∫ r da below. Without a spring it has a kink at a = 0, where −T(0) ≤ p ≤ P. The surfaces
 //! are pressed into each other by −a − k r_max where this is positive (theory.md, section 8.2).
@@ -27,6 +27,11 @@ const RESTORED: f64 = 1e-12;
 
 /// Maximum number of rounds to restore a mean; a few suffice.
 const ROUNDS: usize = 50;
+
+/// Returns true if a spring on a body with the largest stiffness `stiffest` is a wall for the search.
+pub(crate) fn is_rigid(compliance: f64, stiffest: f64) -> bool {
+    compliance * stiffest <= RIGID
+}
 
 /// Piece of the potential of a point on which it is smooth, and on which the point stays during one step of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +78,7 @@ impl Kinks {
                 most[at] = (hardness.ceiling().at(i) + touch.traction).max(0.0);
             }
             if let Some(given) = given {
-                springs[at] = if given[i] * stiffest > RIGID { given[i] } else { 0.0 };
+                springs[at] = if is_rigid(given[i], stiffest) { 0.0 } else { given[i] };
             }
         }
         Self { bound: frame.wall().collect(), most, springs, touch, stiffness: (softest * stiffest).sqrt() }

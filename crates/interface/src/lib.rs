@@ -2,9 +2,8 @@
 #![doc = include_str!("../README.md")]
 //!
 //! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. The
-//!   wall may have a hardness and springs. In
-//!   equilibrium the elastic traction balances the tractions of law and wall. If several equilibria exist, the solver
-//!   finds a stable one by lowering the energy from the starting state.
+//!   wall may have a hardness and springs. In equilibrium the elastic traction balances the tractions of law and wall.
+//!   If several equilibria exist, the solver finds a stable one by lowering the energy from the starting state.
 //! - [`QuasistaticContact`]: a contact made of [`Parts`], solved increment by increment: a wall or a law, friction, a
 //!   hardness, wear, and a body that relaxes, in any combination.
 //! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step.

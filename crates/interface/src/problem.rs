@@ -123,8 +123,8 @@ impl Interface {
     }
 
     /// Returns this interface with the tractions of its law, its hardness and the stiffness of its springs divided by
-    /// `factor`. It has the displacements of this interface on a body stiffer by `factor`, with all tractions divided by
-    /// `factor`.
+    /// `factor`. It has the displacements of this interface on a body stiffer by `factor`, with all tractions divided
+    /// by `factor`.
     #[must_use]
     pub fn weakened(&self, factor: f64) -> Self {
         Self {

@@ -221,9 +221,11 @@ impl Interface {
     }
 
     /// Solves the contact of a periodic surface with a hard wall, in u_z alone, by the faster pressure solver. Returns
-    /// `None` if this fails.
+    /// `None` if this fails, and with springs.
     fn by_pressure(&self, drive: Drive, budget: &Budget, watch: &mut dyn Watch) -> Option<State> {
-        let (Elastic::Normal(response), None, None) = (&self.elastic, &self.patch, &self.springs) else { return None };
+        let (Elastic::Normal(response), None, false) = (&self.elastic, &self.patch, self.has_springs()) else {
+            return None;
+        };
         // The search that follows finds and reports the same refusal or failure.
         let clearance = ArrayView2::from_shape(self.surface.grid().points(), self.surface.clearance()).ok()?;
         let mut contact = Contact::with_response(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;

@@ -150,6 +150,16 @@ impl LawKind {
         })
     }
 
+    /// Returns true if the law may have a hard wall; a table has one if it begins at a gap of 0.
+    pub fn may_have_wall(self) -> bool {
+        matches!(self, Self::HardWall | Self::Exponential | Self::Dugdale | Self::Table)
+    }
+
+    /// Returns true if the law has a traction along the surface.
+    pub fn shears(self) -> bool {
+        matches!(self, Self::XuNeedleman | Self::BoschSchreursGeers | Self::CoupledExponential | Self::Npb | Self::Npc)
+    }
+
     /// Returns the names of the laws selected by `wanted`, in the order of [`LawKind::ALL`], separated by commas.
     pub fn names(wanted: impl Fn(Self) -> bool) -> String {
         let names: Vec<&str> = Self::ALL.into_iter().filter(|kind| wanted(*kind)).map(Self::name).collect();

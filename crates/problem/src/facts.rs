@@ -22,6 +22,47 @@ pub enum Friction {
     Coulomb,
     /// Shear strength.
     Tresca,
+    /// The smaller of both.
+    Orowan,
+}
+
+/// Sliding by which surfaces wear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WearBy {
+    /// Prescribed sliding distance: gross sliding, or many cycles.
+    #[default]
+    Distance,
+    /// Slip of each point: fretting.
+    Slip,
+}
+
+impl WearBy {
+    /// All choices.
+    pub const ALL: [Self; 2] = [Self::Distance, Self::Slip];
+
+    /// Returns the name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Distance => "distance",
+            Self::Slip => "slip",
+        }
+    }
+
+    /// Returns a description in one line.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Distance => {
+                "the sliding distance of the legs, the same for all points: gross sliding, or many cycles"
+            }
+            Self::Slip => "the slip of each point, which friction determines: fretting",
+        }
+    }
+}
+
+impl std::fmt::Display for WearBy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
 }
 
 /// Support of a surface: the body below it.
@@ -104,8 +145,10 @@ pub struct Facts {
     pub second: Option<Support>,
     /// Relaxing moduli of a viscoelastic body.
     pub relaxes: Option<Relaxes>,
-    /// True if the surfaces wear.
-    pub wears: bool,
+    /// Sliding by which the surfaces wear, if they do.
+    pub wear: Option<WearBy>,
+    /// True for the command `wear`, whose results have a file of their own kind.
+    pub is_wear: bool,
     /// Motion of the base, if it moves.
     pub moved_base: Option<MovedBase>,
     /// True for a profile, in plane strain.
@@ -145,7 +188,8 @@ impl Default for Facts {
             layers: false,
             second: None,
             relaxes: None,
-            wears: false,
+            wear: None,
+            is_wear: false,
             moved_base: None,
             line: false,
             approach: false,
@@ -167,6 +211,11 @@ impl Facts {
         self.law != LawKind::HardWall
     }
 
+    /// Returns true if a law that shears moves all components of the displacement.
+    pub fn shears_by_law(&self) -> bool {
+        self.task == Task::Path && self.lateral && self.friction.is_none()
+    }
+
     /// Returns true if the displacement has a reference level: points far away, or its mean. A profile on a patch over
     /// a half-space has none, since its displacement grows with the logarithm of the distance.
     pub fn has_level(&self) -> bool {
@@ -185,7 +234,7 @@ impl Facts {
             || self.friction.is_some()
             || self.boundary == Boundary::Free
             || self.relaxes.is_some()
-            || self.wears);
+            || self.wear.is_some());
         self.has_law() || self.task == Task::Path && is_alone
     }
 

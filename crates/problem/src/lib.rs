@@ -28,7 +28,7 @@ mod words;
 
 pub use accuracy::{Accuracy, AccuracyError};
 pub use adhesion::Adhesion;
-pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task};
+pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task, WearBy};
 pub use grid_error::GridError;
 pub use memory::MemoryNeed;
 pub use moduli::Moduli;

@@ -12,6 +12,7 @@ pub mod given;
 mod law;
 mod prony;
 pub mod quantities;
+mod sliding;
 mod solver;
 pub mod values;
 
@@ -23,6 +24,7 @@ pub use generator::{GeneratorArgs, LARGEST_SEED, Method};
 pub use law::LawArgs;
 pub use prony::{PronyArgs, Relaxation};
 pub use quantities::{Kinds, KindsByKey};
+pub use sliding::{FrictionArgs, WearArgs};
 pub use solver::{SearchArgs, SolverArgs};
 
 pub use gfmd_derive::Options;

@@ -4,7 +4,7 @@ use gfmd_contact::{Boundary, Contact, Dynamics, FullContact, Hardness, Refusal, 
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Wear};
-use gfmd_law::{HardWall, Law, Limit};
+use gfmd_law::{HardWall, Law};
 use gfmd_medium::Prony;
 use ndarray::ArrayRef2;
 
@@ -31,12 +31,12 @@ pub struct Given<'a> {
     pub law: Arc<dyn Law>,
     /// Largest pressure, stress.
     pub hardness: Option<Hardness>,
-    /// Limit of the shear.
-    pub limit: Option<Limit>,
+    /// Shear between the surfaces.
+    pub shear: Option<Shear>,
     /// Relaxation of the body, which has its long-term moduli.
     pub prony: Option<&'a Prony>,
-    /// Wear coefficient, 1/stress.
-    pub wear: Option<f64>,
+    /// Wear of both surfaces together.
+    pub wear: Option<Wear>,
     /// Time step and damping of the dynamic solvers.
     pub dynamics: Dynamics,
 }
@@ -53,7 +53,7 @@ impl<'a> Given<'a> {
             lower: None,
             law: HardWall.into_shared(),
             hardness: None,
-            limit: None,
+            shear: None,
             prony: None,
             wear: None,
             dynamics: Dynamics::default(),
@@ -82,14 +82,14 @@ impl<'a> Given<'a> {
 /// Returns an error if heights, body, hardness or law cannot be in contact, or if the given parts differ from the
 /// facts.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, share: _, heights, lower, law, hardness, limit, prony, wear, dynamics } = given;
+    let Given { facts, body, grid, share: _, heights, lower, law, hardness, shear, prony, wear, dynamics } = given;
     // All parts, so that none of them is left out of the contact.
     for (part, is_fact, is_given) in [
         ("lower surface", facts.lower.is_some(), lower.is_some()),
         ("hardness", facts.hardness, hardness.is_some()),
-        ("limit of the shear", facts.friction.is_some(), limit.is_some()),
+        ("limit of the shear", facts.friction.is_some(), shear.is_some()),
         ("relaxation", facts.relaxes.is_some(), prony.is_some()),
-        ("coefficient of wear", facts.wears, wear.is_some()),
+        ("coefficient of wear", facts.wear.is_some(), wear.is_some()),
     ] {
         if is_fact != is_given {
             return Err(Refusal::Part { part });
@@ -109,16 +109,20 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
             boundary: facts.boundary,
             // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
             law: facts.solves_a_law().then(|| Arc::clone(law)),
-            all_components: facts.lateral && limit.is_none(),
+            all_components: facts.shears_by_law(),
             hardness: hardness.clone(),
-            shear: limit.map(Shear::from),
+            shear: *shear,
             relaxation: prony.zip(facts.relaxes),
-            wear: wear.map(|by_distance| Wear { by_distance, by_slip: 0.0 }),
+            wear: *wear,
         };
         return Ok(Posed::new(QuasistaticContact::new(&parts)?));
     }
     if facts.has_law() {
-        return Ok(Posed::new(Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?));
+        let interface = Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?;
+        return Ok(Posed::new(match hardness {
+            Some(hardness) => interface.with_hardness(hardness.clone())?,
+            None => interface,
+        }));
     }
     if facts.unknown == Unknown::All {
         return Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)));

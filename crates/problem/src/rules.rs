@@ -4,7 +4,7 @@ use gfmd_contact::Boundary;
 use gfmd_green::{BaseKind, Condition, Ground};
 use gfmd_medium::Relaxes;
 
-use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task};
+use crate::facts::{Facts, Friction, Lower, MovedBase, Support, Task, WearBy};
 use crate::grid_error::GridError;
 use crate::unknown::Unknown;
 use crate::{Spelling, Unusable, Words, key, setting, words};
@@ -76,7 +76,14 @@ parts! {
     /// Viscoelastic body with a constant bulk modulus.
     Shear: |_| (key("relaxes"), "shear", setting("relaxes", "shear")), |f| f.relaxes == Some(Relaxes::Shear);
     /// Surfaces that wear.
-    Wear: |_| (key("coefficient"), "given", "wear".into()), |f| f.wears;
+    Wear: |_| (key("coefficient"), "given", "wear".into()), |f| f.wear.is_some();
+    /// Surfaces that wear by their slip, without friction.
+    SlipAlone: |_| (setting("wear_by", "slip"), "given", setting("wear_by", "slip")),
+        |f| f.wear == Some(WearBy::Slip) && f.friction.is_none();
+    /// Law with a traction along the surface.
+    ShearingLaw: |f| (key("law"), f.law.name(), words!["a ", key("law"), " that shears"]), |f| f.law.shears();
+    /// Law without a hard wall.
+    OpenLaw: |f| (key("law"), f.law.name(), words!["a ", key("law"), " without a wall"]), |f| !f.law.may_have_wall();
     /// Patch on a slab.
     FreeSlab: |_| (key("boundary"), "free", words!["a slab with ", setting("boundary", "free")]),
         |f| f.boundary == Boundary::Free && f.support != Support::HalfSpace;
@@ -148,6 +155,8 @@ const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) 
 
 /// Reason of a rule that a later version may lift.
 const NOT_IMPLEMENTED: &str = "not implemented";
+/// Reason of the rules for a law that moves all components.
+const LAW_ALONE: &str = "without friction a law that shears moves all components, which have no such part";
 /// Reason of the rules for several processes.
 const ONLY_PERIODIC_WALLS_IN_PARALLEL: &str = "several processes support only periodic hard walls";
 
@@ -196,26 +205,20 @@ pub const RULES: &[Rule] = {
         rule(All, MovedBase, "normal", "the base moves the surface sideways, too"),
         rule(Held, MovedBase, "normal", "the base moves the surface sideways, too"),
         rule(All, Approach, "normal", "the dynamics needs a mean pressure"),
-        rule(Hardness, Law, "left out", "the largest pressure is that of a hard wall"),
-        rule(Law, Friction, "hard-wall", "the limit of the shear is that of a hard wall"),
-        rule(Hardness, Friction, "left out", "no solver supports both limits"),
-        rule(Hardness, Lateral, "left out", "no solver supports both"),
+        rule(Hardness, OpenLaw, "left out", "without a wall nothing is pressed into the other surface"),
+        rule(Friction, ShearingLaw, "left out", "the law has a shear of its own"),
+        rule(Hardness, Lateral, "left out", LAW_ALONE),
         rule(Free, MovedBase, "periodic", "the effect of the base is that of a periodic cell"),
         rule(Free, Lateral, "periodic", NOT_IMPLEMENTED),
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
         rule(Line, FreeFriction, "3", "the lateral displacement of a profile is known up to a constant"),
         rule(Sliding, FreeFriction, "bonded or half-space", "the body has no lateral support"),
-        rule(Hardness, Prony, "left out", NOT_IMPLEMENTED),
-        rule(Friction, Prony, "left out", NOT_IMPLEMENTED),
-        rule(Lateral, Prony, "left out", NOT_IMPLEMENTED),
+        rule(Prony, Lateral, "left out", LAW_ALONE),
         rule(SecondBody, Prony, "left out", "the second body would relax differently"),
-        rule(NoLevel, Prony, "periodic", "the energy of its displacement is not known"),
-        rule(Law, Wear, "hard-wall", NOT_IMPLEMENTED),
-        rule(Hardness, Wear, "left out", NOT_IMPLEMENTED),
-        rule(Friction, Wear, "left out", NOT_IMPLEMENTED),
-        rule(Lateral, Wear, "left out", NOT_IMPLEMENTED),
-        rule(Prony, Wear, "left out", NOT_IMPLEMENTED),
-        rule(Wear, NoLevel, "left out", "the energy of its displacement is not known"),
+        rule(Wear, OpenLaw, "left out", "without a wall nothing is rubbed off"),
+        rule(Wear, Lateral, "left out", LAW_ALONE),
+        rule(SlipAlone, Path, "distance", "slip is known with friction only"),
+        rule(Friction, Shear, "left out", "the relaxation of the shear is not known"),
         rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
         rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
         rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
@@ -337,9 +340,9 @@ impl Part {
                     | Self::Prony
                     | Self::Shear
                     | Self::Wear
+                    | Self::SlipAlone
             ),
-            // Wear has a command of its own for its paths.
-            Task::Path if matches!(self, Self::FixedApproach | Self::Wear) => false,
+            Task::Path if self == Self::FixedApproach => false,
             Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }
     }

@@ -107,7 +107,7 @@ pub const ARRAYS: &[Array] = &[
     Array::new("wear_depth", "length", &[(any, "depth that both surfaces have lost so far")], |rest, _| {
         rest.on_path()?.wear_depth().map(|depth| depth.view().into())
     })
-    .of_paths(|facts| facts.wears),
+    .of_paths(|facts| facts.wear.is_some()),
     Array::new("displacement_x", "length", &[(any, "displacement of the elastic surface along x")], |rest, _| {
         axis_of(rest, 0)
     })

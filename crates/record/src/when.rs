@@ -56,7 +56,7 @@ pub(crate) fn relaxing(facts: &Facts) -> bool {
 }
 
 pub(crate) fn wears(facts: &Facts) -> bool {
-    facts.wears
+    facts.wear.is_some()
 }
 
 pub(crate) fn friction(facts: &Facts) -> bool {

@@ -47,27 +47,33 @@ pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) 
     Ok(count)
 }
 
-/// Returns the steps of `count` legs, starting from zero. Each leg has a length and ends at its value; a single value
-/// holds for all legs. A leg of zero length is one step. `drive` maps a value and the path length so far to a drive.
-pub(crate) fn legs(
-    (values, lengths, count): (&[f64], &[f64], usize),
+/// Returns the steps of `count` legs, starting from zero. A leg ends at its `levels`, after its `lengths`; a list of one
+/// value holds for all legs. A leg of zero lengths is one step. `drive` maps the levels and the lengths so far to a
+/// drive.
+pub(crate) fn legs<const L: usize, const M: usize>(
+    levels: [&[f64]; L],
+    lengths: [&[f64]; M],
+    count: usize,
     steps: u32,
-    drive: impl Fn(f64, f64) -> Drive,
+    drive: impl Fn([f64; L], [f64; M]) -> Drive,
 ) -> (Vec<Drive>, Places) {
     let (mut drives, mut ends) = (Vec::new(), Vec::new());
-    let (mut before, mut start) = (0.0, 0.0);
+    let (mut before, mut start) = ([0.0; L], [0.0; M]);
     for leg in 0..count {
         let of = |list: &[f64]| list[leg.min(list.len() - 1)];
-        let length = of(lengths);
-        let (value, end) = (of(values), start + length);
-        let count = if length == 0.0 { 1 } else { steps };
+        let (level, length) = (levels.map(of), lengths.map(of));
+        let end: [f64; M] = std::array::from_fn(|m| start[m] + length[m]);
+        let count = if length.iter().all(|length| *length == 0.0) { 1 } else { steps };
         for step in 1..=count {
             let share = f64::from(step) / f64::from(count);
             let at = |from: f64, to: f64| if step == count { to } else { from + share * (to - from) };
-            drives.push(drive(at(before, value), at(start, end)));
+            drives.push(drive(
+                std::array::from_fn(|l| at(before[l], level[l])),
+                std::array::from_fn(|m| at(start[m], end[m])),
+            ));
         }
         ends.push(drives.len() - 1);
-        (before, start) = (value, end);
+        (before, start) = (level, end);
     }
     (drives, Places::At(ends))
 }

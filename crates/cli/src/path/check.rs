@@ -1,6 +1,7 @@
 //! Check of a path file.
 
 use gfmd_contact::Boundary;
+use gfmd_interface::Shear;
 use gfmd_law::Limit;
 use gfmd_problem::AnyState;
 use gfmd_record::StateContext;
@@ -257,7 +258,7 @@ impl StepCheck<'_> {
     /// Recomputes the displacement from the tractions, then gap and energy.
     fn tractions(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
         let Self { args, stored: file } = self;
-        let Prepared { surface, body, limit, law, .. } = file.prepared;
+        let Prepared { surface, body, shear, law, .. } = file.prepared;
         let (field, unit_pressure) = (|name: &str| file.field(name, waypoint), file.prepared.unit_pressure());
         let stored = |name: &str| file.number(name, step);
         let gap = field("gap")?;
@@ -294,7 +295,7 @@ impl StepCheck<'_> {
         comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.steps.search.tolerance);
         let distance = apart(&displacement[lateral..], &stored_displacement) / height;
         comparison.at_most("/fields/displacement_z", distance, 100.0 * args.steps.search.tolerance);
-        let law = limit.is_none().then_some(law);
+        let law = shear.is_none().then_some(law);
         if law.is_none_or(|law| law.has_wall()) {
             let below = -gap.iter().copied().fold(0.0, f64::min) / height;
             comparison.at_most("/fields/gap (penetration)", below, args.steps.search.tolerance);
@@ -321,7 +322,7 @@ impl StepCheck<'_> {
             (stored("approach") - approach).abs() / height,
             args.steps.search.tolerance,
         );
-        if let Some(limit) = *limit {
+        if let Some(Shear { limit, .. }) = *shear {
             comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
             let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
             comparison.number("/path/area_fraction", stored("area_fraction"), touching, 0.0);

@@ -21,11 +21,21 @@ pub(super) struct WaypointArgs {
     #[command(flatten)]
     #[serde(flatten)]
     loads: LoadArgs,
-    /// Lateral displacements of the rigid surface, length; with them all components of the surface move
+    /// Lateral displacements of the rigid surface along --direction, length; with friction, or with a law that shears
     #[arg(long, value_delimiter = ',', value_name = "X1,X2,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTH)]
-    pub(super) lateral: Vec<f64>,
+    lateral: Vec<f64>,
+    /// Lateral displacements at a right angle to --direction, length
+    #[arg(long, value_delimiter = ',', value_name = "Y1,Y2,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::LENGTH)]
+    lateral_y: Vec<f64>,
+    /// Sliding distances of the legs of surfaces that wear. Each leg ends at a waypoint; the first begins at first touch
+    #[arg(long, value_delimiter = ',', value_name = "S1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::LENGTH)]
+    pub(super) distance: Vec<Entry>,
     /// Durations of the legs on a viscoelastic body. Each leg ends at a waypoint; the first begins at first touch;
     /// a leg of no time is a jump
     #[arg(long, value_delimiter = ',', value_name = "T1|A:B:N,..", allow_negative_numbers = true)]
@@ -47,29 +57,52 @@ impl WaypointArgs {
         self.loads.check(!hard)?;
         let (values, load) = self.loads.values(unit_pressure);
         let all = self.lateral.iter().map(|value| ("lateral", value)).chain([("direction", &self.direction)]);
+        let all = all.chain(self.lateral_y.iter().map(|value| ("lateral_y", value)));
         if let Some((option, bad)) = all.into_iter().find(|(_, value)| !value.is_finite()) {
             return Err(Failure::value(key(option), bad, "finite"));
         }
-        let lateral = if self.lateral.is_empty() { vec![0.0] } else { self.lateral.clone() };
-        let times = lengths("time", &self.time)?;
-        let lists = [(option, values.len()), ("lateral", lateral.len()), ("time", times.len().max(1))];
-        // With times, the first leg ends at the first waypoint.
-        let count = counted(&lists, steps, |count| count - usize::from(times.is_empty()))?;
-        if !times.is_empty() {
-            return Ok(legs((&values, &times, count), steps, |value, time| Drive::from(load(value)).at(time)));
+        let list = |values: &[f64]| if values.is_empty() { vec![0.0] } else { values.to_vec() };
+        let [lateral, lateral_y] = [&self.lateral, &self.lateral_y].map(|values| list(values));
+        let [times, distances] =
+            [("time", &self.time), ("distance", &self.distance)].map(|(option, entries)| lengths(option, entries));
+        let [times, distances] = [times?, distances?];
+        let has_legs = !(times.is_empty() && distances.is_empty());
+        let lists = [
+            (option, values.len()),
+            ("lateral", lateral.len()),
+            ("lateral_y", lateral_y.len()),
+            ("time", times.len().max(1)),
+            ("distance", distances.len().max(1)),
+        ];
+        // With times or distances, the first leg ends at the first waypoint.
+        let count = counted(&lists, steps, |count| count - usize::from(!has_legs))?;
+        let [x, y] = self.along();
+        let place = |along: f64, across: f64| [x * along - y * across, y * along + x * across];
+        if has_legs {
+            let (levels, lengths) = ([&values[..], &lateral, &lateral_y], [&list(&times)[..], &list(&distances)]);
+            return Ok(legs(levels, lengths, count, steps, |[value, along, across], [time, distance]| Drive {
+                load: load(value),
+                lateral: place(along, across),
+                time,
+                distance,
+            }));
         }
-        let along = self.along();
         let at = |list: &[f64], leg: usize, share: f64| match list {
             [only] => *only,
             list => list[leg] + share * (list[(leg + 1).min(list.len() - 1)] - list[leg]),
         };
         let drive = |leg: usize, share: f64| {
-            let (value, sideways) = (at(&values, leg, share), at(&lateral, leg, share));
-            Drive { load: load(value), lateral: along.map(|c| c * sideways), time: 0.0, distance: 0.0 }
+            let [value, along, across] = [&values, &lateral, &lateral_y].map(|list| at(list, leg, share));
+            Drive { load: load(value), lateral: place(along, across), time: 0.0, distance: 0.0 }
         };
         let inside = (0..count - 1).flat_map(|leg| (0..steps).map(move |i| (leg, f64::from(i) / f64::from(steps))));
         let drives = inside.map(|(leg, share)| drive(leg, share)).chain([drive(count - 1, 0.0)]).collect();
         Ok((drives, Places::Every(steps as usize)))
+    }
+
+    /// Returns true if the rigid surface is moved sideways.
+    pub(super) fn moves_sideways(&self) -> bool {
+        !(self.lateral.is_empty() && self.lateral_y.is_empty())
     }
 
     /// Returns the flag of the loads or approaches.

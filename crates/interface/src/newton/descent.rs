@@ -61,7 +61,7 @@ impl Placed {
         Self { elastic: vec![0.0; w.len()], w, inset: Vec::new(), reaction, energy: vec![0.0; points] }
     }
 
-    /// Returns the step of value `k` from another position. Between insets it is their difference, which has all digits.
+    /// Returns the step of value `k` from another position; between insets their difference, which has all digits.
     fn step_from(&self, from: &Self, k: usize) -> f64 {
         let (to, before) = (self.inset.get(k), from.inset.get(k));
         match to.zip(before) {

@@ -9,8 +9,8 @@ use super::weight_of;
 use crate::kinks::{Kinks, Piece};
 use crate::numbers::{higher, higher_each, mean_where};
 
-/// Least share in a shift of all points with which a point restores a held mean: at stiffer springs, points hardly move.
-/// A share is the square of a weight in the preconditioner.
+/// Least share in a shift of all points with which a point restores a held mean: at stiffer springs, points hardly
+/// move. A share is the square of a weight in the preconditioner.
 const SOFT: f64 = 0.01;
 
 impl<M: Model> Descent<'_, M> {

@@ -72,6 +72,35 @@ pub enum LimitingPressure {
     Net,
 }
 
+impl LimitingPressure {
+    /// All choices.
+    pub const ALL: [Self; 2] = [Self::Repulsion, Self::Net];
+
+    /// Returns the name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Repulsion => "repulsion",
+            Self::Net => "net",
+        }
+    }
+
+    /// Returns a description in one line.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Repulsion => {
+                "the repulsion of the points that touch, without the attraction: friction without a load"
+            }
+            Self::Net => "the net pressure, where it is positive",
+        }
+    }
+}
+
+impl std::fmt::Display for LimitingPressure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 impl From<Limit> for Shear {
     fn from(limit: Limit) -> Self {
         Self { limit, pressure: LimitingPressure::Repulsion }

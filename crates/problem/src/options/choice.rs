@@ -1,9 +1,10 @@
 //! Flags whose values are the rows of a library's table: a name and a meaning each.
 
-use crate::{GridError, Moduli, Unknown};
+use crate::{GridError, Moduli, Unknown, WearBy};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
+use gfmd_interface::LimitingPressure;
 use gfmd_medium::Relaxes;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
 
@@ -48,7 +49,9 @@ choices! {
     Relaxes: &Self::ALL;
     RollOffShape: Self::ALL;
     Solver: &Self::ALL;
+    LimitingPressure: &Self::ALL;
     Unknown: &Self::ALL;
+    WearBy: &Self::ALL;
 }
 
 /// Parses the name of a choice; the help lists all names with their meanings.

@@ -43,7 +43,7 @@ pub(super) fn lost(at: &StateContext, error: bool) -> Cell {
         Loss::Unknown => "the tractions have no energy",
         _ if step.dissipated.is_none() => "the step did not reach a state at rest",
         _ if step.change.is_some_and(f64::is_nan) => "--energy-solves did not suffice to halve the increment",
-        Loss::Certified { .. } if at.facts.wears => {
+        Loss::Certified { .. } if at.facts.wear.is_some() => {
             "the path was not followed in half as many steps: double --steps and compare the losses"
         }
         Loss::Certified { .. } => {

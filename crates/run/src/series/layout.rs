@@ -21,7 +21,7 @@ impl SeriesLayout {
     pub fn of(facts: &Facts) -> &'static Self {
         match facts.task {
             Task::Loads => &LOADS,
-            Task::Path if facts.wears => &DISTANCES,
+            Task::Path if facts.is_wear => &DISTANCES,
             Task::Path => &STEPS,
         }
     }

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solver};
 use gfmd_files::Reader;
 use gfmd_green::Body;
-use gfmd_law::{Law, Limit};
+use gfmd_interface::{Shear, Wear};
+use gfmd_law::Law;
 use gfmd_measure::{Scales, top};
 use gfmd_medium::Prony;
 use gfmd_problem::{AnyState, Facts, Given, Posed, Words, key, pose, setting, words};
@@ -44,12 +45,12 @@ pub struct Asked<'a> {
     pub law: Cow<'a, LawArgs>,
     /// Hardness.
     pub hardness: Option<&'a GivenHardness>,
-    /// Limit of the shear, and its flag.
-    pub limit: Option<(Limit, &'static str)>,
+    /// Shear between the surfaces, and its flag.
+    pub shear: Option<(Shear, &'static str)>,
     /// Relaxation of the body.
     pub prony: Option<Prony>,
-    /// Wear coefficient, 1/stress.
-    pub wear: Option<f64>,
+    /// Wear of both surfaces together.
+    pub wear: Option<Wear>,
     /// Boundary of the cell.
     pub boundary: Boundary,
     /// Options of the damped dynamics.
@@ -78,12 +79,12 @@ pub struct Prepared {
     pub law: Arc<dyn Law>,
     /// Hardness, if there is one.
     pub hardness: Option<Hardness>,
-    /// Limit of the shear, with friction.
-    pub limit: Option<Limit>,
+    /// Shear between the surfaces, with friction.
+    pub shear: Option<Shear>,
     /// Relaxation of the body, if it is viscoelastic.
     pub prony: Option<Prony>,
-    /// Wear coefficient, 1/stress, if the surfaces wear.
-    pub wear: Option<f64>,
+    /// Wear of both surfaces together, if they wear.
+    pub wear: Option<Wear>,
     dynamics: Dynamics,
     /// Height of the surface's top above the highest grid point, if this process has the whole surface.
     rise: Option<f64>,
@@ -103,8 +104,11 @@ impl Prepared {
         asked.budget.check().map_err(|error| Failure::input(key("tolerance"), error))?;
         let facts = |line: bool| Facts { processes: session.processes().all, ..facts(line) };
         facts(false).check()?;
-        let limit = asked.limit.map(|(limit, flag)| limit.check().map_err(|error| Failure::input(key(flag), error)));
-        let limit = limit.transpose()?;
+        let shear = asked.shear.map(|(shear, flag)| match shear.limit.check() {
+            Ok(_) => Ok(shear),
+            Err(error) => Err(Failure::input(key(flag), error)),
+        });
+        let shear = shear.transpose()?;
         let law = asked.law.build()?.into_shared();
         let surface = asked.source.bounded(asked.boundary, session)?;
         session.agree(asked.body.check_modulus(surface.unit.as_deref()).map_err(Failure::from))?;
@@ -148,7 +152,7 @@ impl Prepared {
             lower,
             law,
             hardness,
-            limit,
+            shear,
             prony,
             wear,
             dynamics,
@@ -222,7 +226,7 @@ impl Prepared {
             lower: self.lower.as_ref().map(|lower| &*lower.heights),
             law: Arc::clone(law),
             hardness: self.hardness.clone(),
-            limit: self.limit,
+            shear: self.shear,
             prony: self.prony.as_ref(),
             wear: self.wear,
             dynamics: self.dynamics,
@@ -415,7 +419,7 @@ impl<'a> Asked<'a> {
             lower: Cow::default(),
             law: Cow::default(),
             hardness: None,
-            limit: None,
+            shear: None,
             prony: None,
             wear: None,
             boundary: Boundary::Periodic,
