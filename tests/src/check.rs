@@ -2,7 +2,7 @@ use gfmd_body::InteriorError;
 use gfmd_contact::{Refusal, Solution, SolveError, SqueezedSolution, SteepSolution};
 use gfmd_field::{GridError, ShapeError};
 use gfmd_green::GreenError;
-use gfmd_interface::{FrictionState, PlasticState, State};
+use gfmd_interface::{QuasistaticState, State};
 use gfmd_law::LawError;
 use gfmd_mixed::MixedError;
 use gfmd_surface::SurfaceError;
@@ -75,12 +75,9 @@ pub enum ValidationError {
     /// A contact with a law that did not reach equilibrium.
     #[error(transparent)]
     Interface(#[from] SolveError<State>),
-    /// A contact with friction that did not reach equilibrium.
+    /// A contact made of parts that did not reach equilibrium.
     #[error(transparent)]
-    Friction(#[from] SolveError<FrictionState>),
-    /// A contact with plastic depth that did not reach equilibrium.
-    #[error(transparent)]
-    Plastic(#[from] SolveError<PlasticState>),
+    Quasistatic(#[from] SolveError<QuasistaticState>),
     /// Invalid parameters of a law.
     #[error(transparent)]
     Law(#[from] LawError),

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load};
+use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Base, BaseKind, Body, Material};
-use gfmd_interface::FrictionalContact;
+use gfmd_interface::{Parts, QuasistaticContact};
 use gfmd_law::Limit;
 use gfmd_mixed::{Method, MixedProblem, Prescribed};
 use gfmd_relax::Budget;
@@ -47,6 +47,18 @@ pub(crate) fn body(case: &Value) -> Result<Body, ValidationError> {
     Ok(Body::stack(&layers, base)?)
 }
 
+/// Returns the contact with friction at a hard wall.
+pub(crate) fn rubbing(
+    boundary: Boundary,
+    body: &Body,
+    grid: &Grid,
+    heights: &Array2<f64>,
+    limit: Limit,
+) -> Result<QuasistaticContact, ValidationError> {
+    let shear = Some(limit.into());
+    Ok(QuasistaticContact::new(&Parts { boundary, shear, ..Parts::new(body, grid, heights) })?)
+}
+
 /// Checks every increment of a case, each from the state before.
 fn case(case: &Value) -> Result<Check, ValidationError> {
     let name = case["name"].as_str().unwrap_or_default();
@@ -57,13 +69,13 @@ fn case(case: &Value) -> Result<Check, ValidationError> {
     let heights = numbers(&case["heights"]);
     let heights = Array2::from_shape_fn((points[0], points[1]), |(i, j)| heights[i * points[1] + j]);
     let limit = Limit::Coulomb(get(&case["coefficient"]));
-    let contact = FrictionalContact::new(&body(case)?, &grid, &heights, limit)?;
+    let contact = rubbing(Boundary::Periodic, &body(case)?, &grid, &heights, limit)?;
     follow(&contact, case, format!("friction, {name}"), DENSE)
 }
 
 /// Returns the states of a case by `contact`, each increment from the state before.
 pub(crate) fn follow(
-    contact: &FrictionalContact,
+    contact: &QuasistaticContact,
     case: &Value,
     name: String,
     source: &'static str,
@@ -78,10 +90,16 @@ pub(crate) fn follow(
         let (pressure, shear) = (numbers(&wanted["pressure"]), numbers(&wanted["shear"]));
         let peak = pressure.iter().copied().fold(0.0, f64::max);
         state.pressure().iter().zip(&pressure).for_each(|(found, exact)| worst.compare_to(*found, *exact, peak));
-        state.traction.iter().zip(&shear).for_each(|(found, exact)| worst.compare_to(*found, *exact, peak));
-        worst.compare(state.approach, get(&wanted["approach"]));
-        worst.compare(state.contact_fraction * pressure.len() as f64, get(&wanted["contact_nodes"]));
-        worst.compare(state.stick_fraction * pressure.len() as f64, get(&wanted["sticking_nodes"]));
+        let lateral = (0..2).filter_map(|axis| state.shear(axis)).flat_map(|shear| shear.into_iter().copied());
+        let found: Vec<f64> = lateral.collect();
+        worst.compare(found.len() as f64, shear.len() as f64);
+        found.iter().zip(&shear).for_each(|(found, exact)| worst.compare_to(*found, *exact, peak));
+        worst.compare(state.approach(), get(&wanted["approach"]));
+        worst.compare(state.summary().area_fraction * pressure.len() as f64, get(&wanted["contact_nodes"]));
+        worst.compare(
+            state.stick_fraction().unwrap_or(f64::NAN) * pressure.len() as f64,
+            get(&wanted["sticking_nodes"]),
+        );
         last = Some(state);
     }
     Ok(worst.check(format!("{name}: pressure and shear of all increments"), source, 1e-8))

@@ -2,7 +2,7 @@
 
 use gfmd_contact::{Boundary, Contact, Equilibrium, Fields, Load, Solver};
 use gfmd_green::{BaseKind, Body, Material};
-use gfmd_interface::{FrictionalContact, Interface};
+use gfmd_interface::Interface;
 use gfmd_law::{LawKind, Limit};
 use serde_json::Value;
 
@@ -20,7 +20,7 @@ pub(crate) fn checks(reference: &Reference) -> Result<Vec<Check>, ValidationErro
     for case in cases("friction") {
         let (grid, heights) = surface(case)?;
         let limit = Limit::Coulomb(number(&case["coefficient"]));
-        let contact = FrictionalContact::with_boundary(Boundary::Free, &friction::body(case)?, &grid, &heights, limit)?;
+        let contact = friction::rubbing(Boundary::Free, &friction::body(case)?, &grid, &heights, limit)?;
         let name = format!("friction on a patch, {}", case["name"].as_str().unwrap_or_default());
         checks.push(follow(&contact, case, name, DENSE)?);
     }

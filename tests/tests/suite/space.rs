@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use gfmd_contact::{Contact, Drive, Equilibrium, Fields, Load, Refusal, SolveError, Solver};
 use gfmd_field::Grid;
 use gfmd_green::Complex64;
-use gfmd_interface::{FrictionState, FrictionalContact, Interface, State};
+use gfmd_interface::{Interface, Parts, QuasistaticContact, QuasistaticState, State};
 use gfmd_law::{Law, LawError, LawKind, Limit, Tabulated};
 use gfmd_mixed::{Method, MixedError, MixedProblem, Prescribed};
 use gfmd_relax::Budget;
@@ -264,7 +264,8 @@ fn with_friction(case: &Case, random: &mut Random) -> Verdict {
         0 => Limit::Coulomb(random.decade(-3.0, 0.3)),
         _ => Limit::Tresca(case.stress * random.decade(-3.0, 1.0)),
     };
-    let contact = match FrictionalContact::new(&case.body, &case.grid, &case.heights, limit) {
+    let parts = Parts { shear: Some(limit.into()), ..Parts::new(&case.body, &case.grid, &case.heights) };
+    let contact = match QuasistaticContact::new(&parts) {
         Ok(contact) => contact,
         Err(refusal) => return refused(&refusal),
     };
@@ -310,20 +311,24 @@ fn displacement(case: &Case, traction: &ndarray::Array3<f64>) -> [Vec<f64>; 3] {
     })
 }
 
-fn friction_state(case: &Case, limit: Limit, load: Load, state: &FrictionState) -> Result<(), String> {
-    let z = state.traction.len_of(Axis(0)) - 1;
-    let own = displacement(case, &state.traction);
+fn friction_state(case: &Case, limit: Limit, load: Load, state: &QuasistaticState) -> Result<(), String> {
     let pressure = state.pressure().to_owned();
+    let mut components: Vec<_> = (0..2).filter_map(|axis| state.shear(axis)).map(|shear| shear.to_owned()).collect();
+    let z = components.len();
+    components.push(-&pressure);
+    let views: Vec<_> = components.iter().map(|component| component.view()).collect();
+    let traction = ndarray::stack(Axis(0), &views).map_err(|error| error.to_string())?;
+    let own = displacement(case, &traction);
     // Pressure and shear may move the surface of a thin plate far in opposite directions.
-    let cancelled = case.rounding(largest(state.traction.iter().copied()), |mode| {
+    let cancelled = case.rounding(largest(traction.iter().copied()), |mode| {
         case.plain.0.compliance_of(mode)[2].iter().map(|entry| entry.norm()).sum()
     });
-    wall(case, load, pressure.view(), &own[2], state.gap.view(), state.approach, cancelled)?;
+    wall(case, load, pressure.view(), &own[2], state.gap(), state.approach(), cancelled)?;
     let strongest = largest(pressure.iter().map(|p| if *p > 0.0 { limit.at(*p) } else { 0.0 }));
     for (k, p) in pressure.iter().enumerate() {
         let [_, ny] = case.grid.points();
-        let shear = (0..z).map(|c| (state.traction[[c, k / ny, k % ny]] / case.stress).powi(2)).sum::<f64>().sqrt()
-            * case.stress;
+        let shear =
+            (0..z).map(|c| (traction[[c, k / ny, k % ny]] / case.stress).powi(2)).sum::<f64>().sqrt() * case.stress;
         let allowed = if *p > 0.0 { limit.at(*p) } else { 0.0 };
         if !(shear <= allowed + 2.0 * TOLERANCE * strongest) {
             return Err(format!("shear {shear:e}, limit {allowed:e}"));

@@ -36,11 +36,20 @@ pub(super) struct ShearStep {
     traction: Vec<f64>,
     /// Displacement caused by the shear.
     displacement: Vec<f64>,
-    /// Displacement along z caused by the shear, as the normal contact knows it.
-    pub(super) lift: Vec<f64>,
-    /// Length of the slip of each point; empty unless the surfaces wear by slip.
+    /// Displacement along z caused by the shear, as the next normal contact assumes it.
+    lift: Vec<f64>,
+    /// Length of the slip of each point, as the next normal contact assumes it; empty unless the surfaces wear by slip.
     pub(super) slipped: Vec<f64>,
     mixing: Anderson,
+}
+
+/// Effect of the shear on the normal contact.
+#[derive(Clone, Copy)]
+pub(super) enum Effect {
+    /// Effect that the next normal contact assumes, a mixture of those in earlier rounds.
+    Assumed,
+    /// Effect of the present shear.
+    Present,
 }
 
 /// Fields and numbers of the shear that a step has reached. Tractions are divided by the common stiffening of the step.
@@ -118,6 +127,27 @@ impl ShearStep {
         self.traction.iter().fold(0.0, |most: f64, shear| most.max(shear.abs()))
     }
 
+    /// Returns the displacement along z caused by the shear.
+    pub(super) fn lift(&self, effect: Effect) -> &[f64] {
+        match effect {
+            Effect::Assumed => &self.lift,
+            Effect::Present => &self.displacement[self.stuck.len()..],
+        }
+    }
+
+    /// Computes the length of the slip of each point with the present shear and the pressure of `state`; empty unless
+    /// the surfaces wear by slip.
+    pub(super) fn slipped_by(&mut self, state: &NormalState) -> Vec<f64> {
+        if self.slipped.is_empty() {
+            return Vec::new();
+        }
+        let (points, lateral) = (self.points(), self.stuck.len());
+        let traction = Self::traction(&self.traction[..lateral], state);
+        let mut displacement = vec![0.0; traction.len()];
+        self.transforms.compliance(&traction, &mut displacement);
+        lengths(&self.slip(&displacement), points).collect()
+    }
+
     /// Returns the number of points.
     fn points(&self) -> usize {
         self.lift.len()
@@ -163,8 +193,7 @@ impl ShearStep {
             descended = method.minimise(&mut problem, &mut shear[..lateral], &mut slip, budget, watch);
         }
         self.transforms.compliance(&self.traction, &mut self.displacement);
-        let magnitude = |i: usize| slip.chunks_exact(points).map(|slip| slip[i] * slip[i]).sum::<f64>().sqrt();
-        let slipped = (0..self.slipped.len()).map(magnitude);
+        let slipped = lengths(&slip, points).take(self.slipped.len());
         let image: Vec<f64> = self.displacement[lateral..].iter().copied().chain(slipped).collect();
         let mut mixed: Vec<f64> = self.lift.iter().chain(&self.slipped).copied().collect();
         self.mixing.advance(&mut mixed, &image);
@@ -214,6 +243,11 @@ impl ShearStep {
         let excess = if limits.strongest > 0.0 { excess / limits.strongest } else { 0.0 };
         Sheared { displacement, traction, slip, sticking, lost, friction, excess }
     }
+}
+
+/// Returns the length of a lateral vector at each point.
+fn lengths(vector: &[f64], points: usize) -> impl Iterator<Item = f64> {
+    (0..points).map(move |i| vector.chunks_exact(points).map(|x| x[i] * x[i]).sum::<f64>().sqrt())
 }
 
 /// Returns the limit of the shear at each point, divided by `factor`, for a state with tractions divided by it.

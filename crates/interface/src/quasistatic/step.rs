@@ -9,7 +9,7 @@ use gfmd_vector::{contiguous, lower, reduce};
 use ndarray::Array2;
 
 use super::normal::{Normal, NormalState};
-use super::shear::{ShearStep, Sheared};
+use super::shear::{Effect, ShearStep, Sheared};
 use super::{QuasistaticContact, QuasistaticState};
 
 /// Relative rounding error below which an approach counts as zero.
@@ -115,7 +115,7 @@ impl<'a> Step<'a> {
     }
 
     /// Returns the depth of the surfaces with `worn` lost in the step and the lift by the shear.
-    fn depth_with(&self, worn: Option<&Array2<f64>>) -> Option<Array2<f64>> {
+    fn depth_with(&self, worn: Option<&Array2<f64>>, effect: Effect) -> Option<Array2<f64>> {
         let mut depth = match (&self.depth, &self.shear) {
             (None, None) => return None,
             (Some(depth), _) => depth.clone(),
@@ -125,18 +125,18 @@ impl<'a> Step<'a> {
             depth += worn;
         }
         if let Some(shear) = &self.shear {
-            depth.iter_mut().zip(&shear.lift).for_each(|(depth, lift)| *depth -= lift);
+            depth.iter_mut().zip(shear.lift(effect)).for_each(|(depth, lift)| *depth -= lift);
         }
         Some(depth)
     }
 
     /// Returns the depth of the elastic surface at zero pressure: not yet recovered, less the lift by the shear.
-    fn unpressed(&self) -> Option<Array2<f64>> {
+    fn unpressed(&self, effect: Effect) -> Option<Array2<f64>> {
         let (points, base) = (self.contact.points(), &self.affine.residual_indentation);
         let mut depth = self.contact.medium.as_ref().map(|_| base[base.len() - points..].to_vec());
         if let Some(shear) = &self.shear {
             let depth = depth.get_or_insert_with(|| vec![0.0; points]);
-            depth.iter_mut().zip(&shear.lift).for_each(|(depth, lift)| *depth -= lift);
+            depth.iter_mut().zip(shear.lift(effect)).for_each(|(depth, lift)| *depth -= lift);
         }
         depth.map(|depth| self.contact.field(depth))
     }
@@ -158,25 +158,26 @@ impl<'a> Step<'a> {
         Ok((contact.with_depth(&depth.mapv(|depth| depth - touch), is_worn)?, touch))
     }
 
-    /// Returns the springs that stand for the wear during the step, with the slip found so far.
-    fn springs(&self) -> Option<Springs> {
+    /// Returns the springs that stand for the wear during the step, with this length of the slip at each point.
+    fn springs(&self, slipped: &[f64]) -> Option<Springs> {
         let wear = self.contact.wear?;
         let factor = self.affine.factor();
         let by_distance = factor * (wear.by_distance * self.moved);
-        match &self.shear {
-            Some(shear) if wear.by_slip > 0.0 => {
+        match slipped {
+            [_, ..] => {
                 let of = |slip: &f64| by_distance + factor * wear.by_slip * slip;
-                Some(Springs::Field(self.contact.field(shear.slipped.iter().map(of).collect())))
+                Some(Springs::Field(self.contact.field(slipped.iter().map(of).collect())))
             }
-            _ => (by_distance > 0.0).then_some(Springs::Uniform(by_distance)),
+            [] => (by_distance > 0.0).then_some(Springs::Uniform(by_distance)),
         }
     }
 
-    /// Returns the depth worn off in the step by the repulsion of a state; `None` if the surfaces do not wear.
-    fn worn_by(&self, state: &NormalState) -> Option<Array2<f64>> {
+    /// Computes the depth worn off in the step by a state with the present shear; `None` if the surfaces do not wear.
+    fn worn_by(&mut self, state: &NormalState) -> Option<Array2<f64>> {
         self.contact.wear?;
         let repulsion = state.repulsion();
-        Some(match self.springs() {
+        let slipped = self.shear.as_mut().map_or_else(Vec::new, |shear| shear.slipped_by(state));
+        Some(match self.springs(&slipped) {
             None => Array2::zeros(repulsion.raw_dim()),
             Some(Springs::Uniform(compliance)) => repulsion.mapv(|r| compliance * r),
             Some(Springs::Field(compliance)) => compliance * &repulsion,
@@ -210,16 +211,17 @@ impl<'a> Step<'a> {
         warm: Option<&NormalState>,
         watch: &mut dyn Watch,
     ) -> Result<Pressed, Refusal> {
-        let contact = match self.springs() {
+        let contact = match self.springs(self.shear.as_ref().map_or(&[], |shear| &shear.slipped)) {
             Some(springs) => self.normal.softened(springs)?,
             None => self.normal.clone(),
         };
-        let (contact, touch) = self.at(contact, self.depth_with(None).as_ref())?;
+        let (contact, touch) = self.at(contact, self.depth_with(None, Effect::Assumed).as_ref())?;
         let (drive, is_apart) = self.drive_from(touch);
         if is_apart {
             return Ok(Pressed { state: contact.unloaded(drive.load)?, touch, is_apart, failed: None });
         }
-        let warm = warm.map(|state| state.to_step(self.affine.factor(), self.unpressed().as_ref(), touch));
+        let warm =
+            warm.map(|state| state.to_step(self.affine.factor(), self.unpressed(Effect::Assumed).as_ref(), touch));
         let (mut reached, mut failed) = (None, None);
         match contact.equilibrate(drive, solver, budget, warm.as_ref(), watch) {
             Ok(state) => reached = Some(state),
@@ -234,7 +236,8 @@ impl<'a> Step<'a> {
         let worn = self.worn_by(&normal);
         if self.shear.is_some() || worn.is_some() {
             let Effort { iterations, transform_pairs } = *normal.effort();
-            let (contact, first) = self.at(self.normal.clone(), self.depth_with(worn.as_ref()).as_ref())?;
+            let (contact, first) =
+                self.at(self.normal.clone(), self.depth_with(worn.as_ref(), Effect::Present).as_ref())?;
             let (drive, _) = self.drive_from(first);
             normal = if is_apart { contact.unloaded(drive.load)? } else { contact.certify(&normal, drive)? };
             let effort = normal.effort();
@@ -242,7 +245,7 @@ impl<'a> Step<'a> {
             effort.transform_pairs += transform_pairs;
             touch = first;
         }
-        let unpressed = self.unpressed();
+        let unpressed = self.unpressed(Effect::Present);
         let length = self.length(&normal);
         let sheared = self.shear.as_mut().map(|shear| shear.certify(&normal, length));
         Ok(Reached { normal, touch, unpressed, sheared, worn })
@@ -250,7 +253,7 @@ impl<'a> Step<'a> {
 
     /// Computes what a step without shear reaches with a gap below a law, or a pressure at a wall.
     pub(super) fn reached(&self, (gap, pressure): (&Array2<f64>, &Array2<f64>)) -> Result<Reached, Refusal> {
-        let (contact, touch) = self.at(self.normal.clone(), self.depth_with(None).as_ref())?;
+        let (contact, touch) = self.at(self.normal.clone(), self.depth_with(None, Effect::Present).as_ref())?;
         let (drive, _) = self.drive_from(touch);
         let normal = contact.certify_fields((gap, pressure), drive)?;
         let worn = self.contact.wear.map(|_| Array2::zeros(gap.raw_dim()));

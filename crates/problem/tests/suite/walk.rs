@@ -10,11 +10,10 @@ use gfmd_contact::{
     SteepContact, Visit,
 };
 use gfmd_green::BaseKind;
-use gfmd_interface::{FrictionalContact, Interface, Path, PlasticContact, Refinement, StoredFields};
+use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, StoredFields, Wear};
 use gfmd_law::LawKind;
 use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
 use gfmd_relax::Budget;
-use gfmd_wear::{WearContact, WearState};
 
 fn same(a: &impl Fields, b: &impl Fields) {
     let bits = |state: &dyn Fn() -> Vec<f64>| state().into_iter().map(f64::to_bits).collect::<Vec<_>>();
@@ -134,30 +133,30 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         let mut path = Path::new(&posed, Budget::default(), refinement);
         let lost: Vec<_> = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap().dissipated).collect();
         let Parts { body, grid, heights, .. } = &parts;
-        let direct: Vec<_> = match (facts.hardness, given.limit) {
-            _ if facts.wears => {
-                let contact = WearContact::new(Contact::new(body, grid, heights).unwrap(), 0.5).unwrap();
-                let mut states: Vec<WearState> = Vec::new();
-                for drive in drives {
-                    states.push(contact.press(drive).starting_from(states.last()).solve().unwrap());
-                }
-                states.iter().map(|state| Some(state.dissipated)).collect()
-            }
-            (true, _) => {
-                let contact = Contact::new(body, grid, heights).unwrap().with_hardness(0.04).unwrap();
-                let contact = PlasticContact::new(contact);
-                let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
-                drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
-            }
-            (_, Some(limit)) => {
-                let contact = FrictionalContact::new(body, grid, heights, limit).unwrap();
-                let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
-                drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
-            }
-            (_, None) => {
+        let direct: Vec<_> = match (facts.law, facts.wears) {
+            (LawKind::Exponential, _) => {
                 let contact = Interface::new(body, grid, heights, Arc::clone(&parts.law)).unwrap();
                 let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
                 drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
+            }
+            (_, wears) => {
+                let contact = QuasistaticContact::new(&gfmd_interface::Parts {
+                    hardness: facts.hardness.then(|| 0.04.into()),
+                    shear: given.limit.map(Into::into),
+                    wear: wears.then_some(Wear { by_distance: 0.5, by_slip: 0.0 }),
+                    ..gfmd_interface::Parts::new(body, grid, heights)
+                });
+                let contact = contact.unwrap();
+                if wears {
+                    let mut states: Vec<QuasistaticState> = Vec::new();
+                    for drive in drives {
+                        states.push(contact.press(drive).starting_from(states.last()).solve().unwrap());
+                    }
+                    states.iter().map(|state| Some(state.losses.total())).collect()
+                } else {
+                    let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
+                    drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
+                }
             }
         };
         assert_eq!(lost, direct, "{facts:?}");
