@@ -1,7 +1,7 @@
 //! Check of a path file.
 
-use gfmd_contact::Boundary;
-use gfmd_interface::Shear;
+use gfmd_contact::{Boundary, Hardness};
+use gfmd_interface::LimitingPressure;
 use gfmd_law::Limit;
 use gfmd_problem::AnyState;
 use gfmd_record::StateContext;
@@ -47,14 +47,14 @@ impl Checked for Args {
             if prepared.prony.is_some() {
                 comparison.number("/path/time", number("time"), drive.time, 0.0);
             }
+            if prepared.wear.is_some() {
+                comparison.number("/path/distance", number("distance"), drive.distance, 0.0);
+            }
             let Some(waypoint) = input.places.of(index) else { continue };
+            // A state with shear, or of a body with a memory, does not follow from its fields alone.
             if prepared.prony.is_some() || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
-            }
-            if prepared.prony.is_some() {
-                check.relaxing((waypoint, index), index + 1 == input.drives.len(), comparison)?;
-            } else if prepared.facts.moves_sideways() {
-                check.tractions(waypoint, index, comparison)?;
+                check.state((waypoint, index), index + 1 == input.drives.len(), comparison)?;
             } else {
                 let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
                 stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
@@ -71,8 +71,19 @@ impl Checked for Args {
 
 /// Smallest stress scale for comparing tractions of a law, in units of E* times the rms gradient.
 const OF_LAW: f64 = 1e-3;
-/// Largest rounding error of a closed energy balance, relative to its largest part.
-const CLOSED: f64 = 1e-9;
+/// Losses of a step by cause.
+const LOSSES: [&str; 5] = ["lost_relaxation", "lost_friction", "lost_wear", "lost_plastic", "lost_jumps"];
+
+/// Work of the rigid surface in a step, by the trapezoidal rule.
+#[derive(Clone, Copy, Debug, Default)]
+struct Work {
+    /// Work less the energy gained.
+    missing: f64,
+    /// Largest error of the rule for forces that change monotonically.
+    spread: f64,
+    /// Size of the terms.
+    floor: f64,
+}
 
 /// Check of the numbers of a step that do not follow from its state alone.
 struct StepCheck<'a> {
@@ -83,37 +94,49 @@ struct StepCheck<'a> {
 impl StepCheck<'_> {
     /// Compares the scalars of a converged step that follow from other scalars of this step and the previous one.
     fn columns(&self, step: usize, comparison: &mut Comparison) {
-        let now = |name: &str| self.stored.number(name, step);
         let facts = &self.stored.prepared.facts;
-        let is_at_once = || step > 0 && now("time") == self.stored.number("time", step - 1);
-        if facts.relaxes.is_some() && !(facts.has_law() && is_at_once()) {
-            if now("extra_solves") == 0.0 {
-                self.balance(step, comparison);
-            }
+        let now = |name: &str| self.stored.number(name, step);
+        let causes = LOSSES.map(now);
+        if causes.iter().any(|lost| lost.is_finite()) {
+            let sum = causes.into_iter().filter(|lost| lost.is_finite()).sum();
+            comparison.number("/path/dissipated", now("dissipated"), sum, now("elastic_energy"));
+        }
+        if now("extra_solves") != 0.0 {
             return;
         }
-        // In a step of zero time, a relaxing body with a law loses energy in jumps only. Without further solves, the
-        // loss is the balance of the work by the trapezoidal rule and the energy.
-        let has_energy = (facts.solves_a_law() || facts.relaxes.is_some()) && !now("interface_energy").is_nan();
-        if step == 0 || !has_energy || now("extra_solves") != 0.0 {
-            return;
+        let flows = facts.friction.is_some() || facts.hardness;
+        let keeps = facts.relaxes.is_some() || facts.wear.is_some();
+        if keeps || flows && facts.has_law() {
+            self.balance(step, comparison);
+        } else if step > 0 && !flows && !now("interface_energy").is_nan() {
+            // Energy is lost in jumps alone: without further solves, the loss is the balance of the work by the
+            // trapezoidal rule and the energy.
+            let Work { missing, spread, floor } = self.work(step);
+            comparison.number("/path/dissipated", now("dissipated"), missing, floor);
+            comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
         }
-        let before = |name: &str| self.stored.number(name, step - 1);
-        let [mut work, mut spread, mut floor] = [0.0_f64; 3];
+    }
+
+    /// Returns the balance of work and energy of a step.
+    fn work(&self, step: usize) -> Work {
+        let now = |name: &str| self.stored.number(name, step);
+        let before = |name: &str| if step == 0 { 0.0 } else { self.stored.number(name, step - 1) };
+        let mut work = Work::default();
         for (force, coordinate) in
             [("mean_pressure", "approach"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
         {
             let moved = now(coordinate) - before(coordinate);
-            work += 0.5 * (now(force) + before(force)) * moved;
-            spread += 0.5 * ((now(force) - before(force)) * moved).abs();
-            floor +=
+            work.missing += 0.5 * (now(force) + before(force)) * moved;
+            work.spread += 0.5 * ((now(force) - before(force)) * moved).abs();
+            work.floor +=
                 0.5 * (now(force).abs() + before(force).abs()) * now(coordinate).abs().max(before(coordinate).abs());
         }
-        let energy = |at: &dyn Fn(&str) -> f64| at("elastic_energy") + at("interface_energy");
-        let missing = work - (energy(&now) - energy(&before));
-        floor = floor.max(energy(&now).abs()).max(energy(&before).abs());
-        comparison.number("/path/dissipated", now("dissipated"), missing, floor);
-        comparison.number("/path/dissipated_error", now("dissipated_error"), spread + missing.abs(), floor);
+        let has_law = self.stored.prepared.facts.solves_a_law();
+        let energy =
+            |at: &dyn Fn(&str) -> f64| at("elastic_energy") + if has_law { at("interface_energy") } else { 0.0 };
+        work.missing -= energy(&now) - energy(&before);
+        work.floor = work.floor.max(energy(&now).abs()).max(energy(&before).abs());
+        work
     }
 
     /// Compares the flow with the flow through the stored gap.
@@ -152,181 +175,200 @@ impl StepCheck<'_> {
         (repulsion, floor)
     }
 
-    /// Compares the balance of work and energy of a viscoelastic step with its stated error. With a law, the work
-    /// before the first step is unknown.
+    /// Compares the balance of work and energy of a step that loses energy by several causes with its stated error.
+    /// With a law, the work before the first step is unknown.
     fn balance(&self, step: usize, comparison: &mut Comparison) {
-        let has_law = self.stored.prepared.facts.has_law();
-        if has_law && step == 0 {
+        let facts = &self.stored.prepared.facts;
+        if facts.has_law() && step == 0 {
             return;
         }
         let now = |name: &str| self.stored.number(name, step);
         let before = |name: &str| if step == 0 { 0.0 } else { self.stored.number(name, step - 1) };
-        let work = 0.5 * (now("mean_pressure") + before("mean_pressure")) * (now("approach") - before("approach"));
-        let mut missing = work - (now("elastic_energy") - before("elastic_energy")) - now("dissipated");
-        let mut floor = now("elastic_energy").abs().max(before("elastic_energy").abs()).max(work.abs());
-        if has_law {
-            missing -= now("interface_energy") - before("interface_energy");
-            floor = floor.max(now("interface_energy").abs()).max(before("interface_energy").abs());
-        }
+        let Work { missing, spread, floor } = self.work(step);
+        let missing = missing - now("dissipated");
+        let flows = facts.friction.is_some() || facts.hardness;
+        // A sudden change of the load takes no time and no distance, and loses nothing by relaxation and wear.
+        let same = |name: &str| now(name).is_nan() || now(name) == before(name);
+        let is_at_once = same("time") && same("distance");
         // Only a law has jumps; the loss of a step with a jump closes the balance.
-        let spread = (now("mean_pressure") - before("mean_pressure")) * (now("approach") - before("approach"));
-        let is_closed = has_law && missing.abs() <= CLOSED * floor && now("work_imbalance") > CLOSED * floor;
-        // A sudden change of the load takes no time and loses nothing in the dashpots.
-        let is_at_once = now("time") == before("time");
+        let is_closed = facts.has_law() && now("lost_jumps") != 0.0;
+        if is_closed {
+            comparison.number("/path/dissipated (with jumps)", missing, 0.0, floor);
+        }
+        if facts.has_law() && is_at_once && !flows {
+            // The balance itself gives the loss, in jumps alone.
+            return;
+        }
         let found = match () {
-            () if is_closed => 0.5 * spread.abs(),
-            () if is_at_once => 0.0,
+            () if is_closed => spread,
+            () if is_at_once && !flows => 0.0,
             () => missing.abs(),
         };
         comparison.number("/path/work_imbalance", now("work_imbalance"), found, floor);
-        if is_at_once && !is_closed {
+        if is_at_once && !flows && !is_closed {
             comparison.number("/path/dissipated", now("dissipated"), 0.0, floor);
             comparison.number("/path/dissipated_error", now("dissipated_error"), 0.0, floor);
         }
     }
 
-    /// Compares the fields of a viscoelastic body with each other, and with its memory at the last step.
-    fn relaxing(
+    /// Compares the fields of a state with each other, with the numbers of its step, and of the last step with the
+    /// memory of the body.
+    fn state(
         &self,
         (waypoint, step): (usize, usize),
         is_last: bool,
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
         let Self { args, stored: file } = self;
+        let Prepared { facts, surface, law, hardness, shear, prony, .. } = file.prepared;
+        let tolerance = args.steps.search.tolerance;
         let field = |name: &str| file.field(name, waypoint);
         let [pressure, displacement, gap] = [field("pressure")?, field("displacement_z")?, field("gap")?];
         let (number, height) = (|name: &str| file.number(name, step), file.height());
-        let heights = &file.prepared.surface.heights;
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let approach = number("approach");
-        let found: Vec<f64> = heights.iter().zip(&displacement).map(|(h, u)| highest - h - u - approach).collect();
+        let mean = |field: &Array2<f64>| field.mean().unwrap_or(f64::NAN);
+        let mut depth = Array2::zeros(surface.grid.points());
+        for (name, volume) in [("plastic_depth", "plastic_volume"), ("wear_depth", "wear_volume")] {
+            let is_kept = if name == "wear_depth" { facts.wear.is_some() } else { facts.hardness };
+            if is_kept {
+                let kept = field(name)?;
+                comparison.number(&format!("/path/{volume}"), number(volume), mean(&kept), 0.0);
+                if name == "wear_depth" {
+                    let deepest = kept.iter().copied().fold(0.0, f64::max);
+                    comparison.number("/path/max_wear", number("max_wear"), deepest, 0.0);
+                }
+                depth += &kept;
+            }
+        }
+        let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let rooms =
+            surface.heights.iter().zip(&displacement).zip(&depth).map(|((h, u), depth)| highest - h - u + depth);
+        let rooms: Vec<f64> = rooms.collect();
+        let apart = rooms.iter().zip(&gap).map(|(room, gap)| room - gap).sum::<f64>() / gap.len() as f64;
+        // The mean displacement of a half-space is a convention, as is the level of a profile on a patch.
+        let approach = if facts.has_level() { number("approach") } else { apart };
+        let found: Vec<f64> = rooms.iter().map(|room| room - approach).collect();
         comparison.values("/fields/gap", &flat(&gap), &found, height);
         let least = |values: &Array2<f64>| values.iter().copied().fold(0.0, f64::min);
-        let mean = |field: &Array2<f64>| field.mean().unwrap_or(f64::NAN);
-        let Prepared { facts, law, .. } = file.prepared;
         let (repulsion, floor) = self.repulsion(&pressure, &gap);
-        if facts.has_law() {
+        let acts_alone = !facts.shears_by_law();
+        if facts.has_law() && acts_alone {
             let touches = |gap: f64| law.has_wall() && gap <= 0.0;
             let law_pressure = gap.mapv(|gap| -law.traction(gap, [0.0; 2])[2]);
             let left = pressure.iter().zip(&law_pressure).zip(&gap).map(|((p, of_law), gap)| {
                 let left = p - of_law;
                 if touches(*gap) { (-left).max(0.0) } else { left.abs() }
             });
-            comparison.at_most(
-                "/fields/pressure (of the law)",
-                worst(left) / floor,
-                100.0 * args.steps.search.tolerance,
-            );
+            comparison.at_most("/fields/pressure (of the law)", worst(left) / floor, 100.0 * tolerance);
             let energy = mean(&gap.mapv(|gap| law.opening_energy(gap)));
             let size = number("elastic_energy").abs() + energy.abs();
             comparison.number("/path/interface_energy", number("interface_energy"), energy, size);
-        } else {
+        }
+        if !facts.has_law() && acts_alone {
             comparison.at_most("/fields/pressure (tension)", -least(&pressure), 0.0);
             let pressed = pressure.sum();
             let closed = (&pressure * &gap).sum().abs();
             let open = if pressed > 0.0 { closed / (pressed * height) } else { 0.0 };
-            comparison.at_most("/fields/gap (in contact)", open, args.steps.search.tolerance);
+            comparison.at_most("/fields/gap (in contact)", open, tolerance);
         }
-        if !facts.has_law() || law.has_wall() {
-            comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, args.steps.search.tolerance);
+        if let Some(hardness) = hardness {
+            let over = match hardness {
+                Hardness::Uniform(hardness) => worst(pressure.iter().map(|p| (p / hardness - 1.0).max(0.0))),
+                Hardness::Field(field) => worst(pressure.iter().zip(field).map(|(p, hard)| (p / hard - 1.0).max(0.0))),
+            };
+            comparison.at_most("/fields/pressure (hardness)", over, 100.0 * tolerance);
         }
-        let largest = repulsion.iter().copied().fold(0.0, f64::max);
-        match facts.has_law() {
+        if law.has_wall() {
+            comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, tolerance);
+        }
+        match facts.has_law() || facts.shears_by_law() {
             // The mean pressure follows from the law, the field from the displacement: they agree up to the residual.
-            true => comparison.at_most(
-                "/path/mean_pressure",
-                (number("mean_pressure") - mean(&pressure)).abs() / floor,
-                100.0 * args.steps.search.tolerance,
-            ),
+            true => {
+                let floor = if floor > 0.0 { floor } else { file.prepared.unit_pressure() };
+                comparison.at_most(
+                    "/path/mean_pressure",
+                    (number("mean_pressure") - mean(&pressure)).abs() / floor,
+                    100.0 * tolerance,
+                );
+            }
             false => comparison.number("/path/mean_pressure", number("mean_pressure"), mean(&pressure), floor),
         }
-        comparison.number("/path/max_pressure", number("max_pressure"), largest, floor);
-        // Where a law vanishes, its pressure has the sign of rounding errors.
-        let touching = |least: f64| repulsion.iter().filter(|p| **p > least).count() as f64 / repulsion.len() as f64;
-        let [fewest, most] = [touching(args.steps.search.tolerance * floor), touching(0.0)];
-        let area = number("area_fraction");
-        comparison.number("/path/area_fraction", area, area.clamp(fewest, most), 0.0);
-        let is_closed = !facts.has_law() && area == 1.0;
-        compare_gap(comparison, number("mean_gap"), mean(&gap), (is_closed, height, args.steps.search.tolerance));
-        if is_last {
+        if acts_alone {
+            if !number("max_pressure").is_nan() {
+                let largest = repulsion.iter().copied().fold(0.0, f64::max);
+                comparison.number("/path/max_pressure", number("max_pressure"), largest, floor);
+            }
+            // Where a law vanishes, its pressure has the sign of rounding errors.
+            let touching =
+                |least: f64| repulsion.iter().filter(|p| **p > least).count() as f64 / repulsion.len() as f64;
+            let [fewest, most] = [touching(tolerance * floor), touching(0.0)];
+            let area = number("area_fraction");
+            comparison.number("/path/area_fraction", area, area.clamp(fewest, most), 0.0);
+        }
+        let is_closed = !facts.has_law() && number("area_fraction") == 1.0;
+        compare_gap(comparison, number("mean_gap"), mean(&gap), (is_closed, height, tolerance));
+        if facts.moves_sideways() {
+            let shears = self.shear(waypoint, step, comparison)?;
+            if let Some(shear) = shear {
+                let repulsion = match shear.pressure {
+                    LimitingPressure::Repulsion => repulsion,
+                    LimitingPressure::Net => ndarray::Zip::from(&repulsion)
+                        .and(&pressure)
+                        .map_collect(|r, p| if *r > 0.0 { p.max(0.0) } else { 0.0 }),
+                };
+                self.limits(shear.limit, &repulsion, &shears, comparison);
+            }
+            if prony.is_none() {
+                self.elastic(step, (&shears, &pressure, &displacement), comparison)?;
+            }
+        } else if is_last && prony.is_some() {
             let fields = (&pressure, &displacement, number("elastic_energy"));
-            memory::check(file.reader, file.prepared, fields, 100.0 * args.steps.search.tolerance, comparison)?;
+            memory::check(file.reader, file.prepared, fields, 100.0 * tolerance, comparison)?;
         }
         Ok(())
     }
 
-    /// Recomputes the displacement from the tractions, then gap and energy.
-    fn tractions(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
-        let Self { args, stored: file } = self;
-        let Prepared { surface, body, shear, law, .. } = file.prepared;
-        let (field, unit_pressure) = (|name: &str| file.field(name, waypoint), file.prepared.unit_pressure());
-        let stored = |name: &str| file.number(name, step);
-        let gap = field("gap")?;
-        let points = surface.grid.len();
-        let pressure = field("pressure")?;
-        let mut traction = Vec::new();
-        for name in if surface.grid.is_line() { &["shear_x"][..] } else { &["shear_x", "shear_y"] } {
-            let shear = flat(&field(name)?);
-            let mean = shear.iter().sum::<f64>() / points as f64;
+    /// Returns the shear, component by component, and compares its means.
+    fn shear(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<Vec<f64>, Failure> {
+        let file = self.stored;
+        let mut all = Vec::new();
+        for name in if file.prepared.surface.grid.is_line() { &["shear_x"][..] } else { &["shear_x", "shear_y"] } {
+            let shear = flat(&file.field(name, waypoint)?);
+            let mean = shear.iter().sum::<f64>() / shear.len() as f64;
             let column = format!("mean_{name}");
-            comparison.number(&format!("/path/{column}"), stored(&column), mean, unit_pressure * 1e-3);
-            traction.extend(shear);
+            let floor = file.prepared.unit_pressure() * 1e-3;
+            comparison.number(&format!("/path/{column}"), file.number(&column, step), mean, floor);
+            all.extend(shear);
         }
-        let lateral = traction.len();
-        traction.extend(pressure.iter().map(|p| -p));
-        let mut displacement = vec![0.0; traction.len()];
+        Ok(all)
+    }
+
+    /// Recomputes the displacement of an elastic body from the tractions, and the energy.
+    fn elastic(
+        &self,
+        step: usize,
+        (shears, pressure, displacement): (&[f64], &Array2<f64>, &Array2<f64>),
+        comparison: &mut Comparison,
+    ) -> Result<(), Failure> {
+        let Self { args, stored: file } = self;
+        let Prepared { surface, body, facts, .. } = file.prepared;
+        let traction: Vec<f64> = shears.iter().copied().chain(pressure.iter().map(|p| -p)).collect();
+        let mut found = vec![0.0; traction.len()];
         match surface.boundary {
             Boundary::Periodic => {
                 let response = FullResponse::new(surface.grid, body).into();
-                FullTransforms::of(&response).compliance(&traction, &mut displacement);
+                FullTransforms::of(&response).compliance(&traction, &mut found);
             }
             Boundary::Free => {
                 let response = FreeFullCompliance::new(surface.grid, body);
                 let response = response.map_err(|error| Failure::input("/surface/height", error))?.into();
-                FreeFullTransforms::of(&response).compliance(&traction, &mut displacement);
+                FreeFullTransforms::of(&response).compliance(&traction, &mut found);
             }
         }
-        // The mean displacement of a half-space is a convention, so compare the gap up to its mean.
-        let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let found: Vec<f64> =
-            surface.heights.iter().zip(&displacement[lateral..]).map(|(h, u)| highest - h - u).collect();
-        let height = file.height();
-        let stored_displacement = flat(&field("displacement_z")?);
-        comparison.at_most("/fields/gap", apart(&found, &flat(&gap)) / height, 100.0 * args.steps.search.tolerance);
-        let distance = apart(&displacement[lateral..], &stored_displacement) / height;
+        let distance = apart(&found[shears.len()..], &flat(displacement)) / file.height();
         comparison.at_most("/fields/displacement_z", distance, 100.0 * args.steps.search.tolerance);
-        let law = shear.is_none().then_some(law);
-        if law.is_none_or(|law| law.has_wall()) {
-            let below = -gap.iter().copied().fold(0.0, f64::min) / height;
-            comparison.at_most("/fields/gap (penetration)", below, args.steps.search.tolerance);
-        }
-        let mean_pressure = pressure.mean().unwrap_or(f64::NAN);
-        match law {
-            // The mean pressure follows from the law, the field from the displacement: they agree up to the residual.
-            Some(_) => comparison.at_most(
-                "/path/mean_pressure",
-                (stored("mean_pressure") - mean_pressure).abs() / unit_pressure,
-                100.0 * args.steps.search.tolerance,
-            ),
-            None => comparison.number("/path/mean_pressure", stored("mean_pressure"), mean_pressure, 0.0),
-        }
-        let is_closed = law.is_none() && stored("area_fraction") == 1.0;
-        let mean_gap = gap.mean().unwrap_or(f64::NAN);
-        compare_gap(comparison, stored("mean_gap"), mean_gap, (is_closed, height, args.steps.search.tolerance));
-        let energy = 0.5 * traction.iter().zip(&displacement).map(|(t, u)| t * u).sum::<f64>() / points as f64;
-        let approaches =
-            surface.heights.iter().zip(&stored_displacement).zip(gap).map(|((h, u), gap)| highest - h - u - gap);
-        let approach = approaches.sum::<f64>() / points as f64;
-        comparison.at_most(
-            "/path/approach",
-            (stored("approach") - approach).abs() / height,
-            args.steps.search.tolerance,
-        );
-        if let Some(Shear { limit, .. }) = *shear {
-            comparison.number("/path/elastic_energy", stored("elastic_energy"), energy, 0.0);
-            let touching = pressure.iter().filter(|p| **p > 0.0).count() as f64 / points as f64;
-            comparison.number("/path/area_fraction", stored("area_fraction"), touching, 0.0);
-            self.limits(limit, &pressure, &traction[..lateral], comparison);
+        if facts.friction.is_some() && !facts.has_law() {
+            let energy = traction.iter().zip(&found).map(|(t, u)| t * u).sum::<f64>() * 0.5 / pressure.len() as f64;
+            comparison.number("/path/elastic_energy", file.number("elastic_energy", step), energy, 0.0);
         }
         Ok(())
     }
