@@ -3,7 +3,7 @@
 use gfmd_contact::{Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, Visit};
 use gfmd_relax::{Budget, Watch};
 
-use crate::{Interface, State};
+use crate::{Interface, Losses, State};
 
 /// A contact that can be followed along a path of equilibrium states.
 pub trait Quasistatic: Equilibrium {
@@ -39,7 +39,7 @@ struct Divided<S> {
     before: Option<SolvedState<S>>,
     end: SolvedState<S>,
     /// Sums of the losses and of the imbalances of all increments.
-    lost: f64,
+    losses: Losses,
     imbalance: f64,
 }
 
@@ -58,6 +58,8 @@ pub struct Reading {
     pub time: f64,
     /// Sliding distance, if the state has one, length.
     pub distance: f64,
+    /// Energies lost in the increment to this state by cause, as far as the solver knows them.
+    pub losses: Losses,
     /// Source of the energy lost in the step to this state.
     pub loss: Loss,
 }
@@ -109,6 +111,8 @@ impl Default for Refinement {
 pub struct Step {
     /// Energy lost per area, stress × length; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
+    /// The same by cause; zeros if `dissipated` is unknown.
+    pub losses: Losses,
     /// Estimated error of `dissipated`. `None` if `dissipated` is unknown or the step was not halved. Where the loss is
     /// [certified](Loss::Certified), it is twice the difference from a path with half as many increments.
     pub dissipated_error: Option<f64>,
@@ -451,7 +455,7 @@ impl<P: Quasistatic> Search<'_, P> {
         tolerance: f64,
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
-        let mut made = Divided { before: None, lost: end.1.lost(), imbalance: 0.0, end };
+        let mut made = Divided { before: None, losses: end.1.losses, imbalance: 0.0, end };
         self.step.increments = 1;
         let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
         let mut change_of_stick = if settles { 0.0 } else { f64::INFINITY };
@@ -467,7 +471,8 @@ impl<P: Quasistatic> Search<'_, P> {
                 Err(_) => break,
             };
             let (change, error) =
-                (self.problem.change(state, &made.end.0, &finer.end.0), (finer.lost - made.lost).abs());
+                (self.problem.change(state, &made.end.0, &finer.end.0), finer.losses.total() - made.losses.total());
+            let error = error.abs();
             change_of_stick = self.problem.change_of_stick(&made.end.0, &finer.end.0);
             settles = change <= OF_A_CHANGE * tolerance
                 && error <= tolerance * Balance::between(&begin, &finer.end.1).exchanged;
@@ -488,14 +493,14 @@ impl<P: Quasistatic> Search<'_, P> {
             change_of_stick = self.problem.change_of_stick(&made.end.0, &halved.end.0);
             made = halved;
         }
-        self.step.dissipated = Some(made.lost);
+        (self.step.dissipated, self.step.losses) = (Some(made.losses.total()), made.losses);
         self.step.is_unsettled = !settles || !sticks(change_of_stick);
         Ok(made.end)
     }
 
     /// Makes a step, doubling the number of equal increments until the imbalance of work and energy is at most the
-    /// tolerance times the work exchanged and the energy lost. There are at least two if half as many will be made,
-    /// too. `end` was found in one increment.
+    /// tolerance times the work exchanged and the energy lost, and where points slip until the state does not change.
+    /// There are at least two if half as many will be made, too. `end` was found in one increment.
     fn halve(
         &mut self,
         start: Option<&SolvedState<P::State>>,
@@ -505,23 +510,36 @@ impl<P: Quasistatic> Search<'_, P> {
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
         let is_at_once = end.1.is_at_once(&begin);
-        let mut made = Divided { before: None, lost: end.1.lost(), imbalance: end.1.imbalance(), end };
+        let mut made = Divided { before: None, losses: end.1.losses, imbalance: end.1.imbalance(), end };
         self.step.increments = 1;
-        let settles = |made: &Divided<P::State>, increments: u64| {
-            made.imbalance <= tolerance * (Balance::between(&begin, &made.end.1).exchanged + made.lost)
+        let balances = |made: &Divided<P::State>, increments: u64| {
+            made.imbalance <= tolerance * (Balance::between(&begin, &made.end.1).exchanged + made.losses.total())
                 && (increments > 1 || is_at_once || !is_halved)
         };
+        let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
+        if !settles {
+            self.step.change = Some(f64::NAN);
+        }
         let solves = if is_halved { 3 } else { 2 };
-        while !settles(&made, self.step.increments) && solves * self.step.increments <= self.allowance {
+        while !(settles && balances(&made, self.step.increments)) && solves * self.step.increments <= self.allowance {
             let increments = 2 * self.step.increments;
             match self.in_increments(state, &begin, drive, increments) {
-                Ok(finer) => (made, self.step.increments) = (finer, increments),
+                Ok(finer) => {
+                    if self.step.change.is_some() {
+                        let change = self.problem.change(state, &made.end.0, &finer.end.0);
+                        settles = change <= OF_A_CHANGE * tolerance;
+                        self.step.change = Some(change);
+                    }
+                    (made, self.step.increments) = (finer, increments);
+                }
                 Err(error @ SolveError::Interrupted { .. }) => return Err(error),
                 // The step itself was solved.
                 Err(_) => break,
             }
         }
-        (self.step.dissipated, self.step.work_imbalance) = (Some(made.lost), Some(made.imbalance));
+        self.step.is_unsettled = !settles;
+        (self.step.dissipated, self.step.work_imbalance) = (Some(made.losses.total()), Some(made.imbalance));
+        self.step.losses = made.losses;
         // Nothing relaxes or wears.
         self.step.dissipated_error = is_at_once.then_some(0.0);
         Ok(made.end)
@@ -544,7 +562,8 @@ impl<P: Quasistatic> Search<'_, P> {
             return Ok(None);
         }
         match self.in_increments(state, &begin, drive, increments) {
-            Ok(Divided { end, lost, .. }) => {
+            Ok(Divided { end, losses, .. }) => {
+                let lost = losses.total();
                 let change = self.step.dissipated.map(|dissipated| OF_A_LOSS * (dissipated - lost).abs());
                 self.step.dissipated_error = self.step.dissipated_error.or(change);
                 Ok(Some(end))
@@ -563,18 +582,19 @@ impl<P: Quasistatic> Search<'_, P> {
         drive: Drive,
         increments: u64,
     ) -> Result<Divided<P::State>, SolveError<P::State>> {
-        let (mut before, mut lost, mut imbalance): (Option<SolvedState<P::State>>, f64, f64) = (None, 0.0, 0.0);
+        let mut before: Option<SolvedState<P::State>> = None;
+        let (mut losses, mut imbalance) = (Losses::default(), 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
             let reached = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
-            lost += reached.1.lost();
+            losses = losses.and(reached.1.losses);
             imbalance += reached.1.imbalance();
             before = Some(reached);
         }
         let end = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
-        lost += end.1.lost();
+        losses = losses.and(end.1.losses);
         imbalance += end.1.imbalance();
-        Ok(Divided { before, end, lost, imbalance })
+        Ok(Divided { before, end, losses, imbalance })
     }
 
     /// Divides the last increment of a step in two; the second part is the fraction `last` of the step.
@@ -588,8 +608,8 @@ impl<P: Quasistatic> Search<'_, P> {
         let before = made.before.as_ref().map(|(state, _)| state);
         let middle = self.further(begin.towards(drive, 1.0 - last), before)?;
         let end = self.further(drive, Some(&middle.0))?;
-        let lost = made.lost - made.end.1.lost() + middle.1.lost() + end.1.lost();
-        Ok(Divided { before: Some(middle), end, lost, imbalance: made.imbalance })
+        let losses = made.losses.without(made.end.1.losses).and(middle.1.losses).and(end.1.losses);
+        Ok(Divided { before: Some(middle), end, losses, imbalance: made.imbalance })
     }
 
     /// Finds the equilibrium state under `drive` by an extra solve.
@@ -682,6 +702,7 @@ impl<P: Quasistatic> Search<'_, P> {
             *here = end;
         }
         (self.step.dissipated, self.step.dissipated_error) = (Some(lost), Some(uncertain));
+        self.step.losses = Losses { jumps: lost, ..Losses::default() };
         self.step.jumped = (jumped || is_known).then_some(jumped);
         Ok(())
     }
@@ -764,13 +785,9 @@ impl Reading {
         lateral: [0.0; 2],
         time: 0.0,
         distance: 0.0,
+        losses: Losses { relaxation: 0.0, friction: 0.0, wear: 0.0, plastic: 0.0, jumps: 0.0 },
         loss: Loss::Known(0.0),
     };
-
-    /// Returns the loss of the increment, 0 if it is not known.
-    fn lost(&self) -> f64 {
-        if let Loss::Known(lost) | Loss::Certified { lost, .. } = self.loss { lost } else { 0.0 }
-    }
 
     /// Returns the imbalance of the increment, 0 if its loss is not certified.
     fn imbalance(&self) -> f64 {
@@ -809,6 +826,7 @@ impl Quasistatic for Interface {
             lateral: state.lateral,
             time: 0.0,
             distance: 0.0,
+            losses: Losses::default(),
             loss: if self.has_energy() {
                 Loss::Balance(state.elastic_energy + state.interface_energy)
             } else {

@@ -439,6 +439,7 @@ impl Quasistatic for QuasistaticContact {
             lateral: state.lateral,
             time: state.time,
             distance: state.distance,
+            losses: state.losses,
             loss,
         }
     }

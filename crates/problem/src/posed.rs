@@ -4,7 +4,7 @@ use gfmd_contact::{
     Budget, Cotangents, Drive, Effort, Equilibrium, Fields, Gradient, Load, Refusal, Resumable, RigidSurface,
     SolveError, Solver, Stiffness, Visit, Watch,
 };
-use gfmd_interface::{Loss, Quasistatic, Reading, StoredFields, Trapping};
+use gfmd_interface::{Loss, Losses, Quasistatic, Reading, StoredFields, Trapping};
 use gfmd_measure::{Scales, Summary};
 use ndarray::{ArrayRef2, ArrayView2, CowArray, Ix2};
 
@@ -87,6 +87,7 @@ fn of_fields(state: &impl Fields) -> Reading {
         lateral: [0.0; 2],
         time: 0.0,
         distance: 0.0,
+        losses: Losses::default(),
         loss: Loss::Unknown,
     }
 }

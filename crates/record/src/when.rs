@@ -84,3 +84,9 @@ pub(crate) fn of_a_law(facts: &Facts) -> bool {
 pub(crate) fn wall_on_path(facts: &Facts) -> bool {
     facts.is_wall_on_path()
 }
+
+/// Returns true for a path on which energy may be lost by several causes.
+pub(crate) fn several_causes(facts: &Facts) -> bool {
+    let causes = [relaxing(facts), friction(facts), wears(facts), hardness(facts), law(facts)];
+    path(facts) && causes.into_iter().filter(|cause| *cause).count() > 1
+}

@@ -73,6 +73,22 @@ impl Losses {
         self.relaxation + self.friction + self.wear + self.plastic + self.jumps
     }
 
+    /// Returns the sums of both, cause by cause.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            relaxation: self.relaxation + other.relaxation,
+            friction: self.friction + other.friction,
+            wear: self.wear + other.wear,
+            plastic: self.plastic + other.plastic,
+            jumps: self.jumps + other.jumps,
+        }
+    }
+
+    /// Returns the differences of both, cause by cause.
+    pub(crate) fn without(self, other: Self) -> Self {
+        self.and(other.times(-1.0))
+    }
+
     fn times(self, unit: f64) -> Self {
         Self {
             relaxation: self.relaxation * unit,

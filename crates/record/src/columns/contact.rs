@@ -1,10 +1,11 @@
 //! Area, pressure in contact, gap and wear of a state.
 
+use gfmd_contact::Fields as _;
 use gfmd_interface::QuasistaticState;
 
 use super::{Column, undefined::reduced};
 use crate::column::Form;
-use crate::when::{any, friction, law, loads, path, relaxing, wears};
+use crate::when::{any, friction, hardness, law, loads, path, relaxing, several_causes, wears};
 use crate::{Cell, StateContext};
 
 /// Columns of the points in contact and the gap.
@@ -82,8 +83,18 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new("max_pressure", "stress", &[(law, "largest repulsive pressure"), (any, "largest pressure")], |at| {
         at.summary.max_pressure.into()
     })
-    .with(|facts| loads(facts) || relaxing(facts) || wears(facts))
+    .with(|facts| loads(facts) || relaxing(facts) || wears(facts) || several_causes(facts))
     .head("peak p", Form::Size),
+    Column::new(
+        "max_net_pressure",
+        "stress",
+        &[(any, "largest pressure on the body, the repulsion less the attraction; the hardness at most")],
+        |at| {
+            let pressure = at.rest.map(|rest| rest.pressure());
+            pressure.map_or(f64::NAN, |pressure| pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max)).into()
+        },
+    )
+    .with(|facts| law(facts) && hardness(facts)),
     Column::new(
         "wear_volume",
         "length",

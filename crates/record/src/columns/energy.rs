@@ -1,13 +1,13 @@
 //! Energies of a state, its stability and its stiffness.
 
-use gfmd_interface::Loss;
+use gfmd_interface::{Loss, Losses};
 
 use super::{
     Column,
     undefined::{NO_LEVEL, imbalance, level, lost, without_law},
 };
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, between, law, loads, path, relaxing, wears};
+use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears};
 use crate::{Cell, StateContext};
 
 /// Energies, losses, stability, stiffness.
@@ -57,6 +57,46 @@ pub(super) const COLUMNS: &[Column] = &[
     .by(Origin::Way)
     .on(Table::Energy, "dissipated", Form::Size),
     Column::new(
+        "lost_relaxation",
+        "stress*length",
+        &[(any, "part of dissipated that the dashpots of the body lose in this step, per area")],
+        |at| by_cause(at, |losses| losses.relaxation),
+    )
+    .with(|facts| several_causes(facts) && relaxing(facts))
+    .by(Origin::Way),
+    Column::new(
+        "lost_friction",
+        "stress*length",
+        &[(any, "part of dissipated that is lost by slip in this step, per area")],
+        |at| by_cause(at, |losses| losses.friction),
+    )
+    .with(|facts| several_causes(facts) && friction(facts))
+    .by(Origin::Way),
+    Column::new(
+        "lost_wear",
+        "stress*length",
+        &[(any, "part of dissipated that is the work of the pressure on the depth worn off in this step, per area")],
+        |at| by_cause(at, |losses| losses.wear),
+    )
+    .with(|facts| several_causes(facts) && wears(facts))
+    .by(Origin::Way),
+    Column::new(
+        "lost_plastic",
+        "stress*length",
+        &[(any, "part of dissipated that is the work of the pressure on the depth pressed in in this step, per area")],
+        |at| by_cause(at, |losses| losses.plastic),
+    )
+    .with(|facts| several_causes(facts) && hardness(facts))
+    .by(Origin::Way),
+    Column::new(
+        "lost_jumps",
+        "stress*length",
+        &[(any, "part of dissipated that is lost in jumps in this step, per area")],
+        |at| by_cause(at, |losses| losses.jumps),
+    )
+    .with(|facts| several_causes(facts) && law(facts))
+    .by(Origin::Way),
+    Column::new(
         "dissipated_error",
         "stress*length",
         &[
@@ -86,7 +126,7 @@ pub(super) const COLUMNS: &[Column] = &[
         ],
         imbalance,
     )
-    .with(|facts| path(facts) && (relaxing(facts) || wears(facts)))
+    .with(|facts| path(facts) && (relaxing(facts) || wears(facts) || law(facts) && several_causes(facts)))
     .by(Origin::Way),
     Column::new(
         "passed_instability",
@@ -136,6 +176,15 @@ pub(super) const COLUMNS: &[Column] = &[
     .with(loads)
     .by(Origin::Residual),
 ];
+
+/// Returns the energy lost in a step by one cause.
+fn by_cause(at: &StateContext, of: fn(&Losses) -> f64) -> Cell {
+    match &at.step {
+        Some((step, _)) if step.dissipated.is_some() => of(&step.losses).into(),
+        Some(_) => Cell::undefined("the step did not reach a state at rest"),
+        None => f64::NAN.into(),
+    }
+}
 
 /// Returns the stiffness or its error, selected by `of`, or the reason why there is none.
 fn stiff(at: &StateContext, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
