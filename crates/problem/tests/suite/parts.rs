@@ -5,9 +5,10 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Dynamics};
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, Material};
+use gfmd_interface::Wear;
 use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_medium::{Prony, Relaxes};
-use gfmd_problem::{Facts, Friction, Given, GridError, Lower, Support, Task, Unknown};
+use gfmd_problem::{Facts, Friction, Given, GridError, Lower, Support, Task, Unknown, WearBy};
 use ndarray::Array2;
 
 const N: usize = 16;
@@ -67,9 +68,14 @@ impl Parts {
     }
 
     pub(crate) fn given(&self) -> Given<'_> {
-        let limit = self.facts.friction.map(|friction| match friction {
+        let shear = self.facts.friction.map(|friction| match friction {
             Friction::Coulomb => Limit::Coulomb(0.3),
             Friction::Tresca => Limit::Tresca(0.02),
+            Friction::Orowan => Limit::Orowan { coefficient: 0.3, strength: 0.02 },
+        });
+        let wear = self.facts.wear.map(|by| match by {
+            WearBy::Distance => Wear { by_distance: 0.5, by_slip: 0.0 },
+            WearBy::Slip => Wear { by_distance: 0.0, by_slip: 0.5 },
         });
         // All fields: a part of a new kind must be given here.
         Given {
@@ -81,9 +87,9 @@ impl Parts {
             lower: self.lower.as_deref(),
             law: Arc::clone(&self.law),
             hardness: self.facts.hardness.then_some(0.04.into()),
-            limit,
+            shear: shear.map(Into::into),
             prony: self.prony.as_ref(),
-            wear: self.facts.wears.then_some(0.5),
+            wear,
             dynamics: Dynamics::default(),
         }
     }
@@ -94,20 +100,19 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
     let supports: Vec<Support> =
         [Support::HalfSpace, Support::Table].into_iter().chain(BaseKind::ALL.map(Support::Slab)).collect();
     let seconds = [None, Some(Support::HalfSpace), Some(Support::Slab(BaseKind::Bonded))];
-    let limits = [(false, None), (true, None), (false, Some(Friction::Coulomb))];
+    let wears = [None, Some(WearBy::Distance), Some(WearBy::Slip)];
     let relaxing = [None, Some(Relaxes::Both), Some(Relaxes::Shear)];
-    let count =
-        relaxing.len() * 2 * 2 * limits.len() * 2 * Unknown::ALL.len() * 2 * 2 * supports.len() * seconds.len() * 16;
+    let flags = 2_usize.pow(10);
+    let count = flags * relaxing.len() * wears.len() * Unknown::ALL.len() * supports.len() * seconds.len();
     let facts = (0..count).map(move |mut index| {
         let mut digit = |base: usize| {
             let digit = index % base;
             index /= base;
             digit
         };
-        let (hardness, friction) = limits[digit(limits.len())];
         Facts {
-            hardness,
-            friction,
+            hardness: digit(2) == 1,
+            friction: [None, Some(Friction::Coulomb)][digit(2)],
             task: [Task::Loads, Task::Path][digit(2)],
             law: [LawKind::HardWall, LawKind::Exponential][digit(2)],
             boundary: Boundary::ALL[digit(2)],
@@ -120,8 +125,9 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             approach: digit(2) == 1,
             lateral: digit(2) == 1,
             relaxes: relaxing[digit(relaxing.len())],
-            wears: digit(2) == 1,
+            wear: wears[digit(wears.len())],
             // All fields, so that a new fact must be varied here. The following ones do not change the contact.
+            is_wear: false,
             layers: false,
             moved_base: None,
             statistics: false,
@@ -135,6 +141,6 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
     });
     // Loads have no flags for lateral motion, friction, time or distance.
     let is_of_loads =
-        |facts: &Facts| !facts.lateral && facts.friction.is_none() && facts.relaxes.is_none() && !facts.wears;
+        |facts: &Facts| !facts.lateral && facts.friction.is_none() && facts.relaxes.is_none() && facts.wear.is_none();
     facts.filter(move |facts| facts.task == Task::Path || is_of_loads(facts))
 }

@@ -12,7 +12,9 @@ use gfmd_contact::{
 use gfmd_green::BaseKind;
 use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, StoredFields, Wear};
 use gfmd_law::LawKind;
-use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, pose, rules_of, rules_of_wear, table};
+use gfmd_problem::{
+    Facts, Friction, Given, Lower, Part, RULES, Support, Task, WearBy, pose, rules_of, rules_of_wear, table,
+};
 use gfmd_relax::Budget;
 
 fn same(a: &impl Fields, b: &impl Fields) {
@@ -122,18 +124,18 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         Facts { hardness: true, ..on_path },
         Facts { friction: Some(Friction::Coulomb), ..on_path },
         Facts { law: LawKind::Exponential, ..on_path },
-        Facts { wears: true, ..on_path },
+        Facts { wear: Some(WearBy::Distance), ..on_path },
     ] {
         let parts = Parts::of(facts);
         let given = parts.given();
         let posed = pose(&given).unwrap();
         // With wear, each step is one solve, as below.
-        let solves_per_step = if facts.wears { 0 } else { Refinement::default().solves_per_step };
+        let solves_per_step = if facts.wear.is_some() { 0 } else { Refinement::default().solves_per_step };
         let refinement = Refinement { solves_per_step, ..Refinement::default() };
         let mut path = Path::new(&posed, Budget::default(), refinement);
         let lost: Vec<_> = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap().dissipated).collect();
         let Parts { body, grid, heights, .. } = &parts;
-        let direct: Vec<_> = match (facts.law, facts.wears) {
+        let direct: Vec<_> = match (facts.law, facts.wear.is_some()) {
             (LawKind::Exponential, _) => {
                 let contact = Interface::new(body, grid, heights, Arc::clone(&parts.law)).unwrap();
                 let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
@@ -142,7 +144,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
             (_, wears) => {
                 let contact = QuasistaticContact::new(&gfmd_interface::Parts {
                     hardness: facts.hardness.then(|| 0.04.into()),
-                    shear: given.limit.map(Into::into),
+                    shear: given.shear,
                     wear: wears.then_some(Wear { by_distance: 0.5, by_slip: 0.0 }),
                     ..gfmd_interface::Parts::new(body, grid, heights)
                 });
@@ -228,10 +230,10 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let level = facts.boundary == Boundary::Periodic || gfmd_green::has_level(&parts.body, &parts.grid);
         assert_eq!(facts.has_level(), level, "{facts:?}");
         let load = if facts.approach { Load::Approach(0.008) } else { Load::MeanPressure(0.01) };
-        let lateral = [if facts.lateral { 1e-4 } else { 0.0 }, 0.0];
+        let lateral = [if facts.lateral { 1e-3 } else { 0.0 }, 0.0];
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
             let press = |time: f64, start: Option<&_>| {
-                let drive = Drive { load, lateral, time, distance: 1.0 + time };
+                let drive = Drive { load, lateral, time, distance: 0.002 * (1.0 + time) };
                 let solved = problem.press(drive).starting_from(start).tolerance(1e-6).solve();
                 solved.map_err(|error| format!("solved: {error}"))
             };
