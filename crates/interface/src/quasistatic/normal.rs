@@ -130,8 +130,7 @@ impl Normal {
                 contact.certify(&solution.pressure, drive.load).map(NormalState::Wall)
             }
             (Self::Law(interface), NormalState::Law(state)) => {
-                let depth = state.pressed_in.as_deref();
-                let certified = interface.certify_pressed_in(&state.gap, &state.pressure(), depth, drive)?;
+                let certified = interface.certify(&state.gap, &state.pressure(), drive)?;
                 let (passed_instability, lowest_curvature) = (state.passed_instability, state.lowest_curvature);
                 Ok(NormalState::Law(State { passed_instability, lowest_curvature, ..certified }))
             }

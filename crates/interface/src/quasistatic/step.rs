@@ -114,15 +114,15 @@ impl<'a> Step<'a> {
         Ok(Self { contact, drive, start, memory, affine, moved, normal, depth, shear: shear.transpose()? })
     }
 
-    /// Returns the depth of the surfaces with `worn` lost in the step and the lift by the shear.
-    fn depth_with(&self, worn: Option<&Array2<f64>>, effect: Effect) -> Option<Array2<f64>> {
+    /// Returns the depth of the surfaces, `grown` in the step, and without the lift by the shear.
+    fn depth_with(&self, grown: Option<&Array2<f64>>, effect: Effect) -> Option<Array2<f64>> {
         let mut depth = match (&self.depth, &self.shear) {
             (None, None) => return None,
             (Some(depth), _) => depth.clone(),
             (None, Some(_)) => self.contact.field(vec![0.0; self.contact.points()]),
         };
-        if let Some(worn) = worn {
-            depth += worn;
+        if let Some(grown) = grown {
+            depth += grown;
         }
         if let Some(shear) = &self.shear {
             depth.iter_mut().zip(shear.lift(effect)).for_each(|(depth, lift)| *depth -= lift);
@@ -234,12 +234,21 @@ impl<'a> Step<'a> {
     /// Computes what the step has reached with the pressure and the present shear, from fresh transforms.
     fn certify(&mut self, Pressed { state: mut normal, mut touch, is_apart, .. }: Pressed) -> Result<Reached, Refusal> {
         let worn = self.worn_by(&normal);
-        if self.shear.is_some() || worn.is_some() {
+        // Below a law the depth pressed in is known, and becomes part of the surfaces like the depth worn off.
+        let pressed_in = normal.law().and_then(|state| state.pressed_in.clone());
+        if self.shear.is_some() || worn.is_some() || pressed_in.is_some() {
             let Effort { iterations, transform_pairs } = *normal.effort();
+            let grown = match (&worn, &pressed_in) {
+                (Some(worn), Some(pressed_in)) => Some(worn + pressed_in),
+                (worn, pressed_in) => worn.as_ref().or(pressed_in.as_ref()).cloned(),
+            };
             let (contact, first) =
-                self.at(self.normal.clone(), self.depth_with(worn.as_ref(), Effect::Present).as_ref())?;
+                self.at(self.normal.clone(), self.depth_with(grown.as_ref(), Effect::Present).as_ref())?;
             let (drive, _) = self.drive_from(first);
             normal = if is_apart { contact.unloaded(drive.load)? } else { contact.certify(&normal, drive)? };
+            if let NormalState::Law(state) = &mut normal {
+                state.pressed_in = pressed_in;
+            }
             let effort = normal.effort();
             effort.iterations += iterations;
             effort.transform_pairs += transform_pairs;
@@ -281,7 +290,8 @@ impl<'a> Step<'a> {
         }
         let mut pressed = self.press(solver, budget, self.start.map(|start| &start.normal), watch)?;
         let failed = pressed.failed.take();
-        let is_new = self.contact.wear.is_some();
+        let is_law = matches!(self.normal, Normal::Law(_));
+        let is_new = self.contact.wear.is_some() || self.contact.hardness.is_some() && is_law;
         let reached = self.certify(pressed)?;
         let state = self.contact.end(&self, reached)?;
         match failed {
