@@ -307,7 +307,8 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
         }
         // The interface friction makes heat; its shear traction is not part of the contact.
         if let Some(key) = FRICTION.iter().find(|key| record.contains_key(**key)) {
-            let text = "of this contact causes a shear traction on a body that relaxes; the stress inside is not available";
+            let text =
+                "of this contact causes a shear traction on a body that relaxes; the stress inside is not available";
             return Err(format!("the {} {text}", key.replace('_', " ")));
         }
     }
