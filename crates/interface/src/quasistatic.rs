@@ -174,8 +174,8 @@ impl QuasistaticContact {
         }
     }
 
-    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms: depths are those so
-    /// far, and nothing is lost.
+    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms. Depths are totals,
+    /// and nothing is lost.
     ///
     /// # Errors
     /// Returns an error if the fields are not the basis, or do not fit the grid, or if the drive is invalid.
