@@ -433,6 +433,7 @@ impl Quasistatic for QuasistaticContact {
                     lost: state.losses.total(),
                     imbalance: state.work_imbalance,
                     stored: (jumps && !flows).then(stored),
+                    flows,
                 }
             }
         };

@@ -44,6 +44,10 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress*length",
         &[
             (
+                |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
+                "energy lost in this step by all causes, per area: the sum of the columns lost_*",
+            ),
+            (
                 |facts| relaxing(facts) && law(facts),
                 "energy lost in the dashpots and in jumps in this step, per area; in the first one without jumps",
             ),
@@ -77,7 +81,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_wear",
         "stress*length",
-        &[(any, "part of dissipated that is the work of the pressure on the depth worn off in this step, per area")],
+        &[(any, "part of dissipated: work that the pressure does on the depth worn off in this step, per area")],
         |at| by_cause(at, |losses| losses.wear),
     )
     .with(|facts| several_causes(facts) && wears(facts))
@@ -85,7 +89,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_plastic",
         "stress*length",
-        &[(any, "part of dissipated that is the work of the pressure on the depth pressed in in this step, per area")],
+        &[(any, "part of dissipated: work that the pressure does on the plastic depth gained in this step, per area")],
         |at| by_cause(at, |losses| losses.plastic),
     )
     .with(|facts| several_causes(facts) && hardness(facts))
@@ -102,6 +106,11 @@ pub(super) const COLUMNS: &[Column] = &[
         "dissipated_error",
         "stress*length",
         &[
+            (
+                |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
+                "estimated error of dissipated, from its difference from a path in half as many increments; 0 in a \
+                 step that cannot lose energy; NaN if that path was not followed",
+            ),
             (wears, "estimated error of dissipated: 0 in a step of no distance, else NaN"),
             (
                 relaxing,
