@@ -547,8 +547,7 @@ class Steps(Record):
     @property
     def max_pressure(self) -> Array:
         """Stress [step]: largest pressure. With `law`: largest repulsive pressure. With `law` and `hardness` or
-        `law` and `friction` or `hardness` and `friction` or `prony` and `path="asked for"` or `coefficient` and
-        `path="asked for"` only.
+        `law` and `friction` or `hardness` and `friction` or `prony` and a path or `coefficient` and a path only.
         """
 
     @property
@@ -579,10 +578,18 @@ class Steps(Record):
 
     @property
     def dissipated(self) -> Array:
-        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With `prony` or
-        `coefficient`: work of the pressure on the depth lost in this step, per area, without the work of friction.
-        With `prony`: energy lost in the dashpots in this step, per area. With `law` and `prony`: energy lost in the
-        dashpots and in jumps in this step, per area; in the first one without jumps.
+        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With `law` and
+        `hardness` or `law` and `friction` or `hardness` and `friction` or `prony` and a path or `coefficient` and a
+        path: work of the pressure on the depth lost in this step, per area, without the work of friction. With `law`
+        and `hardness` or `law` and `friction` or `hardness` and `friction` or `law` and `coefficient` or `hardness`
+        and `coefficient` or `friction` and `coefficient` or `prony` and a path: energy lost in the dashpots in this
+        step, per area. With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `law` and
+        `prony` or `hardness` and `prony` or `friction` and `prony` or `law` and `coefficient` or `hardness` and
+        `coefficient` or `friction` and `coefficient` or `prony` and `coefficient`: energy lost in the dashpots and
+        in jumps in this step, per area; in the first one without jumps. With `law` and `hardness` or `law` and
+        `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and `prony` or `law` and
+        `coefficient` or `hardness` and `coefficient` or `friction` and `coefficient` or `prony` and `coefficient`:
+        energy lost in this step by all causes, per area: the sum of the columns lost_*.
         """
 
     @property
@@ -599,14 +606,14 @@ class Steps(Record):
 
     @property
     def lost_wear(self) -> Array:
-        """Stress * length [step]: part of dissipated that is the work of the pressure on the depth worn off in this
+        """Stress * length [step]: part of dissipated: work that the pressure does on the depth worn off in this
         step, per area. With `law` and `coefficient` or `hardness` and `coefficient` or `friction` and `coefficient`
         or `prony` and `coefficient` only.
         """
 
     @property
     def lost_plastic(self) -> Array:
-        """Stress * length [step]: part of dissipated that is the work of the pressure on the depth pressed in in
+        """Stress * length [step]: part of dissipated: work that the pressure does on the plastic depth gained in
         this step, per area. With `law` and `hardness` or `hardness` and `friction` or `hardness` and `prony` or
         `hardness` and `coefficient` only.
         """
@@ -620,9 +627,15 @@ class Steps(Record):
     @property
     def dissipated_error(self) -> Array:
         """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved, or if dissipated is
-        unknown. With `prony` or `coefficient`: estimated error of dissipated: twice its difference from a path in
-        half as many increments; 0 in a step of no time without a law; NaN if that path was not followed. With
-        `coefficient`: estimated error of dissipated: 0 in a step of no distance, else NaN.
+        unknown. With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `prony` and a path
+        or `coefficient` and a path: estimated error of dissipated: twice its difference from a path in half as many
+        increments; 0 in a step of no time without a law; NaN if that path was not followed. With `law` and
+        `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and
+        `prony` or `coefficient` and a path: estimated error of dissipated: 0 in a step of no distance, else NaN.
+        With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness` and `prony` or
+        `friction` and `prony` or `law` and `coefficient` or `hardness` and `coefficient` or `friction` and
+        `coefficient` or `prony` and `coefficient`: estimated error of dissipated, from its difference from a path in
+        half as many increments; 0 in a step that cannot lose energy; NaN if that path was not followed.
         """
 
     @property
@@ -630,8 +643,8 @@ class Steps(Record):
         """Stress * length [step]: work of the rigid surface by the trapezoidal rule less the energies gained and
         lost, in magnitude. With `law` and `prony`: work of the rigid surface by the trapezoidal rule less the
         energies gained and lost, in magnitude; in a step with a jump the largest error of that rule; 0 in the first
-        step of no time. With `law` and `hardness` or `law` and `friction` or `prony` and `path="asked for"` or
-        `coefficient` and `path="asked for"` only.
+        step of no time. With `law` and `hardness` or `law` and `friction` or `prony` and a path or `coefficient` and
+        a path only.
         """
 
     @property
