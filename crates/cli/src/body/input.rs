@@ -307,7 +307,9 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
         }
         // The interface friction makes heat; its shear traction is not part of the contact.
         if let Some(key) = FRICTION.iter().find(|key| record.contains_key(**key)) {
-            return Err(format!("the {} {NO_SHEAR}", key.replace('_', " ")));
+            let text =
+                "of this contact causes a shear traction on a body that relaxes; the stress inside is not available";
+            return Err(format!("the {} {text}", key.replace('_', " ")));
         }
     }
     if between {

@@ -229,11 +229,12 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let parts = Parts::of(facts);
         let level = facts.boundary == Boundary::Periodic || gfmd_green::has_level(&parts.body, &parts.grid);
         assert_eq!(facts.has_level(), level, "{facts:?}");
-        let load = if facts.approach { Load::Approach(0.008) } else { Load::MeanPressure(0.01) };
-        let lateral = [if facts.lateral { 1e-3 } else { 0.0 }, 0.0];
+        let load = if facts.approach { Load::Approach(0.009) } else { Load::MeanPressure(0.01) };
+        let far = if facts.lateral { 1e-4 } else { 0.0 };
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
             let press = |time: f64, start: Option<&_>| {
-                let drive = Drive { load, lateral, time, distance: 0.002 * (1.0 + time) };
+                let moved = 1.0 + time;
+                let drive = Drive { load, lateral: [far * moved, 0.0], time, distance: 0.005 * moved };
                 let solved = problem.press(drive).starting_from(start).tolerance(1e-6).solve();
                 solved.map_err(|error| format!("solved: {error}"))
             };

@@ -4,7 +4,7 @@ use gfmd_interface::{Loss, Losses};
 
 use super::{
     Column,
-    undefined::{NO_LEVEL, imbalance, level, lost, without_law},
+    undefined::{NO_LEVEL, imbalance, level, lost, relaxing_level, without_law},
 };
 use crate::column::{Form, Origin, Table};
 use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears};
@@ -54,6 +54,7 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| lost(at, false),
     )
     .with(path)
+    .unless(relaxing_level)
     .by(Origin::Way)
     .on(Table::Energy, "dissipated", Form::Size),
     Column::new(
@@ -62,6 +63,7 @@ pub(super) const COLUMNS: &[Column] = &[
         &[(any, "part of dissipated that the dashpots of the body lose in this step, per area")],
         |at| by_cause(at, |losses| losses.relaxation),
     )
+    .unless(relaxing_level)
     .with(|facts| several_causes(facts) && relaxing(facts))
     .by(Origin::Way),
     Column::new(
@@ -204,10 +206,12 @@ fn jumped(at: &StateContext) -> Cell {
     let Some((step, reading)) = &at.step else {
         return at.rest.and_then(|rest| rest.law()).map_or(Cell::Real(f64::NAN), |law| law.passed_instability.into());
     };
+    if let (Loss::Certified { .. }, Some(_), true) = (reading.loss, step.dissipated, law(at.facts)) {
+        return (step.losses.jumps != 0.0).into();
+    }
     let unknown = match reading.loss {
         Loss::Balance(_) => "--energy-solves did not suffice to tell a jump from a smooth change",
-        Loss::Certified { .. } => "energy is lost by relaxation, which no balance tells from jumps",
-        Loss::Known(_) => "energy is lost by slip or plastic flow, which no balance tells from jumps",
+        Loss::Certified { .. } | Loss::Known(_) => "no law attracts the surfaces, without which they do not jump",
         Loss::Unknown => "the tractions have no energy, whose loss would tell a jump",
     };
     step.jumped.ok_or(unknown).into()

@@ -206,10 +206,11 @@ fn the_classes_of_python_have_the_columns() {
         .flat_map(|facts| [facts, Facts { flow: facts.task == Task::Path, ..facts }])
         .filter(|facts| facts.check().is_ok())
         .collect();
-    let of = |task: Task, wears: bool| -> Vec<Facts> {
-        all.iter().copied().filter(|facts| facts.task == task && facts.wears == wears).collect()
-    };
-    let [loads, path, worn] = [of(Task::Loads, false), of(Task::Path, false), of(Task::Path, true)];
+    let of = |task: Task| -> Vec<Facts> { all.iter().copied().filter(|facts| facts.task == task).collect() };
+    let [loads, path] = [of(Task::Loads), of(Task::Path)];
+    // The command `wear` is a path of surfaces that wear.
+    let is_worn = |facts: &Facts| facts.wear.is_some() && facts.check().is_ok();
+    let worn: Vec<Facts> = path.iter().map(|facts| Facts { is_wear: true, ..*facts }).filter(is_worn).collect();
     let steps = [&path[..], &worn].concat();
     let parts = [
         ("residual", "Residual", "Residuals, recomputed from the final fields; `float(...)` is the largest"),
