@@ -86,9 +86,10 @@ mod tests {
 
     #[test]
     fn a_leg_without_length_is_one_step() {
-        let table: toml::Table = "pressure = [0.1]\nlateral = [0.0, 1.0, 2.0]\ntime = [0.0, 1.0, 0.0]\ndistance = [0, 0, 3]"
-            .parse()
-            .unwrap();
+        let table: toml::Table =
+            "pressure = [0.1]\nlateral = [0.0, 1.0, 2.0]\ntime = [0.0, 1.0, 0.0]\ndistance = [0, 0, 3]"
+                .parse()
+                .unwrap();
         assert_eq!(waypoints(&table, 100, 4), [0, 4, 8]);
         let table: toml::Table = "pressure = [0.1]\nlateral = [0.0, 1.0, 2.0]\ntime = [1.0]".parse().unwrap();
         assert_eq!(waypoints(&table, 9, 4), [3, 7]);

@@ -7,8 +7,8 @@ use gfmd_problem::options::Kinds;
 use maud::html;
 
 use crate::figures::{Drawn, field, largest, length, short, sides};
-use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, with_unit};
 use crate::legs::{along, waypoints};
+use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, with_unit};
 use gfmd_input::failure::Failure;
 use gfmd_record::State;
 

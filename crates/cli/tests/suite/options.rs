@@ -264,7 +264,8 @@ impl Class {
         let command = program.find_subcommand(self.command).unwrap();
         let args = flags(command).chain(flags(program)).filter(|arg| self.keys.iter().any(|other| other == key(arg)));
         let is_optional = |arg: &Arg| {
-            let may_lack = self.takes_none || arg.get_default_values().is_empty() || ["law", "threads"].contains(&key(arg));
+            let may_lack =
+                self.takes_none || arg.get_default_values().is_empty() || ["law", "threads"].contains(&key(arg));
             takes_value(arg) && may_lack
         };
         let own = args.map(|arg| line(argument(key(arg)), &type_of(arg), is_optional(arg)));

@@ -69,6 +69,12 @@ class Path(Leaks, Computed, StepFields):
     adhesion: Adhesion
     dissipated: Optional[float]
     dissipated_error: Optional[float]
+    work_imbalance: Optional[float]
+    prony: list[list[float]]
+    moduli: str
+    relaxes: str
+    young_long_term: float
+    young_instantaneous: float
     sliding: list[Record]
     lowest_mean_pressure: float
     grid_error: Record

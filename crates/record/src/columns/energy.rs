@@ -47,6 +47,7 @@ pub(super) const COLUMNS: &[Column] = &[
                 |facts| relaxing(facts) && law(facts),
                 "energy lost in the dashpots and in jumps in this step, per area; in the first one without jumps",
             ),
+            (several_causes, "energy lost in this step by all causes, per area, the sum of the columns lost_*"),
             (relaxing, "energy lost in the dashpots in this step, per area"),
             (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
             (any, "energy lost in this step, per area; NaN if the law has no energy"),
@@ -102,6 +103,10 @@ pub(super) const COLUMNS: &[Column] = &[
         "dissipated_error",
         "stress*length",
         &[
+            (
+                |facts| several_causes(facts) && !relaxing(facts),
+                "estimated error of dissipated; NaN if the step was not halved, or if dissipated is unknown",
+            ),
             (wears, "estimated error of dissipated: 0 in a step of no distance, else NaN"),
             (
                 relaxing,

@@ -235,8 +235,9 @@ impl Course<'_> {
         let all = so_far(self.column("dissipated"));
         let most = causes.iter().map(|(.., values)| largest(values)).fold(largest(&all), f64::max);
         let shown = self.units.shown("stress*length", most);
-        let (factor, y) = shown
-            .map_or((1.0, "energy lost / (stress length)".into()), |unit| (unit.factor, format!("energy lost / ({})", unit.name)));
+        let (factor, y) = shown.map_or((1.0, "energy lost / (stress length)".into()), |unit| {
+            (unit.factor, format!("energy lost / ({})", unit.name))
+        });
         let (x, values) = self.abscissa(by_distance, sideways);
         let points = |energies: &[f64]| -> Vec<Point> {
             values.iter().zip(energies).map(|(x, energy)| Point::new(*x, energy * factor)).collect()
