@@ -99,10 +99,10 @@ pub struct Args {
     /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body and with wear 0]
     #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
-    /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear; the losses by cause:
-    /// PREFIX-losses; with wear PREFIX-wear and of the last step PREFIX-profile, PREFIX-depth; the step with the largest
-    /// contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both surfaces and the pressure along x), with an
-    /// attraction PREFIX-traction
+    /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear, with many panels
+    /// PREFIX-time; the losses by cause: PREFIX-losses; with wear PREFIX-wear and of the last step PREFIX-profile,
+    /// PREFIX-depth; the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both surfaces
+    /// and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,

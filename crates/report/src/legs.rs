@@ -23,13 +23,18 @@ pub(crate) fn waypoints(table: &toml::Table, computed: usize, steps_of_leg: usiz
     ends.take_while(|end| *end < computed).collect()
 }
 
+/// Returns true if the positive lengths span more than two decades.
+pub(crate) fn is_long(lengths: &[f64]) -> bool {
+    let positive = lengths.iter().copied().filter(|length| *length > 0.0);
+    let [first, last] = positive.fold([f64::INFINITY, 0.0], |[first, last], x| [x.min(first), x.max(last)]);
+    last > 100.0 * first
+}
+
 /// Returns panels of labelled columns against the length of a path. The axis is logarithmic, without a state at its
 /// start, if it spans more than two decades. A constant number has no panel.
 pub(crate) fn along(name: &str, columns: Vec<(Vec<(f64, f64)>, String)>) -> Vec<Panel> {
-    let lengths =
-        columns.iter().flat_map(|(points, _)| points).map(|(length, _)| *length).filter(|length| *length > 0.0);
-    let [first, last] = lengths.fold([f64::INFINITY, 0.0], |[first, last], x| [x.min(first), x.max(last)]);
-    let is_long = last > 100.0 * first;
+    let lengths: Vec<f64> = columns.iter().flat_map(|(points, _)| points).map(|(length, _)| *length).collect();
+    let is_long = is_long(&lengths);
     let panel = |(points, label): (Vec<(f64, f64)>, String)| {
         let shown = points.into_iter().filter(|(length, _)| !is_long || *length > 0.0).map(|(x, y)| Point::new(x, y));
         Panel {
@@ -48,8 +53,8 @@ pub(crate) fn along(name: &str, columns: Vec<(Vec<(f64, f64)>, String)>) -> Vec<
 }
 
 /// Returns a path of points, leg by leg between its `waypoints`: joined points where the `drive`, one number per point,
-/// rises, hollow points and a broken line where it falls.
-pub fn legs(points: &[(f64, f64)], drive: &[f64], waypoints: &[usize]) -> Vec<Series> {
+/// rises or is held, hollow points and a broken line where it falls.
+pub(crate) fn legs(points: &[(f64, f64)], drive: &[f64], waypoints: &[usize]) -> Vec<Series> {
     let last = points.len().saturating_sub(1);
     let inside = waypoints.iter().copied().filter(|place| (1..last).contains(place));
     let bounds: Vec<usize> = [0].into_iter().chain(inside).chain([last]).collect();
@@ -57,10 +62,12 @@ pub fn legs(points: &[(f64, f64)], drive: &[f64], waypoints: &[usize]) -> Vec<Se
         let [start, end] = [bounds[0], bounds[1]];
         let points = points.get(start..=end).unwrap_or_default();
         let falls = drive.get(start).zip(drive.get(end)).is_some_and(|(first, last)| last < first);
+        let is_held = drive.get(start..=end).is_some_and(|drive| drive.iter().all(|value| *value == drive[0]));
+        let rises = if is_held && end > start { "held" } else { "rising" };
         let points: Vec<Point> = points.iter().map(|(x, y)| Point::new(*x, *y)).collect();
         let series = |label: &str, mark| Series { mark, ..Series::points(label, hue, points.clone()) };
         match falls {
-            false => vec![series(&format!("leg {}, rising", hue + 1), Mark::JoinedPoints)],
+            false => vec![series(&format!("leg {}, {rises}", hue + 1), Mark::JoinedPoints)],
             true => {
                 vec![series("", Mark::Dashes), series(&format!("leg {}, falling", hue + 1), Mark::HollowPoints)]
             }

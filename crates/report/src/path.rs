@@ -86,7 +86,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         p.headline {
             @if dissipated.is_finite() {
                 (lost) span { (unit) } " lost along the path "
-                @if error.is_finite() { span { "± " (number(factor * error)) (unit) } }
+                @if error > 0.0 { span { "± " (number(factor * error)) (unit) } }
             } @else { "No energy is defined for this law" }
         }
     });
@@ -176,9 +176,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         unit: &unit,
         units: &units,
     };
-    for Drawing { title, caption, panels, .. } in course.drawings() {
-        if computed > 1 {
-            page.chart(&Chart::new(panels), title, &html! { (caption) });
+    let drawings = if computed > 1 { course.drawings() } else { Vec::new() };
+    for Drawing { title, panels, .. } in drawings {
+        for (panel, caption) in panels {
+            page.chart(&Chart::new(vec![panel]), title, &html! { (caption) });
         }
     }
     if let (Ok(surface), Some(index)) = (&surface, waypoints.len().checked_sub(1)) {
@@ -225,6 +226,16 @@ fn interface(table: &toml::Table) -> String {
     parts.join(", ")
 }
 
+/// Formats a share in percent with two digits, at most two of them decimals.
+fn rough(percent: f64) -> Markup {
+    let digits = (1 - percent.abs().max(0.1).log10().floor() as i32).max(0) as usize;
+    if percent == 0.0 {
+        html! { "0" }
+    } else {
+        html! { (format!("{percent:.digits$}")) }
+    }
+}
+
 /// Returns the parts of the lost energy by cause; `None` unless there are several causes.
 fn by_cause(stored: &Stored, computed: usize, dissipated: f64) -> Option<Markup> {
     let there: Vec<_> = CAUSES.iter().filter(|(column, _)| stored.has(column)).collect();
@@ -232,16 +243,17 @@ fn by_cause(stored: &Stored, computed: usize, dissipated: f64) -> Option<Markup>
         return None;
     }
     let sum = |name: &str| -> f64 { stored.column(name)[..computed].iter().filter(|value| value.is_finite()).sum() };
-    let imbalance = sum("work_imbalance") / dissipated;
+    // The first step may load the surfaces at once, whose work is no trapezium.
+    let imbalance = stored.column("work_imbalance")[..computed].iter().skip(1).sum::<f64>() / dissipated;
     Some(html! {
         "Lost by "
         @for (index, (column, cause)) in there.iter().enumerate() {
             @if index > 0 { ", " }
-            (cause) " " (number(100.0 * sum(column) / dissipated)) " %"
+            (cause) " " (rough(100.0 * sum(column) / dissipated)) " %"
         }
         ". "
-        @if stored.has("work_imbalance") && imbalance.is_finite() {
-            "Work and energies balance to " (number(100.0 * imbalance)) " % of the loss. "
+        @if imbalance.is_finite() && computed > 1 {
+            "After the first step, work and energies balance to " (rough(100.0 * imbalance)) " % of the loss. "
         }
     })
 }

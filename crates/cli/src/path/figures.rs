@@ -37,6 +37,7 @@ pub(super) fn draw(
         units: &units,
     };
     for Drawing { name, panels, .. } in course.drawings() {
+        let panels = panels.into_iter().map(|(panel, _)| panel).collect();
         let chart = Chart { share_y: false, ..Chart::new(panels) };
         files.extend(chart.save(&named(prefix, name))?);
     }

@@ -4,11 +4,17 @@ use gfmd_plot::{Axis, Mark, Panel, Point, Series};
 use gfmd_unit::Units;
 
 use crate::figures::{largest, length};
-use crate::legs::{along, legs};
+use crate::legs::{along, is_long, legs};
 use crate::wear::against;
 
 /// Reduced pressure as a label.
 const REDUCED: &str = "*p*/(*E*\\* *g*)";
+
+/// End of a caption of legs through equilibria.
+const LEGS: &str = ", leg by leg; each point is an equilibrium";
+
+/// Largest number of panels side by side.
+const MOST_PANELS: usize = 4;
 
 /// Columns of the energy lost by one cause, and the names of the causes.
 pub(super) const CAUSES: [(&str, &str); 5] = [
@@ -45,24 +51,35 @@ pub struct Drawing {
     pub name: &'static str,
     /// Title, with the alternative text of a figure.
     pub title: &'static str,
-    /// Sentence about the panels.
-    pub caption: String,
-    /// Panels, at least one.
-    pub panels: Vec<Panel>,
+    /// Panels, at least one, each with a sentence about it.
+    pub panels: Vec<(Panel, String)>,
 }
 
-/// Joins words as in "a, b and c".
-fn joined(words: &[&str]) -> String {
-    match words {
-        [] => String::new(),
-        [only] => (*only).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+impl Drawing {
+    /// Creates a drawing, with captions made from the labels of the axes; `end` is the end of each caption.
+    fn new(name: &'static str, title: &'static str, end: &str, panels: Vec<Panel>) -> Self {
+        let caption = |panel: &Panel| {
+            let x = match word(&panel.x.label) {
+                word @ ("time" | "approach" | "pressure") => word.to_owned(),
+                "distance" => "the sliding distance".into(),
+                "lateral path" => "the length of the lateral path".into(),
+                other => format!("the {other}"),
+            };
+            sentence(&format!("{} against {x}{end}.", word(&panel.y.label)))
+        };
+        let panels = panels.into_iter().map(|panel| (caption(&panel), panel));
+        Self { name, title, panels: panels.map(|(caption, panel)| (panel, caption)).collect() }
     }
 }
 
-/// Returns true if the numbers differ.
+/// Returns the name of a quantity in the label of an axis.
+fn word(label: &str) -> &str {
+    if label == REDUCED { "pressure" } else { label.split(" / ").next().unwrap_or(label) }
+}
+
+/// Returns true if the numbers differ; false for numbers without a value.
 fn varies(values: &[f64]) -> bool {
-    values.iter().any(|value| *value != values[0])
+    values.iter().any(|value| *value < values[0] || *value > values[0])
 }
 
 /// Returns true if there is a number.
@@ -107,7 +124,7 @@ impl Course<'_> {
         let wears = self.column("wear_volume").last().is_some_and(|volume| *volume > 0.0);
         let mut drawings = Vec::new();
         if self.relaxes {
-            drawings.push(self.in_time());
+            drawings.extend(self.in_time());
         }
         if sideways {
             drawings.push(self.shear_loop());
@@ -126,7 +143,7 @@ impl Course<'_> {
     /// Returns panels of contact area, reduced pressure, approach, and with friction shear and sticking area, against
     /// time. The time axis is logarithmic, without the state at time zero, if it spans more than two decades. A constant
     /// number has no panel.
-    fn in_time(&self) -> Drawing {
+    fn in_time(&self) -> Vec<Drawing> {
         let time = self.column("time");
         let approach = self.column("approach");
         let finite: Vec<f64> = approach.iter().copied().filter(|value| value.is_finite()).collect();
@@ -148,9 +165,16 @@ impl Course<'_> {
         let unit = Units::new(Some(self.unit), None).shown("time", 1.0);
         let x = unit.map_or("time".into(), |unit| format!("time / {unit}"));
         let panels = columns.into_iter().map(|(word, points, label)| (word, along(&x, vec![(points, label)])));
-        let (words, panels): (Vec<&str>, Vec<Vec<Panel>>) = panels.filter(|(_, panels)| !panels.is_empty()).unzip();
-        let caption = sentence(&format!("{} against time.", joined(&words)));
-        Drawing { name: "path", title: "the path", caption, panels: panels.into_iter().flatten().collect() }
+        let panels: Vec<(&str, Vec<Panel>)> = panels.filter(|(_, panels)| !panels.is_empty()).collect();
+        let drawing = |name, title, panels: Vec<(&str, Vec<Panel>)>| {
+            Drawing::new(name, title, "", panels.into_iter().flat_map(|(_, panels)| panels).collect())
+        };
+        if panels.len() <= MOST_PANELS {
+            return vec![drawing("path", "the path", panels)];
+        }
+        let of_shear = |(word, _): &(&str, Vec<Panel>)| ["shear", "sticking area"].contains(word);
+        let (shear, others): (Vec<_>, Vec<_>) = panels.into_iter().partition(of_shear);
+        vec![drawing("path", "the path", others), drawing("time", "shear against time", shear)]
     }
 
     /// Returns a panel with the legs of the path, whose directions are the signs of the `drive`.
@@ -175,19 +199,16 @@ impl Course<'_> {
             self.panel(&x, label, [&lateral, &share], &lateral),
         ];
         let (name, title) = if self.relaxes { ("shear", "the shear loop") } else { ("path", "the path") };
-        let each = if self.relaxes { "" } else { "; each point is an equilibrium" };
-        let caption = format!("Shear and {label} against the lateral displacement, leg by leg{each}.");
-        Drawing { name, title, caption, panels }
+        let end = if self.relaxes { ", leg by leg" } else { LEGS };
+        Drawing::new(name, title, end, panels)
     }
 
     /// Returns panels of reduced pressure against approach, if it is known, and contact area against pressure.
     fn load_and_area(&self) -> Drawing {
         let [approach, p_star, area] = ["approach", "p_star", "area_fraction"].map(|name| self.column(name));
-        let each = "leg by leg; each point is an equilibrium.";
         if !has_value(&approach) {
             let panels = vec![self.panel(REDUCED, "contact area", [&p_star, &area], &p_star)];
-            let caption = format!("Contact area against pressure, {each}");
-            return Drawing { name: "path", title: "the path", caption, panels };
+            return Drawing::new("path", "the path", LEGS, panels);
         }
         let read = length(self.unit, largest(&approach));
         let scaled: Vec<f64> = approach.iter().map(|value| value * read.factor).collect();
@@ -196,8 +217,7 @@ impl Course<'_> {
             self.panel(&x, REDUCED, [&scaled, &p_star], &approach),
             self.panel(REDUCED, "contact area", [&p_star, &area], &approach),
         ];
-        let caption = format!("Pressure against approach, and contact area against pressure, {each}");
-        Drawing { name: "path", title: "the path", caption, panels }
+        Drawing::new("path", "the path", LEGS, panels)
     }
 
     /// Returns panels of mean depth lost, contact area and largest pressure against the sliding distance, or the length
@@ -208,12 +228,8 @@ impl Course<'_> {
             false => ("lateral path", self.travelled()),
         };
         let panels = against((name, &distance), self.column, self.modulus, self.unit);
-        let all = "Mean depth lost, contact area and largest pressure against the";
-        let (title, caption) = match by_distance {
-            true => ("wear against distance", format!("{all} sliding distance.")),
-            false => ("wear against the lateral path", format!("{all} length of the lateral path so far.")),
-        };
-        Drawing { name: "wear", title, caption, panels }
+        let title = if by_distance { "wear against distance" } else { "wear against the lateral path" };
+        Drawing::new("wear", title, "", panels)
     }
 
     /// Returns a panel of the energy lost so far by each cause, and their sum; `None` unless there are several causes.
@@ -250,14 +266,22 @@ impl Course<'_> {
             mark: Mark::JoinedPoints,
             ..Series::points(cause, *hue, points(energies))
         }));
-        let against = x.split(" / ").next().unwrap_or_default().to_owned();
+        let against = match word(&x) {
+            "time" => "time".to_owned(),
+            other => format!("the {other}"),
+        };
         let caption = match &causes[..] {
             [] => return None,
-            [(_, cause, _)] => format!("Energy lost so far per area, all of it by {cause}, against the {against}."),
-            _ => format!("Energy lost so far per area, by cause and in all, against the {against}."),
+            [(_, cause, _)] => format!("Energy lost so far per area, all of it by {cause}, against {against}."),
+            _ => format!("Energy lost so far per area, by cause and in all, against {against}."),
         };
-        let panel = Panel { x: Axis::linear(&x), y: Axis::linear(&y), series, ..Panel::default() };
-        Some(Drawing { name: "losses", title: "energy lost by cause", caption, panels: vec![panel] })
+        let is_long = self.relaxes && is_long(&values);
+        if is_long {
+            series.iter_mut().for_each(|series| series.points.retain(|point| point.x > 0.0));
+        }
+        let x = if is_long { Axis::log(&x) } else { Axis::linear(&x) };
+        let panel = Panel { x, y: Axis::linear(&y), series, ..Panel::default() };
+        Some(Drawing { name: "losses", title: "energy lost by cause", panels: vec![(panel, caption)] })
     }
 
     /// Returns the label and the values of the abscissa for numbers that add up along the path.
@@ -267,12 +291,12 @@ impl Course<'_> {
             (format!("{name} / {}", read.name), values.into_iter().map(|value| value * read.factor).collect())
         };
         match () {
-            () if sideways => lengths("lateral path", self.travelled()),
-            () if by_distance => lengths("distance", self.column("distance")),
             () if self.relaxes => {
                 let unit = Units::new(Some(self.unit), None).shown("time", 1.0);
                 (unit.map_or("time".into(), |unit| format!("time / {unit}")), self.column("time"))
             }
+            () if sideways => lengths("lateral path", self.travelled()),
+            () if by_distance => lengths("distance", self.column("distance")),
             () => ("step".into(), (0..self.column("mean_pressure").len()).map(|step| step as f64).collect()),
         }
     }
