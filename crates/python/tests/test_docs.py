@@ -164,7 +164,10 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.Path, [words["loop"], rubbed, indented, composed]),
         (gfmd.Adhesion, [adhesive.adhesion()]),
         (gfmd.Flow, [words["c"].flow()]),
-        (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn, composed)]),
+        (
+            Steps,
+            [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn, composed)],
+        ),
         (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),
         (LowerFace, [squeezed.lower]),
         (Patches, [words["c"].patches()]),
