@@ -156,7 +156,7 @@ def test_results_have_the_attributes_that_are_documented(words):
                 words["c"],
                 adhesive,
                 gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
-                gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1),
+                gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1, law=law),
                 steep,
                 squeezed,
             ],
