@@ -61,8 +61,8 @@ impl AnyState {
         self.get::<SqueezedSolution>().map(|state| &state.lower)
     }
 
-    /// Returns the shear traction on the elastic surface along x (0) or y (1), stress, of surfaces that shear each other
-    /// on a path.
+    /// Returns the shear traction on the elastic surface along x (0) or y (1), stress, on a path of surfaces that shear
+    /// each other.
     pub fn shear(&self, axis: usize) -> Option<ArrayView2<'_, f64>> {
         self.on_path()?.shear(axis)
     }

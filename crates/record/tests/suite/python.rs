@@ -32,8 +32,9 @@ fn condition(facts: &[Facts], holds: Holds<Facts>) -> Option<String> {
     if facts.iter().all(holds) {
         return None;
     }
-    // A path is a function of Python, not an option.
-    let parts: Vec<Part> = Part::ALL.iter().copied().filter(|part| *part != Part::Path).collect();
+    // Parts that are no option of Python: a path is a function, and the others are absent or wider ones.
+    let no_options = [Part::Path, Part::SlipAlone, Part::WearByDistance, Part::StillFriction];
+    let parts: Vec<Part> = Part::ALL.iter().copied().filter(|part| !no_options.contains(part)).collect();
     let alone = parts.iter().map(|part| vec![*part]).collect();
     let both = |(place, part): (usize, &Part)| parts[..place].iter().map(|other| vec![*other, *part]).collect();
     let pairs = parts.iter().enumerate().flat_map(|entry| -> Vec<Vec<Part>> { both(entry) }).collect();
