@@ -98,7 +98,7 @@ class Path(Leaks, Computed, StepFields):
         return residual_of(self.steps)
 
     def __repr__(self) -> str:
-        names = ("mean_pressure", "p_star", "approach", "lateral", "time", "area_fraction", "mean_gap")
+        names = ("mean_pressure", "p_star", "approach", "lateral", "time", "area_fraction", "mean_gap", "wear_volume")
         return self._answer("steps", names, ("dissipated", "lowest_mean_pressure", "sliding", "parted_at"))
 
     def to_dataframe(self) -> Any:
