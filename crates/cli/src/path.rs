@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_interface::{Path, QuasistaticState, Refinement, Step};
+use gfmd_interface::{LimitingPressure, Path, QuasistaticState, Refinement, Step};
 use gfmd_law::LawKind;
 use gfmd_problem::{AnyState, Facts, Posed, WearBy, key, setting, words};
 use serde::{Deserialize, Serialize};
@@ -99,8 +99,10 @@ pub struct Args {
     /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body and with wear 0]
     #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
-    /// Draw the path, PREFIX-path.svg, .png, and its step with the largest contact: PREFIX-map (pressure), PREFIX-gap,
-    /// PREFIX-section (both surfaces and the pressure along x), with an attraction PREFIX-traction
+    /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear, with many panels
+    /// PREFIX-time; the losses by cause: PREFIX-losses; with wear PREFIX-wear and of the last step PREFIX-profile,
+    /// PREFIX-depth; the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both surfaces
+    /// and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -197,6 +199,10 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
         }
         _ => {}
     }
+    if args.friction.friction.is_none() && args.friction.friction_of != LimitingPressure::default() {
+        let without = words!["left out without ", key("friction")];
+        return Err(Failure::value(key("friction_of"), args.friction.friction_of, without));
+    }
     if args.wear.fact().is_none() && args.wear.wear_by != WearBy::default() {
         let without = words!["left out without ", key("coefficient")];
         return Err(Failure::value(key("wear_by"), args.wear.wear_by, without));
@@ -213,7 +219,7 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
 
 /// Writes the file of a path, draws it, and returns its report.
 fn finish(
-    PathInput { prepared, drives, .. }: &PathInput,
+    PathInput { prepared, drives, places, .. }: &PathInput,
     args: &Args,
     followed: Followed,
     session: &Session,
@@ -229,11 +235,12 @@ fn finish(
     let out = session.written(out);
     let mut head = Head::new(&args.asked()?, prepared, contact.surface());
     head.relaxation = args.prony.relaxation(&args.body)?;
-    let report = Report::new(head, args.waypoints.along(), records, args.steps.steps as usize);
+    let report = Report::new(head, args.waypoints.along(), records, places);
     let mut report = Report { parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
         let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
-        report.plots = figures::draw(prefix, &report, args.steps.steps as usize, &scene)?;
+        let depth = path.state().and_then(|state| state.on_path()?.wear_depth());
+        report.plots = figures::draw(prefix, &report, places, &scene, (&prepared.surface, depth))?;
     }
     Ok(Outcome { report, failure })
 }

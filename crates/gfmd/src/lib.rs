@@ -51,7 +51,7 @@
 //! | describe an elastic body | [`green`] | [`Body`], [`Material`] |
 //! | press the surface on the body | [`contact`] | [`Contact`], [`Equilibrium`] |
 //! | add a law across the gap | [`interface`] | [`Interface`] |
-//! | add friction, hardness, wear, relaxation; follow a path of loads | [`interface`] | [`QuasistaticContact`], [`Path`] |
+//! | add friction, hardness, wear, relaxation; follow a path | [`interface`] | [`QuasistaticContact`], [`Path`] |
 //! | choose or evaluate the law of an interface | [`law`] | [`Law`], [`LawKind`] |
 //! | describe how a viscoelastic body relaxes, or slide over it | [`medium`] | [`Prony`], [`SlidingContact`] |
 //! | prescribe displacements on some points, tractions on others | [`mixed`] | [`MixedProblem`] |

@@ -66,6 +66,15 @@ pub struct QuasistaticContact {
     units: Units,
 }
 
+/// Checks that a drive does not run backwards from a time and distance. NaN is neither before nor after.
+fn check_order(drive: Drive, [time, distance]: [f64; 2]) -> Result<(), Refusal> {
+    match (drive.time >= time, drive.distance >= distance) {
+        (true, true) => Ok(()),
+        (false, _) => Err(Refusal::Time { found: drive.time, least: time }),
+        (true, false) => Err(Refusal::Distance { found: drive.distance, least: distance }),
+    }
+}
+
 /// The only solver of a contact with shear.
 const WITH_SHEAR: [Solver; 1] = [Solver::Auto];
 
@@ -174,8 +183,8 @@ impl QuasistaticContact {
         }
     }
 
-    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms: depths are those so
-    /// far, and nothing is lost.
+    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms. Depths are totals,
+    /// and nothing is lost.
     ///
     /// # Errors
     /// Returns an error if the fields are not the basis, or do not fit the grid, or if the drive is invalid.
@@ -322,12 +331,7 @@ impl Equilibrium for QuasistaticContact {
     /// surfaces that do not shear each other.
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         drive.check()?;
-        if !(drive.time >= 0.0) {
-            return Err(Refusal::Time { found: drive.time, least: 0.0 });
-        }
-        if !(drive.distance >= 0.0) {
-            return Err(Refusal::Distance { found: drive.distance, least: 0.0 });
-        }
+        check_order(drive, [0.0; 2])?;
         let is_wall = matches!(self.normal, Normal::Wall(_));
         match drive.load {
             Load::Approach(approach) if is_wall && self.boundary() == Boundary::Periodic => {
@@ -431,6 +435,7 @@ impl Quasistatic for QuasistaticContact {
                     lost: state.losses.total(),
                     imbalance: state.work_imbalance,
                     stored: (jumps && !flows).then(stored),
+                    flows,
                 }
             }
         };

@@ -26,10 +26,6 @@ impl MemoryNeed {
     pub const LAW_FREE: Self = Self(98);
     /// Path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(41);
-    /// Path with surfaces that wear.
-    pub const WEAR: Self = Self(42);
-    /// Path with surfaces that wear, on a patch.
-    pub const WEAR_FREE: Self = Self(50);
     /// Path with a law, on a patch.
     pub const PATH_FREE: Self = Self(141);
     /// Path that moves all components.
@@ -44,10 +40,18 @@ impl MemoryNeed {
     /// Flow alone, through a given gap.
     pub const FLOW_ALONE: Self = Self(34);
 
-    /// Adds the fields of a viscoelastic body with this number of branches to the fields of an elastic path.
+    /// Law beside friction on a path.
+    const LAW_BESIDE_FRICTION: u64 = 41;
+    /// Wear on a path.
+    const WEAR: u64 = 16;
+    /// Hardness beside a law or friction on a path.
+    const HARDNESS: u64 = 14;
+
+    /// Adds the fields of a viscoelastic body with this number of branches and components of its memory to the fields
+    /// of an elastic path.
     #[must_use]
-    pub fn relaxing(self, branches: usize) -> Self {
-        Self(self.0 + 14 + 10 * branches as u64)
+    pub fn relaxing(self, branches: usize, components: usize) -> Self {
+        Self(self.0 + components as u64 * (14 + 10 * branches as u64))
     }
 
     /// Returns the number of bytes on a grid of `points`, at most `u64::MAX`.
@@ -79,13 +83,26 @@ impl Facts {
             Task::Loads if self.hardness || is_free => MemoryNeed::FREE,
             Task::Loads if only => MemoryNeed::HARD_WALL_ONCE,
             Task::Loads => MemoryNeed::HARD_WALL,
-            Task::Path if self.wear.is_some() && is_free => MemoryNeed::WEAR_FREE,
-            Task::Path if self.wear.is_some() => MemoryNeed::WEAR,
-            Task::Path if self.is_wall_on_path() => MemoryNeed::FREE,
-            Task::Path if self.moves_sideways() && is_free => MemoryNeed::ALL_COMPONENTS_FREE,
-            Task::Path if self.moves_sideways() => MemoryNeed::ALL_COMPONENTS,
-            Task::Path if is_free => MemoryNeed::PATH_FREE,
-            Task::Path => MemoryNeed::PATH,
+            Task::Path => self.need_of_path(is_free),
         }
+    }
+
+    /// Returns the sum of the needs of the parts of a path on an elastic body.
+    fn need_of_path(&self, is_free: bool) -> MemoryNeed {
+        let (law, sideways) = (self.solves_a_law(), self.moves_sideways());
+        let base = match (sideways, law, is_free) {
+            (true, _, true) => MemoryNeed::ALL_COMPONENTS_FREE,
+            (true, _, false) => MemoryNeed::ALL_COMPONENTS,
+            (false, true, true) => MemoryNeed::PATH_FREE,
+            (false, true, false) => MemoryNeed::PATH,
+            (false, false, _) => MemoryNeed::FREE,
+        };
+        let of = |is_part: bool, fields: u64| if is_part { fields } else { 0 };
+        MemoryNeed(
+            base.0
+                + of(self.friction.is_some() && law, MemoryNeed::LAW_BESIDE_FRICTION)
+                + of(self.wear.is_some(), MemoryNeed::WEAR)
+                + of(self.hardness && (law || sideways), MemoryNeed::HARDNESS),
+        )
     }
 }

@@ -23,15 +23,31 @@ impl AnyState {
             .or_else(|| self.on_path().and_then(QuasistaticState::wall))
     }
 
-    /// Returns the plastic points of a load with a hardness.
-    pub fn plastic(&self) -> Option<&Plastic> {
+    /// Returns the plastic points of a load with a hardness and a hard wall alone.
+    fn plastic(&self) -> Option<&Plastic> {
         self.get::<Solution>()?.plastic.as_ref()
+    }
+
+    /// Returns the fraction of points with a pressure equal to the hardness, and the mean plastic depth over the whole
+    /// surface, length; of a state with a hardness.
+    pub fn plastic_fraction_and_volume(&self) -> Option<(f64, f64)> {
+        if let Some(state) = self.on_path() {
+            return state.plastic_volume().map(|volume| (state.plastic_fraction, volume));
+        }
+        let of_wall = self.plastic().map(|plastic| (plastic.fraction, plastic.volume));
+        of_wall.or_else(|| {
+            // Below a law, points carry the hardness where they are pressed in.
+            let depth = self.law()?.pressed_in.as_ref()?;
+            let count = depth.iter().filter(|depth| **depth > 0.0).count();
+            Some((count as f64 / depth.len() as f64, depth.mean()?))
+        })
     }
 
     /// Returns the plastic depth `[x, y]` of a state with a hardness, length: of the load, or accumulated on a path.
     pub fn plastic_depth(&self) -> Option<&Array2<f64>> {
         let so_far = || self.on_path().and_then(QuasistaticState::plastic_depth);
-        self.plastic().map(|plastic| &plastic.depth).or_else(so_far)
+        let below_law = || self.law().and_then(|state| state.pressed_in.as_ref());
+        self.plastic().map(|plastic| &plastic.depth).or_else(so_far).or_else(below_law)
     }
 
     /// Returns the lateral displacement u_x, u_y (u_x of a profile), `[x, y]`, length, if it was also unknown.
@@ -45,8 +61,8 @@ impl AnyState {
         self.get::<SqueezedSolution>().map(|state| &state.lower)
     }
 
-    /// Returns the shear traction on the elastic surface along x (0) or y (1), stress, of surfaces that shear each other
-    /// on a path.
+    /// Returns the shear traction on the elastic surface along x (0) or y (1), stress, on a path of surfaces that shear
+    /// each other.
     pub fn shear(&self, axis: usize) -> Option<ArrayView2<'_, f64>> {
         self.on_path()?.shear(axis)
     }

@@ -77,6 +77,14 @@ parts! {
     Shear: |_| (key("relaxes"), "shear", setting("relaxes", "shear")), |f| f.relaxes == Some(Relaxes::Shear);
     /// Surfaces that wear.
     Wear: |_| (key("coefficient"), "given", "wear".into()), |f| f.wear.is_some();
+    /// Surfaces that wear by a prescribed distance.
+    WearByDistance: |_| (setting("wear_by", "distance"), "given", "wear by a distance".into()),
+        |f| f.wear == Some(WearBy::Distance);
+    /// Friction of surfaces that are not moved sideways.
+    StillFriction: |f| {
+        let (name, ..) = Part::Friction.words(f);
+        (name, "given", words!["friction without ", key("lateral")])
+    }, |f| f.friction.is_some() && !f.lateral;
     /// Surfaces that wear by their slip, without friction.
     SlipAlone: |_| (setting("wear_by", "slip"), "given", setting("wear_by", "slip")),
         |f| f.wear == Some(WearBy::Slip) && f.friction.is_none();
@@ -217,6 +225,7 @@ pub const RULES: &[Rule] = {
         rule(SecondBody, Prony, "left out", "the second body would relax differently"),
         rule(Wear, OpenLaw, "left out", "without a wall nothing is rubbed off"),
         rule(Wear, Lateral, "left out", LAW_ALONE),
+        rule(StillFriction, WearByDistance, "left out", "surfaces that slide over a distance slip at all points"),
         rule(SlipAlone, Path, "distance", "slip is known with friction only"),
         rule(Friction, Shear, "left out", "the relaxation of the shear is not known"),
         rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
@@ -340,6 +349,8 @@ impl Part {
                     | Self::Prony
                     | Self::Shear
                     | Self::Wear
+                    | Self::WearByDistance
+                    | Self::StillFriction
                     | Self::SlipAlone
             ),
             Task::Path if self == Self::FixedApproach => false,

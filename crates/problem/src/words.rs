@@ -24,8 +24,10 @@ enum Piece {
 }
 
 /// Python arguments that group several options or have another name than their key.
-const ARGUMENTS: [(&str, &str); 5] = [
+const ARGUMENTS: [(&str, &str); 7] = [
     ("param", "law"),
+    ("lateral_y", "lateral"),
+    ("wear_by", "by"),
     ("layer", "layers"),
     ("slice", "along"),
     ("history_mode", "history_modes"),

@@ -28,7 +28,8 @@ def public():
             continue
         yield name, thing
         if isinstance(thing, type):
-            yield from ((f"{name}.{key}", value) for key, value in vars(thing).items() if not key.startswith("_"))
+            own = ((key, value) for key, value in vars(thing).items() if not key.startswith("_"))
+            yield from ((f"{name}.{key}", value) for key, value in own if not isinstance(value, str))
 
 
 NAMES = dict(public())
@@ -144,6 +145,8 @@ def test_results_have_the_attributes_that_are_documented(words):
     law = gfmd.law("exponential", gamma=1e-4, range=5e-3)
     sticking = gfmd.path(slab, gfmd.Body(), approach=0.001, lateral=0.001, law=law, steps=1)
     worn = gfmd.wear(slab, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], approach=0.005, steps=1, flow=True)
+    parts = dict(law=law, friction=0.3, hardness=0.05, wear=gfmd.Wear(1.0), p_star=0.05, lateral=[0, 0.001])
+    composed = gfmd.path(slab, rubber, time=[0, 1], distance=[0, 0.1], steps=1, **parts)
     warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
     sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm)]
     examples = [
@@ -153,15 +156,18 @@ def test_results_have_the_attributes_that_are_documented(words):
                 words["c"],
                 adhesive,
                 gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, boundary="free"),
-                gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1),
+                gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1, law=law),
                 steep,
                 squeezed,
             ],
         ),
-        (gfmd.Path, [words["loop"], rubbed, indented]),
+        (gfmd.Path, [words["loop"], rubbed, indented, composed]),
         (gfmd.Adhesion, [adhesive.adhesion()]),
         (gfmd.Flow, [words["c"].flow()]),
-        (Steps, [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn)]),
+        (
+            Steps,
+            [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn, composed)],
+        ),
         (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),
         (LowerFace, [squeezed.lower]),
         (Patches, [words["c"].patches()]),
@@ -225,6 +231,10 @@ gfmd.punch(body).interior([0.1], threads=1)
 gfmd.contacts(surface, body, pressure=["1 MPa", 2.0], hardness="1 GPa", damping=[1.0, 1.0, 0.9], start=contact)
 gfmd.many([surface], body, p_star=[0.1, 0.2], accuracy="1%", workers=2)
 gfmd.friction(surface, body, coefficient=0.3, p_star=0.1, steps=2, energy_solves=None, out="a.h5")
+gfmd.path(surface, body, p_star=0.1, friction=0.3, wear=gfmd.Wear(1.0, by="time"))  # wrong
+gfmd.path(surface, body, p_star=0.1, wear=1.0, distance=1.0)  # wrong
+gfmd.friction(surface, body, coefficient=0.3, p_star=0.1, wear=gfmd.Wear("1e-15/Pa", by="slip"), law="morse")
+gfmd.path(surface, body, p_star=0.1, friction=0.3, lateral=([0, 1], [0, 1]), friction_of="net")
 """
 
 
@@ -248,7 +258,7 @@ def test_the_types_of_options_have_the_arguments_of_the_functions():
 
     loads = {"pressure", "p_star", "approach"}
     assert own(gfmd.contact) - loads <= set(ContactOptions.__annotations__)
-    assert set(PathOptions.__annotations__) == own(gfmd.path) - own(gfmd.friction) - {"friction", "law"}
+    assert set(PathOptions.__annotations__) == own(gfmd.path) - own(gfmd.friction) - {"friction"}
     assert set(InteriorOptions.__annotations__) == own(gfmd.interior)
 
 

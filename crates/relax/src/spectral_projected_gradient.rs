@@ -10,8 +10,8 @@ pub trait OnConvexSet {
     /// Moves `x` to the nearest point of the set.
     fn project(&self, x: &mut [f64]);
 
-    /// Writes the projection of x − `length` `gradient`, minus x, into `out`; `x` is a point of the set. At its edge, the
-    /// difference of the two may have rounding errors whose product with the gradient hides the slope.
+    /// Writes the projection of x − `length` `gradient`, minus x, into `out`; `x` is a point of the set. At its edge,
+    /// the difference of the two may have rounding errors whose product with the gradient hides the slope.
     fn direction(&self, x: &[f64], gradient: &[f64], length: f64, out: &mut [f64]) {
         for_each([&mut *out], &|start, [d]| {
             let here = x[start..].iter().zip(&gradient[start..]);

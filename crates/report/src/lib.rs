@@ -11,6 +11,7 @@ pub mod body;
 pub mod contact;
 pub mod figures;
 pub mod kappa;
+mod legs;
 mod page;
 pub mod path;
 pub mod punch;

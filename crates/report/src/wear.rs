@@ -7,8 +7,8 @@ use gfmd_problem::options::Kinds;
 use maud::html;
 
 use crate::figures::{Drawn, field, largest, length, short, sides};
+use crate::legs::{along, waypoints};
 use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, with_unit};
-use crate::path::{along, waypoints};
 use gfmd_input::failure::Failure;
 use gfmd_record::State;
 
@@ -24,8 +24,19 @@ const MOST_POINTS: usize = 2000;
 /// Returns panels of the mean depth lost, the contact area and the largest pressure against the sliding distance, from
 /// columns by name.
 pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &str) -> Vec<Panel> {
-    let [distance, volume, area, peak] = ["distance", "wear_volume", "area_fraction", "max_pressure"].map(column);
-    let [far, deep] = [&distance, &volume].map(|values| length(unit, largest(values)));
+    let distance = column("distance");
+    against(("distance", &distance), column, modulus, unit)
+}
+
+/// Returns the same panels against a length of the given name.
+pub(crate) fn against(
+    (name, distance): (&str, &[f64]),
+    column: impl Fn(&str) -> Vec<f64>,
+    modulus: f64,
+    unit: &str,
+) -> Vec<Panel> {
+    let [volume, area, peak] = ["wear_volume", "area_fraction", "max_pressure"].map(column);
+    let [far, deep] = [distance, &volume].map(|values| length(unit, largest(values)));
     let against = |values: &[f64], factor: f64| -> Vec<(f64, f64)> {
         distance.iter().zip(values).map(|(x, y)| (x * far.factor, y * factor)).collect()
     };
@@ -34,7 +45,7 @@ pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &
         (against(&area, 1.0), "contact area".to_owned()),
         (against(&peak, 1.0 / modulus), "largest pressure / *E*\\*".to_owned()),
     ];
-    along(&format!("distance / {}", far.name), columns)
+    along(&format!("{name} / {}", far.name), columns)
 }
 
 /// Returns the heights along the row with the largest depth lost, before and after wear as if only the rough surface
@@ -79,6 +90,20 @@ pub fn depth_of<R>(grid: &Grid, depth: &[f64], unit: &str, take: impl FnOnce(&Dr
     let read = length(unit, largest(depth));
     let scaled: Vec<f64> = depth.iter().map(|w| w * read.factor).collect();
     take(&field(grid, &scaled, &format!("depth lost *w* / {}", read.name), unit))
+}
+
+/// Adds the worn profile and the depth lost at waypoint `index`, if the file has the depth.
+pub(crate) fn worn_surface(page: &mut Page, reader: &Reader, surface: &StoredSurface, index: usize) {
+    let Ok(depth) = surface.field(reader, "wear_depth", index) else { return };
+    let caption = html! {
+        "Heights before and after, along the row of the largest wear, as if the rough surface alone wore."
+    };
+    if let Some(chart) = profile(&surface.grid, [&surface.heights, &depth], &surface.unit) {
+        page.chart(&chart, "the worn profile beside the unworn", &caption);
+    }
+    depth_of(&surface.grid, &depth, &surface.unit, |drawn| {
+        page.field(drawn, "depth lost", &html! { "Depth that both surfaces have lost." });
+    });
 }
 
 /// Builds the page about the wear in a file.
@@ -149,19 +174,11 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             page.chart(&Chart::new(panels), "wear against distance", &caption);
         }
         let steps_of_leg = table.get("steps").and_then(toml::Value::as_integer).unwrap_or(1).max(1) as usize;
-        let waypoints = waypoints(&table, "distance", computed, steps_of_leg);
+        let waypoints = waypoints(&table, computed, steps_of_leg);
         shown = waypoints.len().checked_sub(1);
         state = waypoints.last().map_or_else(String::new, |step| format!("step {step}"));
-        if let Some(depth) = shown.and_then(|index| surface.field(reader, "wear_depth", index).ok()) {
-            let caption = html! {
-                "Heights before and after, along the row of the largest wear, as if the rough surface alone wore."
-            };
-            if let Some(chart) = profile(&surface.grid, [&surface.heights, &depth], &surface.unit) {
-                page.chart(&chart, "the worn profile beside the unworn", &caption);
-            }
-            depth_of(&surface.grid, &depth, &surface.unit, |drawn| {
-                page.field(drawn, "depth lost", &html! { "Depth that both surfaces have lost." });
-            });
+        if let Some(index) = shown {
+            worn_surface(&mut page, reader, surface, index);
         }
     }
     page.fields(reader, &surface, (shown, &state, modulus), None);

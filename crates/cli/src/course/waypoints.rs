@@ -47,8 +47,8 @@ pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) 
     Ok(count)
 }
 
-/// Returns the steps of `count` legs, starting from zero. A leg ends at its `levels`, after its `lengths`; a list of one
-/// value holds for all legs. A leg of zero lengths is one step. `drive` maps the levels and the lengths so far to a
+/// Returns the steps of `count` legs, starting from zero. A leg ends at its `levels`, after its `lengths`; a list of
+/// one value holds for all legs. A leg of zero lengths is one step. `drive` maps the levels and the lengths so far to a
 /// drive.
 pub(crate) fn legs<const L: usize, const M: usize>(
     levels: [&[f64]; L],

@@ -96,7 +96,8 @@ impl StepCheck<'_> {
         let facts = &self.stored.prepared.facts;
         let now = |name: &str| self.stored.number(name, step);
         let causes = LOSSES.map(now);
-        if causes.iter().any(|lost| lost.is_finite()) {
+        let is_known = facts.relaxes.is_none() || facts.has_level();
+        if is_known && causes.iter().any(|lost| lost.is_finite()) {
             let sum = causes.into_iter().filter(|lost| lost.is_finite()).sum();
             comparison.number("/path/dissipated", now("dissipated"), sum, now("elastic_energy"));
         }
@@ -179,7 +180,8 @@ impl StepCheck<'_> {
     /// With a law, the work before the first step is unknown.
     fn balance(&self, step: usize, comparison: &mut Comparison) {
         let facts = &self.stored.prepared.facts;
-        if facts.has_law() && step == 0 {
+        // The approach and the energies of a displacement without a level are not stored.
+        if facts.has_law() && step == 0 || !facts.has_level() {
             return;
         }
         let now = |name: &str| self.stored.number(name, step);

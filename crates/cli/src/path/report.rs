@@ -14,7 +14,7 @@ use crate::session::list_files;
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
 use gfmd_run::convergence::NotConverged;
-use gfmd_run::series::Head;
+use gfmd_run::series::{Head, Places};
 
 /// Printed result.
 #[derive(Clone, Debug, Serialize)]
@@ -63,8 +63,8 @@ pub struct Sliding {
 }
 
 impl Report {
-    /// Collects the results of the steps; a leg has `steps_of_leg` steps.
-    pub(super) fn new(head: Head, direction: [f64; 2], steps: Vec<Record>, steps_of_leg: usize) -> Self {
+    /// Collects the results of the steps, whose legs end at the `places` of the waypoints.
+    pub(super) fn new(head: Head, direction: [f64; 2], steps: Vec<Record>, places: &Places) -> Self {
         let sum = |name: &str| steps.iter().filter_map(|step| step.value(name)).reduce(|a, b| a + b);
         let mut report = Self {
             head,
@@ -83,7 +83,7 @@ impl Report {
             plots: Vec::new(),
             steps,
         };
-        report.sliding = report.sliding(steps_of_leg);
+        report.sliding = report.sliding(places);
         let pull = lowest(&report.steps, "mean_pressure_limit");
         report.limit("lowest_mean_pressure", [report.lowest_mean_pressure, pull], 0.0);
         let lost = report.steps.iter().filter(|step| step.value("dissipated").is_some());
@@ -124,11 +124,13 @@ impl Report {
         self.steps.iter().any(|step| step.vector("lateral") != self.steps[0].vector("lateral"))
     }
 
-    /// Returns the stiffness and the friction of each leg with lateral motion.
-    fn sliding(&self, steps_of_leg: usize) -> Vec<Sliding> {
+    /// Returns the stiffness and the friction of each leg with lateral motion, from the first state on.
+    fn sliding(&self, places: &Places) -> Vec<Sliding> {
         let last = self.steps.len().saturating_sub(1);
-        let leg = |(number, start): (usize, usize)| {
-            let leg = &self.steps[start..=(start + steps_of_leg).min(last)];
+        let inside = (1..last).filter(|step| places.of(*step).is_some());
+        let bounds: Vec<usize> = [0].into_iter().chain(inside).chain((last > 0).then_some(last)).collect();
+        let leg = |(number, bounds): (usize, &[usize])| {
+            let leg = &self.steps[bounds[0]..=bounds[1]];
             let [moved, sheared] =
                 ["lateral", "mean_shear"].map(|name| self.along(leg[1].vector(name)) - self.along(leg[0].vector(name)));
             let coefficient =
@@ -139,7 +141,7 @@ impl Report {
                 friction_coefficient: leg[1..].iter().map(coefficient).fold(0.0, f64::max),
             })
         };
-        (0..last).step_by(steps_of_leg).enumerate().filter_map(leg).collect()
+        bounds.windows(2).enumerate().filter_map(leg).collect()
     }
 }
 
@@ -184,7 +186,8 @@ impl fmt::Display for Report {
         match (self.dissipated, self.dissipated_error) {
             (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,
             (Some(lost), None) => {
-                write!(f, "\ndissipated {} per area", read(lost, "stress*length"))?;
+                let unit = if self.head.units().shown("stress*length", lost).is_some() { "" } else { " per area" };
+                write!(f, "\ndissipated {}{unit}", read(lost, "stress*length"))?;
                 if let Some(imbalance) = self.work_imbalance {
                     write!(f, " (imbalance of work and energy {})", read(imbalance, "stress*length"))?;
                 }

@@ -31,7 +31,8 @@ pub(super) struct WaypointArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTH)]
     lateral_y: Vec<f64>,
-    /// Sliding distances of the legs of surfaces that wear. Each leg ends at a waypoint; the first begins at first touch
+    /// Sliding distances of the legs of surfaces that wear. Each leg ends at a waypoint; the first begins at first
+    /// touch
     #[arg(long, value_delimiter = ',', value_name = "S1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::LENGTH)]

@@ -11,7 +11,7 @@ use gfmd_cli::program;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::argument;
 use gfmd_problem::options::flags::keys;
-use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PronyArgs};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, PronyArgs};
 use gfmd_run::series::ContactArgs;
 
 /// Compares a file of the repository with a text; writes it first if `GFMD_DOCS=write`.
@@ -196,9 +196,10 @@ fn options_of_commands_with_groups_have_one() {
 }
 
 /// Types of arguments that Python takes in a form of its own.
-const TYPES: [(&str, &str); 7] = [
+const TYPES: [(&str, &str); 8] = [
     ("accuracy", "float | str"),
     ("damping", "float | Sequence[float]"),
+    ("distance", "Quantity | npt.ArrayLike"),
     ("hardness", "Quantity | npt.ArrayLike"),
     ("law", "Law | str"),
     ("lower_surface", "Surface | npt.ArrayLike"),
@@ -263,7 +264,8 @@ impl Class {
         let command = program.find_subcommand(self.command).unwrap();
         let args = flags(command).chain(flags(program)).filter(|arg| self.keys.iter().any(|other| other == key(arg)));
         let is_optional = |arg: &Arg| {
-            let may_lack = self.takes_none || arg.get_default_values().is_empty() || key(arg) == "threads";
+            let may_lack =
+                self.takes_none || arg.get_default_values().is_empty() || ["law", "threads"].contains(&key(arg));
             takes_value(arg) && may_lack
         };
         let own = args.map(|arg| line(argument(key(arg)), &type_of(arg), is_optional(arg)));
@@ -305,6 +307,7 @@ from ._check import Quantity
 if TYPE_CHECKING:
     from ._body import Law
     from ._contact import Contact
+    from ._parts import Wear
     from ._surface import Surface
 ";
 
@@ -313,14 +316,14 @@ fn python_has_the_types_of_the_options() {
     let program = program::command();
     let all = |command: &str| flags(program.find_subcommand(command).unwrap()).map(|arg| key(arg).to_owned()).collect();
     let body = [keys::<SourceArgs>(), keys::<BodyArgs>(), keys::<ComplianceArgs>(), keys::<PronyArgs>()];
-    let law = without(keys::<LawArgs>(), &[], &["coarse"]);
     let with = |mut keys: Vec<String>, further: &[&str]| {
         keys.extend(further.iter().map(|key| (*key).to_owned()));
         keys
     };
     let contact = with(without(keys::<ContactArgs>(), &body, &["param", "law_table"]), &["stress_unit", "threads"]);
-    let loads = ["pressure", "p_star", "approach", "lateral", "friction", "shear_strength", "plots", "resume"];
-    let path = without(all("path"), &[&body[..], &[law]].concat(), &loads);
+    let loads = ["pressure", "p_star", "approach", "lateral", "lateral_y", "friction", "shear_strength"];
+    let others = ["param", "law_table", "coefficient", "wear_by", "plots", "resume"];
+    let path = without(all("path"), &body, &[&loads[..], &others].concat());
     let places = ["levels", "deepest", "slice", "quantities", "out", "threads"];
     let classes = [
         Class {
@@ -336,7 +339,7 @@ fn python_has_the_types_of_the_options() {
             text: "Arguments of `path` beside those of `friction`.",
             command: "path",
             keys: with(path, &["stress_unit", "threads"]),
-            further: &[],
+            further: &[("wear", "Optional[Wear]")],
             takes_none: false,
         },
         Class {

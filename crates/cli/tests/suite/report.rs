@@ -500,3 +500,62 @@ fn punches_bodies_and_slides_have_pages() {
     let stress = reader.values::<f64>("/fields/von_mises").unwrap().into_iter().fold(0.0, f64::max);
     assert!(page(folder, "s.html").contains(&format!("von Mises {stress:.5}")), "{stress}");
 }
+
+/// The page of a path names all its parts and draws them; it has nothing of a part that is absent.
+#[test]
+fn pages_of_paths_show_their_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let law = "--law exponential --param gamma=2e-4,range=0.01";
+    let (shear, in_time) = ("--friction 0.3 --lateral 0,1e-3,-1e-3", "--prony 1:0.4 --time 0,1,1");
+    let lost = "Energy lost so far per area, by cause and in all, against";
+    let cases = [
+        (
+            format!("{law} {shear}"),
+            "exponential, friction",
+            vec!["Shear against the lateral displacement, leg by leg", "Lost by friction", "energy lost by cause"],
+            vec!["wear", "hardness", "against time", "Approach"],
+        ),
+        (
+            format!("--hardness 0.05 {shear}"),
+            "hard wall, friction, hardness",
+            vec!["Sticking area against the lateral displacement, leg by leg", "plastic flow", lost],
+            vec!["wear", "against time", "jumps"],
+        ),
+        (
+            format!("{in_time} {shear}"),
+            "hard wall, friction",
+            vec!["Shear against time", "Shear against the lateral displacement, leg by leg.", lost, "relaxation"],
+            vec!["wear", "hardness", "jumps"],
+        ),
+        (
+            format!("--coefficient 2 --wear-by slip {shear}"),
+            "hard wall, friction, wear by slip",
+            vec!["Mean depth lost against the length of the lateral path", lost, "Depth that both surfaces have lost"],
+            vec!["sliding distance", "against time", "hardness"],
+        ),
+        (
+            format!("--boundary free {law} --hardness 0.2 --coefficient 1 --distance 0,0.1,0.1 {in_time} {shear}"),
+            "exponential, friction, hardness, wear by distance",
+            vec!["Mean depth lost against the sliding distance", "Shear against time", lost, "wear coefficient"],
+            vec!["lateral path"],
+        ),
+    ];
+    for (words, interface, there, absent) in cases {
+        let given = "path --n 16 --eps-f-inv 4 --eps-t-inv 1 --p-star 0.05 --steps 2 --tolerance 1e-6 --out p.h5 -q";
+        assert_eq!(make(folder, &format!("{given} {words}")), Some(0), "{words}");
+        assert_eq!(make(folder, "report p.h5 -q"), Some(0), "{words}");
+        let made = page(folder, "p.html");
+        check_page(&made);
+        let (shown, _) = made.split_once("<section id=\"repeat\"").unwrap();
+        assert!(shown.contains(&format!("<dt>interface</dt><dd>{interface}</dd>")), "{words}");
+        // Definitions of the columns stand in the titles of the table.
+        let (figures, _) = shown.split_once("<section id=\"numbers\"").unwrap();
+        for text in there {
+            assert!(figures.contains(text), "{words}: {text}");
+        }
+        for text in absent {
+            assert!(!figures.contains(text), "{words}: {text}");
+        }
+    }
+}

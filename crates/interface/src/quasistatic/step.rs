@@ -10,7 +10,7 @@ use ndarray::Array2;
 
 use super::normal::{Normal, NormalState};
 use super::shear::{Effect, ShearStep, Sheared};
-use super::{QuasistaticContact, QuasistaticState};
+use super::{QuasistaticContact, QuasistaticState, check_order};
 
 /// Relative rounding error below which an approach counts as zero.
 const ROUNDING_OF_APPROACH: f64 = 8.0 * f64::EPSILON;
@@ -76,12 +76,7 @@ impl<'a> Step<'a> {
         start: Option<&'a QuasistaticState>,
     ) -> Result<Self, Refusal> {
         let [time, distance] = start.map_or([0.0; 2], |start| [start.time, start.distance]);
-        if !(drive.time >= time) {
-            return Err(Refusal::Time { found: drive.time, least: time });
-        }
-        if !(drive.distance >= distance) {
-            return Err(Refusal::Distance { found: drive.distance, least: distance });
-        }
+        check_order(drive, [time, distance])?;
         let (memory, affine) = match &contact.medium {
             Some(medium) => {
                 let memory = match start {

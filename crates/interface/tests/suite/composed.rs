@@ -142,7 +142,8 @@ fn follow(case: &Value) -> Result<(f64, String), String> {
         let scale = steps.iter().map(|step| step[name_of_scale].as_f64().unwrap().abs()).fold(1e-300, f64::max);
         for (index, (step, found)) in steps.iter().zip(&found).enumerate() {
             let apart = (found[name] - known(step)).abs() / scale;
-            if !(apart <= worst.0) {
+            let is_within = apart <= worst.0;
+            if !is_within {
                 worst = (apart, format!("{name} of step {index}: {} not {}", found[name], known(step)));
             }
         }

@@ -3,6 +3,7 @@
 mod adhesion;
 mod checkpoint;
 mod cohesive;
+mod combined;
 mod composed;
 mod cost;
 mod free;

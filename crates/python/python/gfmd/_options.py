@@ -16,6 +16,7 @@ from ._check import Quantity
 if TYPE_CHECKING:
     from ._body import Law
     from ._contact import Contact
+    from ._parts import Wear
     from ._surface import Surface
 
 
@@ -64,11 +65,14 @@ class PathOptions(TypedDict, total=False):
     """Arguments of `path` beside those of `friction`."""
 
     stress_unit: Optional[str]
+    law: Optional[Law | str]
     coarse: bool
+    friction_of: Literal["repulsion", "net"]
     boundary: Literal["periodic", "free"]
     grid_error: Literal["none", "estimate", "refine"]
     flow: bool
     hardness: Optional[Quantity | npt.ArrayLike]
+    distance: Optional[Quantity | npt.ArrayLike]
     time: Optional[Quantity | npt.ArrayLike]
     direction: float
     steps: int
@@ -78,3 +82,4 @@ class PathOptions(TypedDict, total=False):
     energy_tolerance: float
     energy_solves: Optional[int]
     threads: Optional[int]
+    wear: Optional[Wear]

@@ -1,8 +1,9 @@
-"""Contacts along a path: loading and unloading, adhesion, friction."""
+"""Contacts along a path: loading and unloading, adhesion, friction, wear, relaxation."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from functools import reduce
 from typing import TYPE_CHECKING, Any, Literal, Optional, Union
 
@@ -18,6 +19,7 @@ from ._errors import InputError
 from ._hints import hinted
 from ._leak import Leaks
 from ._load import Residual, residual_of
+from ._parts import Wear, wear_keys
 from ._record import Record, by_name, without_null
 from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
@@ -36,11 +38,12 @@ class Path(Leaks, Computed, StepFields):
         steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints
             that were not reached.
         hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
+        wear: the given wear, a `Wear`; with wear only.
         adhesion: numbers of the attraction on this grid before the solve, an `Adhesion`; with an attraction only.
         dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the step
-            errors; None if unknown. The error is also None if one of its terms is unknown.
-        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; for a viscoelastic body
-            only.
+            errors; None if unknown. The error is also None if one of its terms is unknown. If there are several causes,
+            `steps` has the part of each: `lost_friction`, `lost_wear` and so on.
+        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; where `steps` has it.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
         lowest_mean_pressure: lowest mean pressure, stress; negative if the surfaces were pulled.
@@ -62,9 +65,16 @@ class Path(Leaks, Computed, StepFields):
 
     steps: Steps
     hardness: Union[float, Array]
+    wear: Wear
     adhesion: Adhesion
     dissipated: Optional[float]
     dissipated_error: Optional[float]
+    work_imbalance: Optional[float]
+    prony: list[list[float]]
+    moduli: str
+    relaxes: str
+    young_long_term: float
+    young_instantaneous: float
     sliding: list[Record]
     lowest_mean_pressure: float
     grid_error: Record
@@ -88,7 +98,7 @@ class Path(Leaks, Computed, StepFields):
         return residual_of(self.steps)
 
     def __repr__(self) -> str:
-        names = ("mean_pressure", "p_star", "approach", "lateral", "time", "area_fraction", "mean_gap")
+        names = ("mean_pressure", "p_star", "approach", "lateral", "time", "area_fraction", "mean_gap", "wear_volume")
         return self._answer("steps", names, ("dissipated", "lowest_mean_pressure", "sliding", "parted_at"))
 
     def to_dataframe(self) -> Any:
@@ -103,12 +113,18 @@ class Path(Leaks, Computed, StepFields):
         """
         return _show.table_frame(self, self.steps)
 
-    def plot(self, x: str = "approach", y: str = "mean_pressure", ax: Any = None) -> Any:
-        """Draws one scalar of the steps against another with matplotlib: filled where `x` rises, hollow where it falls.
+    def plot(self, x: Optional[str] = None, y: Optional[str] = None, ax: Any = None) -> Any:
+        """Draws one number of the steps against another with matplotlib: filled where `x` rises, hollow where it falls.
         Returns the axes.
 
+        By default it draws the mean depth lost against the distance if the surfaces wear by distance, the shear against
+        the lateral displacement if the surface moves sideways, the contact area against time on a viscoelastic body,
+        and otherwise the mean pressure against the approach.
+
         Args:
-            x, y: names of arrays in `steps`.
+            x, y: names of arrays in `steps`; of a vector, such as `lateral` or `mean_shear`, the component along
+                `direction` is drawn. `x="step"` is the number of the step. `y="losses"` draws the energy lost so far by
+                each cause, and their sum.
             ax: the axes to draw into; new ones by default.
 
         Raises:
@@ -117,7 +133,42 @@ class Path(Leaks, Computed, StepFields):
         Example:
             >>> ax = loop.plot("approach", "area_fraction")
         """
-        return _show.steps(self, (x, y), ax)
+        default = self._axes()
+        if x is None:
+            x = "step" if y is not None and default[0] == "approach" else default[0]
+        along = self._column(x)
+        if y == "losses":
+            return _show.losses(along, self._losses(), self.units, ax)
+        return _show.loop(along, self._column(default[1] if y is None else y), self.units, ax)
+
+    def _axes(self) -> tuple[str, str]:
+        """Returns the names of the two numbers that are drawn by default."""
+        steps = self.steps
+
+        def varies(name: str) -> bool:
+            return name in steps and bool(np.any(steps[name] != steps[name][0]))
+
+        if varies("distance"):
+            return "distance", "wear_volume"
+        if varies("lateral") and "mean_shear" in steps:
+            return "lateral", "mean_shear"
+        if varies("time"):
+            return "time", "area_fraction"
+        return ("approach", "mean_pressure") if "approach" in steps else ("step", "mean_pressure")
+
+    def _column(self, name: Any) -> tuple[str, Array]:
+        """Returns the name and the values of a number of the steps, of a vector along the direction."""
+        if name == "step" and "step" not in self.steps:
+            return name, np.arange(float(len(self.steps.mean_pressure)))
+        if isinstance(name, str) and name in self.steps and np.shape(self.steps[name])[1:] == (2,):
+            return name, self.steps[name] @ np.asarray(self.direction)
+        return _show.column(self.steps, name)
+
+    def _losses(self) -> dict[str, Array]:
+        """Returns the energy lost so far by cause, and in all."""
+        causes = [name for name in self.steps if name.startswith("lost_") and self.steps[name].ndim == 1]
+        causes = [name for name in causes if not name.endswith(("_limit", "_error"))]
+        return {name: np.nancumsum(self.steps[name]) for name in [*causes, "dissipated"]}
 
     def to_xarray(self) -> Any:
         """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].
@@ -176,6 +227,37 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     return {**reported, "steps": Steps(columns), "undefined": undefined}
 
 
+def _is_list(value: Any) -> bool:
+    is_text = isinstance(value, (str, bytes))
+    return isinstance(value, Iterable) and not is_text and getattr(value, "shape", None) != ()
+
+
+def _lateral_keys(value: Any) -> dict[str, Any]:
+    """Returns the configuration keys of lateral displacements: values along the direction, or a pair of such values,
+    along it and at a right angle to it, each of which may be None.
+    """
+    parts = list(value) if _is_list(value) else []
+    if not any(_is_list(part) for part in parts):
+        return {} if value is None else {"lateral": quantities("lateral", value, "length")}
+    if len(parts) != 2:
+        raise InputError(
+            f"lateral has {len(parts)} entries with lists among them; it must have two, the values along the direction"
+            " and those at a right angle to it"
+        )
+    named = zip(("lateral", "lateral_y"), parts)
+    return {name: quantities("lateral", part, "length") for name, part in named if part is not None}
+
+
+def _check_distance(wear: Optional[Wear], distance: Any) -> None:
+    """Checks that a path has distances if it wears by them, and only then."""
+    if wear is not None and wear.by == "distance":
+        if distance is None:
+            raise InputError("distance is missing; it is needed with wear by distance", "distance")
+    elif distance is not None:
+        unless = "without wear" if wear is None else "with wear by slip"
+        raise InputError(f"distance is given; it must be left out {unless}", "distance", "given", f"left out {unless}")
+
+
 @hinted
 def path(
     surface: Surface | npt.ArrayLike | Any,
@@ -186,10 +268,13 @@ def path(
     approach: Any = None,
     lateral: Any = None,
     time: Any = None,
+    distance: Any = None,
     direction: float = 0.0,
     law: Law | str | None = None,
     friction: Optional[float] = None,
     shear_strength: Optional[Quantity] = None,
+    friction_of: Literal["repulsion", "net"] | str = "repulsion",
+    wear: Optional[Wear] = None,
     hardness: Quantity | npt.ArrayLike | None = None,
     boundary: Literal["periodic", "free"] | str = "periodic",
     stress_unit: Optional[str] = None,
@@ -211,16 +296,24 @@ def path(
         pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence;
             negative values pull. Stresses and lengths may be strings with a unit, such as "1MPa", if the surface has
             one.
-        lateral: lateral displacements of the rigid surface at the waypoints, length.
+        lateral: lateral displacements of the rigid surface at the waypoints, length: values along `direction`, or a pair
+            of such values, `(along, across)`, along `direction` and at a right angle to it. With friction, or with a
+            law that shears.
         time: durations of the legs, with a viscoelastic body (`Body(prony=...)`): a number or a sequence. Each leg ends
             at a waypoint. "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first touch;
             a leg of zero duration is a jump.
+        distance: sliding distances of the legs, length, as in `wear`; with `wear=gfmd.Wear(..., by="distance")`.
         direction: direction of the lateral displacements, degrees from x.
         law: as in `contact`.
-        friction: coefficient of friction (Coulomb) at a hard wall, in place of a law.
-        shear_strength: strength of the interface (Tresca), stress, in place of a law.
-        hardness: largest pressure of a hard wall, stress, as in `contact`; the plastic depth is kept.
-        boundary: "periodic", or "free" as in `contact`; "free" without lateral motion, or with friction on half-spaces.
+        friction: coefficient of friction (Coulomb).
+        shear_strength: strength of the interface (Tresca), stress: limit of the shear of all points in contact. With
+            `friction` too, the smaller of both limits holds at each point.
+        friction_of: pressure to which friction is proportional beside a law: "repulsion", the pressure between the
+            touching points, or "net", the repulsion less the attraction.
+        wear: wear of both surfaces, a `Wear`, by the distances given as `distance` or by their own slip.
+        hardness: largest pressure, stress, as in `contact`; the plastic depth is kept. Beside a law it limits the
+            pressure on the body, the repulsion less the attraction.
+        boundary: "periodic", or "free" as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
         coarse: also solve a law with a process zone narrower than a tenth of a grid step.
         grid_error: as in `contact`; "refine" also follows the path on a grid with twice as many points along each side.
@@ -247,17 +340,22 @@ def path(
         >>> creep = gfmd.path(rough, rubber, pressure=0.01, time=[0, 1, 100], steps=1)
         >>> bool(creep.steps.area_fraction[-1] > creep.steps.area_fraction[0])
         True
+        >>> slip = dict(friction=0.5, lateral=[0, 0.002, -0.002], wear=gfmd.Wear(10.0, by="slip"))
+        >>> fretted = gfmd.path(rough, gfmd.Body(), pressure=0.01, steps=2, tolerance=1e-6, **slip)
+        >>> bool(fretted.steps.wear_volume[-1] > 0.0)
+        True
     """
     made, elastic, given = as_surface(surface), as_body(body, in_time=True), as_law(law)
     drive = drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "approach": approach})
-    if sum(value is not None for value in (law, friction, shear_strength)) > 1:
-        raise InputError("law, friction and shear_strength are given together; give one of the three")
+    worn = wear_keys(wear)
+    _check_distance(wear, distance)
     problem: dict[str, Any] = dict(
         unit=made.unit,
         stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
         **drive,
-        lateral=None if lateral is None else quantities("lateral", lateral, "length"),
+        **_lateral_keys(lateral),
         time=None if time is None else quantities("time", time, "time"),
+        distance=None if distance is None else quantities("distance", distance, "length"),
         direction=number("direction", direction),
         steps=integer("steps", steps, 1, 2**32 - 1),
         tolerance=number("tolerance", tolerance),
@@ -266,6 +364,8 @@ def path(
         energy_solves=None if energy_solves is None else integer("energy_solves", energy_solves),
         friction=None if friction is None else number("friction", friction),
         shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength, "stress"),
+        friction_of=word("friction_of", friction_of),
+        **worn,
         boundary=word("boundary", boundary),
         coarse=flag("coarse", coarse),
         grid_error=word("grid_error", grid_error),
@@ -281,6 +381,8 @@ def path(
     reported = gathered(values)
     if isinstance(bound, np.ndarray):
         reported["hardness"] = bound
+    if wear is not None:
+        reported["wear"] = wear
     result = Path({**reported, "unit": made.unit, "surface": made, **fields}, file)
     return _command.ended(result, failure)
 
@@ -298,14 +400,14 @@ def friction(
     lateral: Any = (0.0,),
     **options: Unpack[PathOptions],
 ) -> Path:
-    """Pushes a contact with friction sideways: a `path` with a hard wall and all components of displacement.
+    """Pushes a contact with friction sideways: a `path` with all components of displacement.
 
     Args:
         surface, body: as in `contact`.
-        coefficient: Coulomb's coefficient of friction; or
-        shear_strength: strength of the interface (Tresca), stress.
+        coefficient: Coulomb's coefficient of friction, or
+        shear_strength: strength of the interface (Tresca), stress; or both, as in `path`.
         pressure, p_star, approach: waypoints, as in `path`.
-        lateral: lateral displacements of the rigid surface at the waypoints, length.
+        lateral: lateral displacements of the rigid surface at the waypoints, length, as in `path`.
         options: further arguments of `path`.
 
     Raises:
@@ -318,7 +420,7 @@ def friction(
         >>> round(pushed.sliding[0].friction_coefficient, 2)
         0.3
     """
-    if (coefficient is None) == (shear_strength is None):
-        raise InputError("friction must be given by one of coefficient, shear_strength")
+    if coefficient is None and shear_strength is None:
+        raise InputError("friction is missing; it must be given by coefficient, shear_strength or both")
     loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
     return path(surface, body, friction=coefficient, shear_strength=shear_strength, lateral=lateral, **loads, **options)

@@ -216,6 +216,22 @@ def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> A
     return ax
 
 
+def losses(x: tuple[str, Array], energies: dict[str, Array], units: Units, ax: Any) -> Any:
+    """Draws energies that are lost by several causes, and their sum, in one unit."""
+    ax = axes(ax)
+    x_factor, x_label = caption(*x, units)
+    factor, label = caption("dissipated", np.concatenate(list(energies.values())), units)
+    for name, lost in energies.items():
+        is_sum = name == "dissipated"
+        style: dict[str, Any] = {"color": "k", "ls": "--"} if is_sum else {"marker": "o", "ms": 4}
+        words = "all" if is_sum else name.partition("_")[2].replace("_", " ")
+        ax.plot(x[1] * x_factor, lost * factor, label=words, **style)
+    ax.legend()
+    ax.set_xlabel(x_label)
+    ax.set_ylabel(label.replace("dissipated", "energy lost so far"))
+    return ax
+
+
 def area(contacts: Sequence[Pressed], ax: Any) -> Any:
     ax = axes(ax)
     p_star = [contact["p_star"] for contact in contacts]

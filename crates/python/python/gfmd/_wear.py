@@ -20,7 +20,7 @@ from ._result import Computed
 from ._surface import Surface, as_surface
 
 
-class Wear(Leaks, Computed, WearFields):
+class WearPath(Leaks, Computed, WearFields):
     """A surface that slides on an elastic body while both wear by Archard's law.
 
     Attributes:
@@ -133,8 +133,10 @@ def wear(
     max_iterations: int = 100_000,
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
-) -> Wear:
+) -> WearPath:
     """Computes the wear of a surface that slides on an elastic body, by Archard's law: running-in, shape, volume.
+
+    `path` has wear together with friction, a law, a hardness or a viscoelastic body.
 
     Args:
         surface, body: as in `contact`.
@@ -156,7 +158,7 @@ def wear(
 
     Raises:
         InputError: invalid arguments; nothing was computed.
-        NotConverged, Interrupted: `.state` is the Wear so far.
+        NotConverged, Interrupted: `.state` is the WearPath so far.
 
     Example:
         >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
@@ -181,4 +183,4 @@ def wear(
         **_command.body_keys(elastic),
     )
     values, failure, fields, file = _command.solve("wear", problem, {"surface": made.heights}, threads, out, made)
-    return _command.ended(Wear({**gathered(values), "unit": made.unit, "surface": made, **fields}, file), failure)
+    return _command.ended(WearPath({**gathered(values), "unit": made.unit, "surface": made, **fields}, file), failure)

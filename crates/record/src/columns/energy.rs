@@ -4,7 +4,7 @@ use gfmd_interface::{Loss, Losses};
 
 use super::{
     Column,
-    undefined::{NO_LEVEL, imbalance, level, lost, without_law},
+    undefined::{NO_LEVEL, imbalance, level, lost, relaxing_level, without_law},
 };
 use crate::column::{Form, Origin, Table};
 use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears};
@@ -44,6 +44,10 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress*length",
         &[
             (
+                |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
+                "energy lost in this step by all causes, per area: the sum of the columns lost_*",
+            ),
+            (
                 |facts| relaxing(facts) && law(facts),
                 "energy lost in the dashpots and in jumps in this step, per area; in the first one without jumps",
             ),
@@ -54,6 +58,7 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| lost(at, false),
     )
     .with(path)
+    .unless(relaxing_level)
     .by(Origin::Way)
     .on(Table::Energy, "dissipated", Form::Size),
     Column::new(
@@ -62,6 +67,7 @@ pub(super) const COLUMNS: &[Column] = &[
         &[(any, "part of dissipated that the dashpots of the body lose in this step, per area")],
         |at| by_cause(at, |losses| losses.relaxation),
     )
+    .unless(relaxing_level)
     .with(|facts| several_causes(facts) && relaxing(facts))
     .by(Origin::Way),
     Column::new(
@@ -75,7 +81,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_wear",
         "stress*length",
-        &[(any, "part of dissipated that is the work of the pressure on the depth worn off in this step, per area")],
+        &[(any, "part of dissipated: work that the pressure does on the depth worn off in this step, per area")],
         |at| by_cause(at, |losses| losses.wear),
     )
     .with(|facts| several_causes(facts) && wears(facts))
@@ -83,7 +89,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_plastic",
         "stress*length",
-        &[(any, "part of dissipated that is the work of the pressure on the depth pressed in in this step, per area")],
+        &[(any, "part of dissipated: work that the pressure does on the plastic depth gained in this step, per area")],
         |at| by_cause(at, |losses| losses.plastic),
     )
     .with(|facts| several_causes(facts) && hardness(facts))
@@ -100,6 +106,11 @@ pub(super) const COLUMNS: &[Column] = &[
         "dissipated_error",
         "stress*length",
         &[
+            (
+                |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
+                "estimated error of dissipated, from its difference from a path in half as many increments; 0 in a \
+                 step that cannot lose energy; NaN if that path was not followed",
+            ),
             (wears, "estimated error of dissipated: 0 in a step of no distance, else NaN"),
             (
                 relaxing,
@@ -204,10 +215,12 @@ fn jumped(at: &StateContext) -> Cell {
     let Some((step, reading)) = &at.step else {
         return at.rest.and_then(|rest| rest.law()).map_or(Cell::Real(f64::NAN), |law| law.passed_instability.into());
     };
+    if let (Loss::Certified { .. }, Some(_), true) = (reading.loss, step.dissipated, law(at.facts)) {
+        return (step.losses.jumps != 0.0).into();
+    }
     let unknown = match reading.loss {
         Loss::Balance(_) => "--energy-solves did not suffice to tell a jump from a smooth change",
-        Loss::Certified { .. } => "energy is lost by relaxation, which no balance tells from jumps",
-        Loss::Known(_) => "energy is lost by slip or plastic flow, which no balance tells from jumps",
+        Loss::Certified { .. } | Loss::Known(_) => "no law attracts the surfaces, without which they do not jump",
         Loss::Unknown => "the tractions have no energy, whose loss would tell a jump",
     };
     step.jumped.ok_or(unknown).into()

@@ -18,7 +18,7 @@ pub(super) const COLUMNS: &[Column] = &[
             (path, "points whose pressure is the hardness, to its accuracy, over all points"),
             (any, "points whose pressure is the hardness over all points"),
         ],
-        |at| plastic(at).map_or(f64::NAN, |(fraction, _)| fraction).into(),
+        |at| plastic(at)[0].into(),
     )
     .with(hardness)
     .head("plastic", Form::Share),
@@ -26,7 +26,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "plastic_volume",
         "length",
         &[(path, "mean plastic depth so far"), (any, "mean plastic depth over the whole surface")],
-        |at| plastic(at).map_or(f64::NAN, |(_, volume)| volume).into(),
+        |at| plastic(at)[1].into(),
     )
     .with(hardness)
     .head("depth", Form::Size),
@@ -47,10 +47,7 @@ pub(super) const COLUMNS: &[Column] = &[
 ];
 
 /// Returns the fraction of plastic points and the mean plastic depth.
-fn plastic(at: &StateContext) -> Option<(f64, f64)> {
-    let rest = at.rest?;
-    match rest.on_path() {
-        Some(state) => state.plastic_volume().map(|volume| (state.plastic_fraction, volume)),
-        None => rest.plastic().map(|plastic| (plastic.fraction, plastic.volume)),
-    }
+fn plastic(at: &StateContext) -> [f64; 2] {
+    let found = at.rest.and_then(|rest| rest.plastic_fraction_and_volume());
+    found.map_or([f64::NAN; 2], |(fraction, volume)| [fraction, volume])
 }

@@ -3,7 +3,7 @@
 use gfmd_interface::Loss;
 use gfmd_problem::Facts;
 
-use crate::when::of_a_law;
+use crate::when::{of_a_law, relaxing};
 use crate::{Cell, StateContext};
 
 /// Returns the reason why numbers that depend on the displacement level have no value.
@@ -11,10 +11,15 @@ pub(super) fn level(facts: &Facts) -> Option<&'static str> {
     (!facts.has_level()).then_some(NO_LEVEL)
 }
 
+/// Returns the reason why energy lost by relaxation has no value.
+pub(super) fn relaxing_level(facts: &Facts) -> Option<&'static str> {
+    if relaxing(facts) { level(facts) } else { None }
+}
+
 /// Reason for a missing displacement level.
 pub(super) const NO_LEVEL: &str = "a profile with free boundaries on a half-space is displaced by a logarithm of the \
                                    distance: its displacement is known up to a constant, as are the approach, the \
-                                   elastic energy and the stiffness";
+                                   elastic energy, what a body that relaxes loses, and the stiffness";
 
 pub(super) fn without_law(facts: &Facts) -> Option<&'static str> {
     (!of_a_law(facts)).then_some("no law acts across the gap")
@@ -49,7 +54,9 @@ pub(super) fn lost(at: &StateContext, error: bool) -> Cell {
         Loss::Certified { .. } => {
             "the path was not followed in half as many increments: --energy-solves 4 or more does so"
         }
-        _ if at.facts.hardness => "a step with a hardness is not halved: double --steps and compare the losses",
+        _ if at.facts.hardness && at.facts.friction.is_none() => {
+            "a step with a hardness is not halved: double --steps and compare the losses"
+        }
         _ => {
             "the step was not halved: limits and directions of the shear change too little in it; a smaller \
              --energy-tolerance halves it"

@@ -1,7 +1,7 @@
 //! Python classes with the numbers and fields of states as attributes, generated from their tables.
 //! `GFMD_DOCS=write cargo test -p gfmd-record` writes them.
 
-use gfmd_problem::{Facts, Part, Task};
+use gfmd_problem::{Facts, Part, Task, WearBy};
 use gfmd_record::{
     ARRAYS, COLUMNS, Column, Number, Punch, PunchFacts, SLIDING_FIELDS, STATISTICS, Sliding, SlidingFacts, State,
     Subject, Surface, SurfaceFacts,
@@ -32,9 +32,12 @@ fn condition(facts: &[Facts], holds: Holds<Facts>) -> Option<String> {
     if facts.iter().all(holds) {
         return None;
     }
-    let alone = Part::ALL.iter().map(|part| vec![*part]).collect();
-    let both = |(place, part): (usize, &Part)| Part::ALL[..place].iter().map(|other| vec![*other, *part]).collect();
-    let pairs = Part::ALL.iter().enumerate().flat_map(|entry| -> Vec<Vec<Part>> { both(entry) }).collect();
+    // Parts that are no option of Python: a path is a function, and the others are absent or wider ones.
+    let no_options = [Part::Path, Part::SlipAlone, Part::WearByDistance, Part::StillFriction];
+    let parts: Vec<Part> = Part::ALL.iter().copied().filter(|part| !no_options.contains(part)).collect();
+    let alone = parts.iter().map(|part| vec![*part]).collect();
+    let both = |(place, part): (usize, &Part)| parts[..place].iter().map(|other| vec![*other, *part]).collect();
+    let pairs = parts.iter().enumerate().flat_map(|entry| -> Vec<Vec<Part>> { both(entry) }).collect();
     let words = [alone, pairs].into_iter().find_map(|choices: Vec<Vec<Part>>| widest(facts, &choices, holds));
     Some(words.map_or_else(|| SOME.into(), |words| format!("With {words}")))
 }
@@ -64,8 +67,9 @@ fn widest(facts: &[Facts], choices: &[Vec<Part>], holds: &dyn Fn(&Facts) -> bool
 fn option(part: Part) -> String {
     let given = part.given().trim_start_matches('-').replace('-', "_");
     match given.split_once(' ') {
+        Some(_) if part == Part::Path => "a path".to_owned(),
         Some((option, value)) => format!("`{option}=\"{value}\"`"),
-        None if given == "approach" => "`approach`".to_owned(),
+        None if given == "coefficient" => "`wear`".to_owned(),
         None => format!("`{given}`"),
     }
 }
@@ -208,8 +212,12 @@ fn the_classes_of_python_have_the_columns() {
         .collect();
     let of = |task: Task| -> Vec<Facts> { all.iter().copied().filter(|facts| facts.task == task).collect() };
     let [loads, path] = [of(Task::Loads), of(Task::Path)];
-    // The command `wear` is a path of surfaces that wear.
-    let is_worn = |facts: &Facts| facts.wear.is_some() && facts.check().is_ok();
+    // The command `wear` is a path of surfaces that wear by distance, without a further part.
+    let has = |facts: &Facts, part: Part| part.is_in(facts);
+    let others = [Part::Law, Part::Hardness, Part::Friction, Part::Prony, Part::Lateral];
+    let is_worn = |facts: &Facts| {
+        facts.wear == Some(WearBy::Distance) && !others.iter().any(|part| has(facts, *part)) && facts.check().is_ok()
+    };
     let worn: Vec<Facts> = path.iter().map(|facts| Facts { is_wear: true, ..*facts }).filter(is_worn).collect();
     let steps = [&path[..], &worn].concat();
     let parts = [

@@ -122,7 +122,9 @@ impl Prepared {
             ));
         }
         let elastic = facts.memory_need(asked.once);
-        let need = asked.prony.as_ref().map_or(elastic, |prony| elastic.relaxing(prony.branches().len()));
+        let components = if facts.friction.is_some() { 3 } else { 1 };
+        let relaxing = |prony: &Prony| elastic.relaxing(prony.branches().len(), components);
+        let need = asked.prony.as_ref().map_or(elastic, relaxing);
         session.fits(need, &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
