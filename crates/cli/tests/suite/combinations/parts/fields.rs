@@ -316,7 +316,7 @@ fn way(
             found.near("lost_plastic", lost, least, 1e-9 * size + 1e-9 * lost.abs());
         }
     }
-    if let (Some(hardness), None) = (&parts.hardness, &parts.law) {
+    if let Some(hardness) = parts.hardness.as_ref().filter(|_| !is_drawn) {
         // Only points at the hardness are pressed in.
         for i in 0..points {
             let at = state.pressure[i] >= hardness[i] * (1.0 - 1e-3);
