@@ -80,6 +80,8 @@ pub enum Loss {
         /// Stored energy per area, if energy may also be lost in jumps. In an instantaneous step only jumps lose
         /// energy, and the balance of work and energy gives the loss.
         stored: Option<f64>,
+        /// True if energy may also be lost in no time and no distance, by slip or yield.
+        flows: bool,
     },
     /// Unknown loss, because the tractions have no energy.
     Unknown,
@@ -509,12 +511,12 @@ impl<P: Quasistatic> Search<'_, P> {
         (tolerance, is_halved): (f64, bool),
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
-        let is_at_once = end.1.is_at_once(&begin);
+        let is_lossless = end.1.is_at_once(&begin) && !matches!(end.1.loss, Loss::Certified { flows: true, .. });
         let mut made = Divided { before: None, losses: end.1.losses, imbalance: end.1.imbalance(), end };
         self.step.increments = 1;
         let balances = |made: &Divided<P::State>, increments: u64| {
             made.imbalance <= tolerance * (Balance::between(&begin, &made.end.1).exchanged + made.losses.total())
-                && (increments > 1 || is_at_once || !is_halved)
+                && (increments > 1 || is_lossless || !is_halved)
         };
         let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
         if !settles {
@@ -540,8 +542,7 @@ impl<P: Quasistatic> Search<'_, P> {
         self.step.is_unsettled = !settles;
         (self.step.dissipated, self.step.work_imbalance) = (Some(made.losses.total()), Some(made.imbalance));
         self.step.losses = made.losses;
-        // Nothing relaxes or wears.
-        self.step.dissipated_error = is_at_once.then_some(0.0);
+        self.step.dissipated_error = is_lossless.then_some(0.0);
         Ok(made.end)
     }
 

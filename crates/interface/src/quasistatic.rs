@@ -281,6 +281,8 @@ impl QuasistaticContact {
             let (Effort { iterations, transform_pairs }, effort) = (touched.effort(), state.normal.effort());
             effort.iterations += iterations;
             effort.transform_pairs += transform_pairs;
+            // The surfaces may yield when they jump into contact.
+            state.losses = state.losses.and(touched.losses);
             return Ok(state);
         }
         Step::new(self, drive, start)?.solve(solver, budget, watch)
@@ -433,6 +435,7 @@ impl Quasistatic for QuasistaticContact {
                     lost: state.losses.total(),
                     imbalance: state.work_imbalance,
                     stored: (jumps && !flows).then(stored),
+                    flows,
                 }
             }
         };

@@ -186,7 +186,8 @@ impl fmt::Display for Report {
         match (self.dissipated, self.dissipated_error) {
             (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,
             (Some(lost), None) => {
-                write!(f, "\ndissipated {} per area", read(lost, "stress*length"))?;
+                let unit = if self.head.units().shown("stress*length", lost).is_some() { "" } else { " per area" };
+                write!(f, "\ndissipated {}{unit}", read(lost, "stress*length"))?;
                 if let Some(imbalance) = self.work_imbalance {
                     write!(f, " (imbalance of work and energy {})", read(imbalance, "stress*length"))?;
                 }

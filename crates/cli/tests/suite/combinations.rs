@@ -5,7 +5,7 @@
 //!
 //! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: -- --nocapture` sets the
 //! number of cases (default: 300) and prints counts; `GFMD_COMBINATION=N` runs only case N and keeps its folder, and
-//! `GFMD_HISTORY=N` does so for a history.
+//! `GFMD_HISTORY=N` does so for a history, `GFMD_PARTS=N` for the parts of a path.
 
 #![expect(clippy::print_stdout, reason = "the counts of cases")]
 
@@ -16,6 +16,7 @@ mod found;
 mod histories;
 mod numbers;
 mod outlets;
+mod parts;
 mod path;
 
 use std::collections::BTreeMap;
@@ -29,6 +30,7 @@ use draw::Case;
 use found::Found;
 use gfmd_files::Reader;
 use histories::History;
+use parts::Parts;
 use serde_json::Value;
 
 /// Number of cases in the default run.
@@ -37,9 +39,15 @@ const CASES: u64 = 300;
 /// Number of histories drawn in the default run, before histories of other kinds are left out.
 const HISTORIES: u64 = 120;
 
+/// Number of paths with random parts in the default run; it takes about 15 seconds of processor time.
+const PATHS: u64 = 60;
+
 /// Cases of longer runs that exposed a wrong program or definition; the default run includes them.
 const ONCE_WRONG: [u64; 16] =
     [2035, 2116, 3319, 3609, 3801, 3926, 4075, 7036, 10375, 11128, 11906, 12359, 14683, 15879, 17026, 19643];
+
+/// Paths of longer runs that exposed a wrong program; the default run includes them.
+const PATHS_ONCE_WRONG: [u64; 11] = [78, 123, 130, 142, 169, 172, 183, 246, 261, 333, 351];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum End {
@@ -180,6 +188,7 @@ struct Counts {
     ends: BTreeMap<(String, End), usize>,
     refused: BTreeMap<String, usize>,
     undefined: BTreeMap<String, usize>,
+    noted: BTreeMap<String, usize>,
     compared: usize,
     bad: Vec<String>,
 }
@@ -254,6 +263,9 @@ fn survey<P: Problem>(alone: &str, default: u64, once_wrong: &[u64], draw: impl 
                     for (reason, count) in found.undefined {
                         *counts.undefined.entry(reason).or_default() += count;
                     }
+                    for (event, count) in found.noted {
+                        *counts.noted.entry(event).or_default() += count;
+                    }
                     if !found.complaints.is_empty() {
                         let all = found.complaints.len();
                         let shown: Vec<String> = found.complaints.into_iter().take(4).collect();
@@ -263,7 +275,7 @@ fn survey<P: Problem>(alone: &str, default: u64, once_wrong: &[u64], draw: impl 
             });
         }
     });
-    let Counts { ends, refused, undefined, compared, bad } = counts.into_inner().unwrap();
+    let Counts { ends, refused, undefined, noted, compared, bad } = counts.into_inner().unwrap();
     let of = |kind: &str, end: End| ends.get(&(kind.to_owned(), end)).copied().unwrap_or(0);
     let taken = [End::Solved, End::Refused, End::Failed].map(|end| of("all", end)).iter().sum::<usize>();
     println!("{taken} cases in {:.0} s, {compared} comparisons, {} bad", started.elapsed().as_secs_f64(), bad.len());
@@ -277,7 +289,7 @@ fn survey<P: Problem>(alone: &str, default: u64, once_wrong: &[u64], draw: impl 
             of(kind, End::Failed)
         );
     }
-    println!("refused by: {refused:?}\nnull for a reason: {undefined:#?}");
+    println!("refused by: {refused:?}\nnull for a reason: {undefined:#?}\ncounted: {noted:#?}");
     assert!(bad.is_empty(), "{} of {taken} cases are bad:\n{}", bad.len(), bad.join("\n"));
     if alone.is_none() && cases >= default {
         assert!(of("all", End::Solved) * 2 > taken, "most problems can be solved");
@@ -295,4 +307,9 @@ fn every_number_of_a_random_combination_is_its_definition() {
 #[test]
 fn every_command_reads_the_result_of_a_random_history() {
     survey("GFMD_HISTORY", HISTORIES, &[], History::draw);
+}
+
+#[test]
+fn every_part_of_a_random_path_keeps_its_law() {
+    survey("GFMD_PARTS", PATHS, &PATHS_ONCE_WRONG, |index, folder| Some(Parts::draw(index, folder)));
 }

@@ -1,10 +1,10 @@
 //! Contacts made of several parts in limits where some of the parts have no effect, or a known one.
 
 use approx::assert_relative_eq;
-use gfmd_contact::{Boundary, Contact, Drive, Equilibrium as _, Fields as _, Load};
+use gfmd_contact::{Boundary, Budget, Contact, Drive, Equilibrium as _, Fields as _, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{Parts, QuasistaticContact, QuasistaticState, Wear};
+use gfmd_interface::{Parts, Path, QuasistaticContact, QuasistaticState, Refinement, Wear};
 use gfmd_law::Limit;
 use gfmd_medium::{Prony, Relaxes};
 use ndarray::Array2;
@@ -146,5 +146,43 @@ fn points_that_stick_do_not_wear() {
     for ((i, j), worn) in worn.indexed_iter() {
         let expected = 0.5 * pressure[[i, j]] * x[[i, j]].hypot(y[[i, j]]);
         assert!((worn - expected).abs() <= 1e-6 * most, "{worn} {expected}");
+    }
+}
+
+/// Slip and yield lose energy in a step of no time and no distance: its loss depends on its increments.
+#[test]
+fn a_loss_in_no_time_has_an_error_unless_nothing_slips_or_yields() {
+    let (body, grid, heights) = problem();
+    let prony = Prony::from_fractions(&[(1.3, 0.6)]).unwrap();
+    let plain = Parts { relaxation: Some((&prony, Relaxes::Both)), ..Parts::new(&body, &grid, &heights) };
+    let sheared = Parts { shear: Some(Limit::Coulomb(0.3).into()), ..plain.clone() };
+    let flattened = Parts { hardness: Some(HARDNESS.into()), ..plain.clone() };
+    let pressed = Drive::from(Load::MeanPressure(0.03));
+    let drives = [pressed, Drive { lateral: [2e-3, 0.0], ..pressed }];
+    for (parts, is_lossless) in [(&plain, true), (&flattened, false), (&sheared, false)] {
+        let contact = QuasistaticContact::new(parts).unwrap();
+        let drives = if parts.shear.is_some() { &drives[..] } else { &drives[..1] };
+        let follow = |solves_per_step, tolerance| {
+            let mut path = Path::new(&contact, Budget::default(), Refinement { solves_per_step, tolerance });
+            let steps = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap());
+            let steps: Vec<_> = steps.map(|step| (step.dissipated.unwrap(), step.dissipated_error)).collect();
+            steps
+        };
+        let [once, halved] = [0, 8].map(|solves| follow(solves, 1e-3));
+        for ((lost, none), (fine, error)) in once.into_iter().zip(halved) {
+            if is_lossless {
+                assert_eq!((lost, none, fine, error), (0.0, Some(0.0), 0.0, Some(0.0)));
+                continue;
+            }
+            assert_eq!(none, None, "one increment has no error");
+            let error = error.unwrap();
+            assert!(lost > 0.0 && error > 0.0, "{lost} {fine} {error}");
+        }
+        // The finest path is close enough to the limit that errors can be compared with it.
+        let [coarse, fine] = [(8, 1e-2), (200, 1e-5)].map(|(solves, tolerance)| follow(solves, tolerance));
+        for ((lost, error), (limit, _)) in coarse.into_iter().zip(fine) {
+            let error = error.unwrap();
+            assert!((lost - limit).abs() <= error, "{lost} +- {error}, limit {limit}");
+        }
     }
 }

@@ -44,10 +44,13 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress*length",
         &[
             (
+                |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
+                "energy lost in this step by all causes, per area: the sum of the columns lost_*",
+            ),
+            (
                 |facts| relaxing(facts) && law(facts),
                 "energy lost in the dashpots and in jumps in this step, per area; in the first one without jumps",
             ),
-            (several_causes, "energy lost in this step by all causes, per area, the sum of the columns lost_*"),
             (relaxing, "energy lost in the dashpots in this step, per area"),
             (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
             (any, "energy lost in this step, per area; NaN if the law has no energy"),
@@ -78,7 +81,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_wear",
         "stress*length",
-        &[(any, "part of dissipated that is the work of the pressure on the depth worn off in this step, per area")],
+        &[(any, "part of dissipated: work that the pressure does on the depth worn off in this step, per area")],
         |at| by_cause(at, |losses| losses.wear),
     )
     .with(|facts| several_causes(facts) && wears(facts))
@@ -86,7 +89,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_plastic",
         "stress*length",
-        &[(any, "part of dissipated that is the work of the pressure on the depth pressed in in this step, per area")],
+        &[(any, "part of dissipated: work that the pressure does on the plastic depth gained in this step, per area")],
         |at| by_cause(at, |losses| losses.plastic),
     )
     .with(|facts| several_causes(facts) && hardness(facts))
@@ -104,8 +107,9 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress*length",
         &[
             (
-                |facts| several_causes(facts) && !relaxing(facts),
-                "estimated error of dissipated; NaN if the step was not halved, or if dissipated is unknown",
+                |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
+                "estimated error of dissipated, from its difference from a path in half as many increments; 0 in a \
+                 step that cannot lose energy; NaN if that path was not followed",
             ),
             (wears, "estimated error of dissipated: 0 in a step of no distance, else NaN"),
             (

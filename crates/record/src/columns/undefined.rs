@@ -54,7 +54,9 @@ pub(super) fn lost(at: &StateContext, error: bool) -> Cell {
         Loss::Certified { .. } => {
             "the path was not followed in half as many increments: --energy-solves 4 or more does so"
         }
-        _ if at.facts.hardness => "a step with a hardness is not halved: double --steps and compare the losses",
+        _ if at.facts.hardness && at.facts.friction.is_none() => {
+            "a step with a hardness is not halved: double --steps and compare the losses"
+        }
         _ => {
             "the step was not halved: limits and directions of the shear change too little in it; a smaller \
              --energy-tolerance halves it"

@@ -67,6 +67,7 @@ fn widest(facts: &[Facts], choices: &[Vec<Part>], holds: &dyn Fn(&Facts) -> bool
 fn option(part: Part) -> String {
     let given = part.given().trim_start_matches('-').replace('-', "_");
     match given.split_once(' ') {
+        Some(_) if part == Part::Path => "a path".to_owned(),
         Some((option, value)) => format!("`{option}=\"{value}\"`"),
         None if given == "coefficient" => "`wear`".to_owned(),
         None => format!("`{given}`"),

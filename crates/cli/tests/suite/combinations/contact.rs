@@ -3,7 +3,7 @@
 use gfmd_files::Reader;
 use serde_json::Value;
 
-use super::draw::{Case, Components, Control};
+use super::draw::{Body, Case, Components, Control};
 use super::elastic::{Base, Dense, Plane, Stack, Top, layered, love};
 use super::found::{Found, number};
 use super::numbers::{deviation, excess, flow, gradient, largest, links, mean, neighbours, patches, steepest};
@@ -17,9 +17,12 @@ pub(crate) struct Elastic {
 
 /// Returns the dense compliance for downward displacements by pressures.
 pub(crate) fn elastic(case: &Case) -> Elastic {
-    let (plane, body) = (case.plane, &case.body);
-    let held = case.components == Components::Held;
-    if !case.is_free {
+    elastic_of(&case.body, case.plane, case.is_free, case.components == Components::Held)
+}
+
+/// Returns the dense compliance of a body, `held` sideways or not.
+pub(crate) fn elastic_of(body: &Body, plane: Plane, is_free: bool, held: bool) -> Elastic {
+    if !is_free {
         return Elastic { dense: Dense::periodic(plane, |q| body.compliance(q, held)), tolerance: 1e-8 };
     }
     let modulus = body.contact_modulus();

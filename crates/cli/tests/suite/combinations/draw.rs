@@ -51,7 +51,7 @@ impl Dice {
 }
 
 /// Keeps six digits, so that the command and the reference have the same number.
-fn short(value: f64) -> f64 {
+pub(crate) fn short(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap()
 }
 
@@ -199,7 +199,7 @@ impl Law {
         if let Self::Dugdale { range, .. } = self { Some(*range) } else { None }
     }
 
-    fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         match self {
             Self::Exponential { gamma, range } => format!("--law exponential --param gamma={gamma},range={range}"),
             Self::Dugdale { gamma, range } => format!("--law dugdale --param gamma={gamma},range={range}"),
@@ -318,7 +318,7 @@ fn material(dice: &mut Dice) -> (f64, f64) {
     (short(dice.scale(0.5, 5.0)), dice.of(&RATIOS))
 }
 
-fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool, bases: &[usize]) -> Body {
+pub(crate) fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool, bases: &[usize]) -> Body {
     let (young, poisson) = material(dice);
     let _ = write!(text, " --young {young} --poisson {poisson}");
     let second = |dice: &mut Dice, text: &mut String| -> Option<Stack> {
@@ -366,7 +366,7 @@ fn body(dice: &mut Dice, text: &mut String, needs_layers: bool, tall: bool, base
 }
 
 /// Returns waves of a few wavelengths with random phases: `[nx, ny]`.
-fn waves(dice: &mut Dice, plane: Plane, amplitude: f64) -> Vec<f64> {
+pub(crate) fn waves(dice: &mut Dice, plane: Plane, amplitude: f64) -> Vec<f64> {
     let waves: Vec<[f64; 4]> = (0..5)
         .map(|_| {
             let m = [0, 1]
@@ -386,7 +386,7 @@ fn waves(dice: &mut Dice, plane: Plane, amplitude: f64) -> Vec<f64> {
 }
 
 /// Writes a field of points in the format that the program reads.
-fn write(folder: &Path, name: &str, plane: Plane, is_line: bool, values: &[f64]) {
+pub(crate) fn write(folder: &Path, name: &str, plane: Plane, is_line: bool, values: &[f64]) {
     if is_line {
         ndarray_npy::write_npy(folder.join(name), &Array1::from_vec(values.to_vec())).unwrap();
     } else {

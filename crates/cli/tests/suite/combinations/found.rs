@@ -11,6 +11,8 @@ pub(crate) struct Found {
     pub(crate) compared: usize,
     /// Numbers that are null with a reason.
     pub(crate) undefined: BTreeMap<String, usize>,
+    /// Numbers of events worth counting.
+    pub(crate) noted: BTreeMap<String, usize>,
 }
 
 /// Returns the number at a place, NaN if it is null.
@@ -24,6 +26,11 @@ pub(crate) fn number(of: &Value, key: &str) -> f64 {
 impl Found {
     pub(crate) fn complain(&mut self, text: String) {
         self.complaints.push(text);
+    }
+
+    /// Counts an event.
+    pub(crate) fn note(&mut self, event: String) {
+        *self.noted.entry(event).or_default() += 1;
     }
 
     pub(crate) fn must(&mut self, holds: bool, text: impl FnOnce() -> String) {

@@ -7,8 +7,8 @@ use gfmd_files::Reader;
 use serde_json::Value;
 
 use super::contact::{Elastic, Rough, counted, elastic, has_level, repulsion, softest, wall};
-use super::draw::{Case, Control};
-use super::elastic::{Complex, without_sines};
+use super::draw::{Body, Case, Control};
+use super::elastic::{Complex, Plane, without_sines};
 use super::found::{Found, number};
 use super::numbers::{gradient, largest, mean};
 use crate::common::gfmd;
@@ -18,12 +18,14 @@ pub(crate) struct Vectors(pub(crate) [Vec<f64>; 3]);
 
 /// Returns the displacement by tractions on a periodic surface.
 pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
-    let plane = case.plane;
-    let parts: Vec<Vec<Complex>> = traction.0.iter().map(|field| plane.transform(field)).collect();
-    let mut modes = [(); 3].map(|()| vec![[0.0; 2]; plane.len()]);
-    for place in 0..plane.len() {
-        let mut matrix = case.body.first.all_components(plane, place);
-        if let Some(second) = &case.body.second {
+    displaced(case.plane, &compliances(&case.body, case.plane), traction)
+}
+
+/// Returns the compliance of all components of each mode: displacement (row) per traction (column).
+pub(crate) fn compliances(body: &Body, plane: Plane) -> Vec<[[Complex; 3]; 3]> {
+    let of_mode = |place: usize| {
+        let mut matrix = body.first.all_components(plane, place);
+        if let Some(second) = &body.second {
             // The second body is turned over, so the coupling of pressure and shear has the opposite sign.
             let other = second.all_components(plane, place);
             for row in 0..3 {
@@ -33,10 +35,16 @@ pub(crate) fn all_components(case: &Case, traction: &Vectors) -> Vectors {
                 }
             }
         }
-        let q = plane.wave(place);
-        if q != [0.0; 2] {
-            matrix = without_sines(matrix, plane.is_shortest(place));
-        }
+        if plane.wave(place) == [0.0; 2] { matrix } else { without_sines(matrix, plane.is_shortest(place)) }
+    };
+    (0..plane.len()).map(of_mode).collect()
+}
+
+/// Returns the displacement by tractions, from the compliance of each mode.
+pub(crate) fn displaced(plane: Plane, compliances: &[[[Complex; 3]; 3]], traction: &Vectors) -> Vectors {
+    let parts: Vec<Vec<Complex>> = traction.0.iter().map(|field| plane.transform(field)).collect();
+    let mut modes = [(); 3].map(|()| vec![[0.0; 2]; plane.len()]);
+    for (place, matrix) in compliances.iter().enumerate() {
         for row in 0..3 {
             for column in 0..3 {
                 let ([a, b], [c, d]) = (matrix[row][column], parts[column][place]);
