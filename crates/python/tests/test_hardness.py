@@ -77,7 +77,7 @@ def test_plastic_depth_stays_along_a_path():
     free = gfmd.path(SMALL, BODY, p_star=[0.05, 0.4], boundary="free", steps=2)
     assert free.boundary == "free" and free.dissipated == 0.0
     with pytest.raises(gfmd.InputError, match="hardness"):
-        gfmd.path(SMALL, BODY, p_star=[0.05, 0.4], hardness=0.1, friction=0.1)
+        gfmd.path(SMALL, BODY, p_star=[0.05, 0.4], hardness=0.1, lateral=[0, 0.001])
 
 
 def test_two_surfaces_touch_as_their_composite():

@@ -417,7 +417,12 @@ fn unusable_flags_are_refused_in_one_line() {
         ("path --n 16 --eps-f-inv 4 --p-star 1,2 --lateral 1,2,3", &["--p-star", "1 or 3", "2"]),
         ("path --n 16 --eps-f-inv 4 --p-star=-1", &["--p-star", "positive"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --friction -0.1", &["--friction", "mu is -0.1"]),
-        ("path --n 16 --eps-f-inv 4 --p-star 1 --friction 0.1 --law morse", &["--friction", "--law"]),
+        (
+            "path --n 16 --eps-f-inv 4 --p-star 1 --friction 0.1 --law npc \
+             --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002",
+            &["--friction", "--law", "that shears"],
+        ),
+        ("path --n 16 --eps-f-inv 4 --p-star 1 --friction-of net", &["--friction-of is net", "--friction"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --tolerance 1", &["--tolerance", "1"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --steps 0", &["--steps", "0"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1,2,1 --steps 4294967295", &["--steps", "8589934590", "1000000"]),

@@ -513,19 +513,19 @@ fn pages_of_paths_show_their_parts() {
         (
             format!("{law} {shear}"),
             "exponential, friction",
-            vec!["Shear against the lateral displacement, leg by leg", "Lost by friction", "energy lost by cause"],
+            vec!["Shear against the lateral displacement (leg by leg; ", "Lost by friction", "energy lost by cause"],
             vec!["wear", "hardness", "against time", "Approach"],
         ),
         (
             format!("--hardness 0.05 {shear}"),
             "hard wall, friction, hardness",
-            vec!["Sticking area against the lateral displacement, leg by leg", "plastic flow", lost],
+            vec!["Sticking area against the lateral displacement (leg by leg; ", "plastic flow", lost],
             vec!["wear", "against time", "jumps"],
         ),
         (
             format!("{in_time} {shear}"),
             "hard wall, friction",
-            vec!["Shear against time", "Shear against the lateral displacement, leg by leg.", lost, "relaxation"],
+            vec!["Shear against time", "Shear against the lateral displacement (leg by leg).", lost, "relaxation"],
             vec!["wear", "hardness", "jumps"],
         ),
         (

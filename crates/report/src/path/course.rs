@@ -11,7 +11,7 @@ use crate::wear::against;
 const REDUCED: &str = "*p*/(*E*\\* *g*)";
 
 /// End of a caption of legs through equilibria.
-const LEGS: &str = ", leg by leg; each point is an equilibrium";
+const LEGS: &str = " (leg by leg; each point is an equilibrium)";
 
 /// Largest number of panels side by side.
 const MOST_PANELS: usize = 4;
@@ -199,7 +199,7 @@ impl Course<'_> {
             self.panel(&x, label, [&lateral, &share], &lateral),
         ];
         let (name, title) = if self.relaxes { ("shear", "the shear loop") } else { ("path", "the path") };
-        let end = if self.relaxes { ", leg by leg" } else { LEGS };
+        let end = if self.relaxes { " (leg by leg)" } else { LEGS };
         Drawing::new(name, title, end, panels)
     }
 
