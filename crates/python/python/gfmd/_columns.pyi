@@ -520,7 +520,7 @@ class Steps(Record):
 
     @property
     def distance(self) -> Array:
-        """Length [step]: sliding distance since first touch. With `coefficient` only."""
+        """Length [step]: sliding distance since first touch. With `wear` only."""
 
     @property
     def lateral(self) -> Array:
@@ -546,9 +546,7 @@ class Steps(Record):
 
     @property
     def max_pressure(self) -> Array:
-        """Stress [step]: largest pressure. With `law`: largest repulsive pressure. With `law` and `hardness` or
-        `law` and `friction` or `hardness` and `friction` or `prony` and a path or `coefficient` and a path only.
-        """
+        """Stress [step]: largest pressure. With `law`: largest repulsive pressure. In some problems only."""
 
     @property
     def max_net_pressure(self) -> Array:
@@ -558,13 +556,13 @@ class Steps(Record):
 
     @property
     def wear_volume(self) -> Array:
-        """Length [step]: mean over the whole surface of the depth lost so far, the volume over the area. With
-        `coefficient` only.
+        """Length [step]: mean over the whole surface of the depth lost so far, the volume over the area. With `wear`
+        only.
         """
 
     @property
     def max_wear(self) -> Array:
-        """Length [step]: largest depth lost so far. With `coefficient` only."""
+        """Length [step]: largest depth lost so far. With `wear` only."""
 
     @property
     def elastic_energy(self) -> Array:
@@ -578,64 +576,59 @@ class Steps(Record):
 
     @property
     def dissipated(self) -> Array:
-        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. With `law` and
-        `hardness` or `law` and `friction` or `hardness` and `friction` or `prony` and a path or `coefficient` and a
-        path: work of the pressure on the depth lost in this step, per area, without the work of friction. With `law`
-        and `hardness` or `law` and `friction` or `hardness` and `friction` or `law` and `coefficient` or `hardness`
-        and `coefficient` or `friction` and `coefficient` or `prony` and a path: energy lost in the dashpots in this
-        step, per area. With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `law` and
-        `prony` or `hardness` and `prony` or `friction` and `prony` or `law` and `coefficient` or `hardness` and
-        `coefficient` or `friction` and `coefficient` or `prony` and `coefficient`: energy lost in the dashpots and
-        in jumps in this step, per area; in the first one without jumps. With `law` and `hardness` or `law` and
-        `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and `prony` or `law` and
-        `coefficient` or `hardness` and `coefficient` or `friction` and `coefficient` or `prony` and `coefficient`:
-        energy lost in this step by all causes, per area: the sum of the columns lost_*.
+        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. In some
+        problems: work of the pressure on the depth lost in this step, per area, without the work of friction. In
+        some problems: energy lost in the dashpots in this step, per area. With `law` and `hardness` or `law` and
+        `friction` or `hardness` and `friction` or `law` and `prony` or `hardness` and `prony` or `friction` and
+        `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`: energy
+        lost in the dashpots and in jumps in this step, per area; in the first one without jumps. With `law` and
+        `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and
+        `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`: energy
+        lost in this step by all causes, per area: the sum of the columns lost_*.
         """
 
     @property
     def lost_relaxation(self) -> Array:
         """Stress * length [step]: part of dissipated that the dashpots of the body lose in this step, per area. With
-        `law` and `prony` or `hardness` and `prony` or `friction` and `prony` or `prony` and `coefficient` only.
+        `law` and `prony` or `hardness` and `prony` or `friction` and `prony` or `prony` and `wear` only.
         """
 
     @property
     def lost_friction(self) -> Array:
         """Stress * length [step]: part of dissipated that is lost by slip in this step, per area. With `law` and
-        `friction` or `hardness` and `friction` or `friction` and `prony` or `friction` and `coefficient` only.
+        `friction` or `hardness` and `friction` or `friction` and `prony` or `friction` and `wear` only.
         """
 
     @property
     def lost_wear(self) -> Array:
         """Stress * length [step]: part of dissipated: work that the pressure does on the depth worn off in this
-        step, per area. With `law` and `coefficient` or `hardness` and `coefficient` or `friction` and `coefficient`
-        or `prony` and `coefficient` only.
+        step, per area. With `law` and `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`
+        only.
         """
 
     @property
     def lost_plastic(self) -> Array:
         """Stress * length [step]: part of dissipated: work that the pressure does on the plastic depth gained in
         this step, per area. With `law` and `hardness` or `hardness` and `friction` or `hardness` and `prony` or
-        `hardness` and `coefficient` only.
+        `hardness` and `wear` only.
         """
 
     @property
     def lost_jumps(self) -> Array:
         """Stress * length [step]: part of dissipated that is lost in jumps in this step, per area. With `law` and
-        `hardness` or `law` and `friction` or `law` and `prony` or `law` and `coefficient` only.
+        `hardness` or `law` and `friction` or `law` and `prony` or `law` and `wear` only.
         """
 
     @property
     def dissipated_error(self) -> Array:
         """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved, or if dissipated is
-        unknown. With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `prony` and a path
-        or `coefficient` and a path: estimated error of dissipated: twice its difference from a path in half as many
-        increments; 0 in a step of no time without a law; NaN if that path was not followed. With `law` and
-        `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and
-        `prony` or `coefficient` and a path: estimated error of dissipated: 0 in a step of no distance, else NaN.
-        With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness` and `prony` or
-        `friction` and `prony` or `law` and `coefficient` or `hardness` and `coefficient` or `friction` and
-        `coefficient` or `prony` and `coefficient`: estimated error of dissipated, from its difference from a path in
-        half as many increments; 0 in a step that cannot lose energy; NaN if that path was not followed.
+        unknown. In some problems: estimated error of dissipated: twice its difference from a path in half as many
+        increments; 0 in a step of no time without a law; NaN if that path was not followed. In some problems:
+        estimated error of dissipated: 0 in a step of no distance, else NaN. With `law` and `hardness` or `law` and
+        `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and `prony` or `law` and
+        `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`: estimated error of
+        dissipated, from its difference from a path in half as many increments; 0 in a step that cannot lose energy;
+        NaN if that path was not followed.
         """
 
     @property
@@ -643,8 +636,7 @@ class Steps(Record):
         """Stress * length [step]: work of the rigid surface by the trapezoidal rule less the energies gained and
         lost, in magnitude. With `law` and `prony`: work of the rigid surface by the trapezoidal rule less the
         energies gained and lost, in magnitude; in a step with a jump the largest error of that rule; 0 in the first
-        step of no time. With `law` and `hardness` or `law` and `friction` or `prony` and a path or `coefficient` and
-        a path only.
+        step of no time. In some problems only.
         """
 
     @property
@@ -941,7 +933,7 @@ class StepFields(Record):
 
     @property
     def wear_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth that both surfaces have lost so far. With `coefficient` only. Read-only."""
+        """Length [waypoint, x, y]: depth that both surfaces have lost so far. With `wear` only. Read-only."""
 
     @property
     def shear_x(self) -> Array:
@@ -971,22 +963,8 @@ class WearFields(Record):
         """Length [waypoint, x, y]: distance between the surfaces. Read-only."""
 
     @property
-    def plastic_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth by which the surfaces were pressed into each other so far. With `hardness`
-        only. Read-only.
-        """
-
-    @property
     def wear_depth(self) -> Array:
         """Length [waypoint, x, y]: depth that both surfaces have lost so far. Read-only."""
-
-    @property
-    def shear_x(self) -> Array:
-        """Stress [waypoint, x, y]: shear traction on the elastic surface along x. With `friction` only. Read-only."""
-
-    @property
-    def shear_y(self) -> Array:
-        """Stress [waypoint, x, y]: shear traction on the elastic surface along y. In some problems only. Read-only."""
 
 class Patches(Record):
     """The patches of points in contact, as `gfmd contact --statistics` measures them."""
