@@ -12,6 +12,17 @@ use crate::{Interface, Residual, State};
 /// Computes the state at `position`, the displacement in the frame of the drive, from new transforms and the law. At a
 /// wall that gives way, `inset` has the insets of all points or is empty.
 pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64], inset: &[f64]) -> State {
+    certify_level(interface, frame, position, inset, None)
+}
+
+/// Computes the state as [`certify`]. Where no point tells the mean pressure, it is the possible one next to `level`.
+pub(crate) fn certify_level(
+    interface: &Interface,
+    frame: &Frame,
+    position: &[f64],
+    inset: &[f64],
+    level: Option<f64>,
+) -> State {
     let (points, z) = (frame.points(), frame.z());
     let kinks = interface.kinks(frame);
     let kinks = kinks.as_ref();
@@ -19,7 +30,7 @@ pub(crate) fn certify(interface: &Interface, frame: &Frame, position: &[f64], in
     let mut traction = vec![0.0; position.len()];
     transforms.stiffness(position, &frame.uniform_stiffness, &mut traction);
     let (gap, wall_pressure) = (vec![0.0; points], vec![0.0; points]);
-    let mut certificate = Certificate { interface, frame, position, kinks, inset, traction, gap, wall_pressure };
+    let mut certificate = Certificate { interface, frame, position, kinks, inset, level, traction, gap, wall_pressure };
     let lowest = certificate.separations();
     let balances: Vec<Balance> = (0..=z).map(|component| certificate.balance(component)).collect();
     let means: Vec<f64> = certificate.traction.chunks_exact(points).map(|field| frame.mean(field)).collect();
@@ -124,7 +135,8 @@ impl Interface {
         });
         let added = frame.values_inside(insets.clone());
         inside.iter_mut().zip(&added).for_each(|(w, inset)| *w += inset);
-        let mut state = certify(self, &frame, &frame.position(&self.elastic, inside, pressure), &insets);
+        let position = frame.position(&self.elastic, inside, pressure);
+        let mut state = certify_level(self, &frame, &position, &insets, pressure.mean());
         // A point with an inset has a closed gap, whatever the given one is.
         let lowest = gap.iter().fold(0.0, |least, gap| lower(least, *gap));
         state.residual.penetration = higher(state.residual.penetration, -lowest / self.length_scale());
@@ -145,6 +157,8 @@ struct Certificate<'a> {
     position: &'a [f64],
     kinks: Option<&'a Kinks>,
     inset: &'a [f64],
+    /// Mean pressure where no point tells it.
+    level: Option<f64>,
     /// K w at first; the traction on the elastic surface after [`balance`](Self::balance).
     traction: Vec<f64>,
     gap: Vec<f64>,
@@ -193,7 +207,7 @@ impl Certificate<'_> {
     /// wall balances the difference, by pressure only. If the mean of a component is held, its mean traction is
     /// unknown; it is chosen so that the mean force on the free points vanishes.
     fn balance(&mut self, component: usize) -> Balance {
-        let Self { interface, frame, position, kinks, inset, traction, gap, wall_pressure } = self;
+        let Self { interface, frame, position, kinks, inset, level, traction, gap, wall_pressure } = self;
         let (kinks, inset) = (*kinks, *inset);
         let points = frame.points();
         let normal = component == frame.z();
@@ -227,7 +241,8 @@ impl Certificate<'_> {
             None => 0.0,
             Some(kinks) => {
                 let force: Vec<f64> = (0..points).map(|i| law(i) + push - traction[i]).collect();
-                kinks.level(&force)
+                let wanted = level.map(|pressure| push - pressure - frame.mean(traction));
+                kinks.level(&force, wanted)
             }
         };
         let most = |i: usize| kinks.map_or(f64::INFINITY, |kinks| kinks.most(i));

@@ -247,15 +247,20 @@ impl Kinks {
         last.abs() / points <= RESTORED * length_scale
     }
 
-    /// Returns the force for which a held mean balances points that are all at kinks, the middle of the possible ones.
-    pub(crate) fn level(&self, force: &[f64]) -> f64 {
+    /// Returns the force for which a held mean balances points that are all at kinks: of the possible ones the next to
+    /// `wanted`, or the middle.
+    pub(crate) fn level(&self, force: &[f64], wanted: Option<f64>) -> f64 {
         let ends = |range: std::ops::Range<usize>| {
             range.fold([f64::NEG_INFINITY, f64::INFINITY], |[least, most], i| {
                 [least.max(force[i] - self.most[i]), most.min(force[i])]
             })
         };
         let [least, most] = reduce(force.len(), &ends, &|a: [f64; 2], b| [a[0].max(b[0]), a[1].min(b[1])]);
-        if least.is_finite() { 0.5 * (least + most) } else { most }
+        match wanted {
+            Some(wanted) if wanted.is_finite() && least <= most => wanted.clamp(least, most),
+            _ if least.is_finite() => 0.5 * (least + most),
+            _ => most,
+        }
     }
 
     /// Returns the insets of given fields: `of` returns the pressure −t_z and the geometric inset of the inside point

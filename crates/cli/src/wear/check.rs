@@ -46,7 +46,10 @@ impl Checked for Args {
             let work = 0.5 * (pressure + pressure_before) * (approach - approach_before);
             let missing = if moved == 0.0 { 0.0 } else { (work - (energy - energy_before) - lost).abs() };
             let scale = (pressure * approach).abs().max(pressure_before * approach_before).max(energy).max(lost);
-            comparison.number("/wear/work_imbalance", number("work_imbalance"), missing, scale);
+            // Without a level, the approach and the energy are unknown.
+            if prepared.facts.has_level() {
+                comparison.number("/wear/work_imbalance", number("work_imbalance"), missing, scale);
+            }
             if moved == 0.0 {
                 comparison.number("/wear/dissipated_error", number("dissipated_error"), 0.0, scale);
             }

@@ -133,3 +133,18 @@ fn what_makes_no_sense_is_refused_by_name() {
         assert!(output.status.code() == Some(2) && message.contains(reported), "{flags}: {message}");
     }
 }
+
+#[test]
+fn below_a_weak_law_a_closed_contact_carries_its_hardness() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "path --n 32 --dim 2 --eps-f-inv 4 --hardness 0.05 --approach 0.05 --energy-solves 0 --json";
+    let wall = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let flags = format!("{flags} --law exponential --param gamma=1e-12,range=0.002");
+    let law = json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    // Deeper than the mean clearance the whole surface yields, and only the hardness tells the mean pressure.
+    for report in [wall, law] {
+        let pressure = report["steps"][0]["mean_pressure"].as_f64().unwrap();
+        assert!((pressure - 0.05).abs() < 1e-8, "{pressure}");
+        assert_eq!(report["steps"][0]["plastic_fraction"], 1.0);
+    }
+}

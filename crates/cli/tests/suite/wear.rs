@@ -272,10 +272,6 @@ fn unusable_input_is_refused_in_one_line() {
         ("--approach 0 --coefficient 1 --distance 1", "--approach is 0; it must be positive and finite"),
         ("--pressure 0.01,0.02,0.03 --coefficient 1 --distance 1,2", "--distance has 2 waypoints; it must have 1 or 3"),
         ("--approach 1 --coefficient 1 --distance 0", "less than the mean clearance"),
-        (
-            &format!("{whole} --dim 2 --boundary free"),
-            "--coefficient is given; it must be left out with a profile on a half-space",
-        ),
         (&format!("{whole} --steps 0"), "--steps"),
         (&format!("{whole} --tolerance 0"), "--tolerance"),
         (&format!("{whole} --prony 1:0.5"), "--prony"),

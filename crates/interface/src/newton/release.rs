@@ -74,6 +74,6 @@ fn held_level(kinks: &Kinks, force: &[f64], [w, inset]: [&[f64]; 2]) -> f64 {
     } else if any(&is_free) {
         mean_where(force, is_free)
     } else {
-        kinks.level(force)
+        kinks.level(force, None)
     }
 }

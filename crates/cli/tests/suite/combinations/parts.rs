@@ -193,7 +193,8 @@ impl Parts {
         let mut distances = Vec::new();
         let wear = (dice.chance(0.35) && (has_wall || wild(dice))).then(|| {
             let by_slip = rubs && dice.chance(0.4);
-            let way = if by_slip { amplitude } else { 0.3 };
+            // Points slip when the surfaces are pressed together, even where their path is short.
+            let way = if by_slip { amplitude.max(0.05 * unit) } else { 0.3 };
             if !by_slip {
                 distances =
                     (0..count).map(|_| if dice.chance(0.3) { 0.0 } else { short(dice.between(0.1, 1.0)) }).collect();
@@ -614,7 +615,8 @@ fn energies(parts: &Parts, steps: &[Value], found: &mut Found) {
     let start = before.map_or(0.0, stored);
     let [work, spread, magnitude] = work(before, step);
     let scale = stored(step).abs() + start.abs() + number(step, "elastic_energy").abs() + magnitude;
-    let scale = if scale.is_finite() { scale } else { dissipated.abs() };
+    let losses = || lost.values().map(|value| value.abs()).filter(|value| value.is_finite()).sum();
+    let scale = if scale.is_finite() { scale } else { losses() };
     let error_of = |key: &str| Some(number(step, key)).filter(|error| error.is_finite()).unwrap_or(0.0);
     let error = error_of("dissipated_error");
     for (key, value) in &lost {

@@ -19,8 +19,10 @@ fn pressures(parts: &Parts, folder: &Path, name: &str, found: &mut Found) -> Opt
             found.note(format!("limit of {name}: not converged"));
             return None;
         }
-        // The other parts may bound the approach or the load.
-        Some(2) if ["full contact", "at most", "less than"].iter().any(|word| reported.contains(word)) => {
+        // The other path may have bounds of its own: of the approach, the load, or the range of its law.
+        Some(2)
+            if ["full contact", "at most", "less than", "process zone"].iter().any(|word| reported.contains(word)) =>
+        {
             found.note(format!("limit of {name}: refused"));
             return None;
         }
