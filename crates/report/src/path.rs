@@ -239,7 +239,7 @@ fn rough(percent: f64) -> Markup {
 /// Returns the parts of the lost energy by cause; `None` unless there are several causes.
 fn by_cause(stored: &Stored, computed: usize, dissipated: f64) -> Option<Markup> {
     let there: Vec<_> = CAUSES.iter().filter(|(column, _)| stored.has(column)).collect();
-    if there.len() < 2 || !(dissipated > 0.0) {
+    if there.len() < 2 || dissipated.is_nan() || dissipated <= 0.0 {
         return None;
     }
     let sum = |name: &str| -> f64 { stored.column(name)[..computed].iter().filter(|value| value.is_finite()).sum() };

@@ -79,7 +79,7 @@ fn word(label: &str) -> &str {
 
 /// Returns true if the numbers differ; false for numbers without a value.
 fn varies(values: &[f64]) -> bool {
-    values.iter().any(|value| *value < values[0] || *value > values[0])
+    values.iter().any(|value| value.is_finite() && *value != values[0])
 }
 
 /// Returns true if there is a number.
