@@ -96,13 +96,13 @@ pub struct Args {
     )]
     energy_tolerance: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
-    /// shear; 0 for none [default: 4, with friction 10, of a viscoelastic body and with wear 0]
+    /// shear; 0 for none [default: 4; with friction 10, otherwise of a viscoelastic body and with wear 0]
     #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
     /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear, with many panels
     /// PREFIX-time; the losses by cause: PREFIX-losses; with wear PREFIX-wear and of the last step PREFIX-profile,
-    /// PREFIX-depth; the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both surfaces
-    /// and the pressure along x), with an attraction PREFIX-traction
+    /// PREFIX-depth; the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both
+    /// surfaces and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -141,9 +141,9 @@ impl Args {
 
     fn energy_solves(&self) -> u64 {
         let default = match () {
-            // Steps of a body that relaxes or of surfaces that wear are never subdivided.
-            () if self.prony.relaxing().is_some() || self.wear.coefficient.is_some() => 0,
             () if self.friction.fact().is_some() => FRICTION_SOLVES,
+            // Without slip, a step of a body that relaxes or of surfaces that wear is as good as --steps.
+            () if self.prony.relaxing().is_some() || self.wear.coefficient.is_some() => 0,
             () => Refinement::default().solves_per_step,
         };
         self.energy_solves.unwrap_or(default)

@@ -108,8 +108,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         @if let Some(causes) = by_cause(&stored, computed, dissipated) { p { (causes) } }
         @if stored.has("wear_volume") {
             p {
-                "The surfaces have lost " (stored.said("wear_volume", computed - 1, 1.0)) " of their height on average, "
-                (stored.said("max_wear", computed - 1, 1.0)) " at most. "
+                "The surfaces have lost " (stored.said("wear_volume", computed - 1, 1.0)) " of their height on average"
+                ", " (stored.said("max_wear", computed - 1, 1.0)) " at most. "
             }
         }
     });

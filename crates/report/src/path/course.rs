@@ -92,8 +92,8 @@ impl Course<'_> {
         (self.column)(name)
     }
 
-    /// Returns the components of a vector along the motion: in the direction of the lateral displacements, or at a right
-    /// angle to it if the surface moves in that direction only.
+    /// Returns the components of a vector along the motion: in the direction of the lateral displacements, or at a
+    /// right angle to it if the surface moves in that direction only.
     fn along(&self, name: &str) -> Vec<f64> {
         let [x, y] = self.direction;
         let onto = |name: &str, [x, y]: [f64; 2]| -> Vec<f64> {
@@ -141,8 +141,8 @@ impl Course<'_> {
     }
 
     /// Returns panels of contact area, reduced pressure, approach, and with friction shear and sticking area, against
-    /// time. The time axis is logarithmic, without the state at time zero, if it spans more than two decades. A constant
-    /// number has no panel.
+    /// time. The time axis is logarithmic, without the state at time zero, if it spans more than two decades. A
+    /// constant number has no panel.
     fn in_time(&self) -> Vec<Drawing> {
         let time = self.column("time");
         let approach = self.column("approach");
