@@ -26,7 +26,7 @@ pub struct Relaxing {
 
 impl Relaxing {
     /// Creates the medium of `body`, which has its long-term moduli, below a surface on `grid`. With one of the
-    /// `components` its memory is that of u_z alone, else of all components.
+    /// `components` its memory holds u_z alone, else all components.
     ///
     /// # Errors
     /// Returns an error if only the shear modulus relaxes, and this relaxation is not known for the body, the boundary

@@ -15,9 +15,9 @@ use crate::numbers::mean;
 /// Error of a pressure divided by the pressure that would close the largest gap left in contact; the depth contains the
 /// gaps of earlier states.
 const OF_A_GAP: f64 = 10.0;
-/// Largest relative difference between pressure and hardness at a point that counts as plastic, and that of a
-/// repulsion beside a law, which is a sum of tractions.
+/// Largest relative difference between pressure and hardness at a point that counts as plastic.
 const NEAR: f64 = 1e-3;
+/// The same for the net pressure beside a law, which is a sum of tractions.
 const NEAR_BESIDE_A_LAW: f64 = 1e-6;
 
 impl QuasistaticContact {

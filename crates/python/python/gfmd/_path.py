@@ -297,8 +297,8 @@ def path(
             negative values pull. Stresses and lengths may be strings with a unit, such as "1MPa", if the surface has
             one.
         lateral: lateral displacements of the rigid surface at the waypoints, length: values along `direction`, or a
-            pair of such values, `(along, across)`, along `direction` and at a right angle to it. With friction, or with a
-            law that shears.
+            pair of such values, `(along, across)`, along `direction` and at a right angle to it. With friction, or
+            with a law that shears.
         time: durations of the legs, with a viscoelastic body (`Body(prony=...)`): a number or a sequence. Each leg ends
             at a waypoint. "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first touch;
             a leg of zero duration is a jump.
