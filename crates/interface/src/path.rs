@@ -113,7 +113,7 @@ impl Default for Refinement {
 pub struct Step {
     /// Energy lost per area, stress × length; `None` if the tractions have no energy.
     pub dissipated: Option<f64>,
-    /// The same by cause; zeros if `dissipated` is unknown.
+    /// Energy lost by each cause per area, stress × length; zeros if `dissipated` is unknown.
     pub losses: Losses,
     /// Estimated error of `dissipated`. `None` if `dissipated` is unknown or the step was not halved. Where the loss is
     /// [certified](Loss::Certified), it is twice the difference from a path with half as many increments.

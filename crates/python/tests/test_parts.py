@@ -139,7 +139,7 @@ def test_lateral_displacements_have_two_components():
     assert both.steps.lateral[-1].tolist() == [0.002, 0.001]
     across = gfmd.path(rough(), gfmd.Body(), lateral=(None, [0, 0.001]), **given)
     assert across.steps.lateral[-1].tolist() == [0.0, 0.001] and across.steps.mean_shear[-1, 1] > 0.0
-    # The same displacement along a turned direction, and as rows of an array.
+    # A turned direction, or the rows of an array, give an equal displacement.
     turned = gfmd.path(rough(), gfmd.Body(), lateral=[0, 0.001], direction=90.0, **given)
     assert turned.steps.mean_shear == pytest.approx(across.steps.mean_shear, abs=1e-8)
     rows = gfmd.path(rough(), gfmd.Body(), lateral=np.array([[0, 0.002], [0, 0.001]]), **given)

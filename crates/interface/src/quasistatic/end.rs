@@ -17,7 +17,7 @@ use crate::numbers::mean;
 const OF_A_GAP: f64 = 10.0;
 /// Largest relative difference between pressure and hardness at a point that counts as plastic.
 const NEAR: f64 = 1e-3;
-/// The same for the net pressure beside a law, which is a sum of tractions.
+/// Largest relative difference between net pressure and hardness at a point that counts as plastic beside a law.
 const NEAR_BESIDE_A_LAW: f64 = 1e-6;
 
 impl QuasistaticContact {
