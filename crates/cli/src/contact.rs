@@ -425,11 +425,11 @@ impl StateHandler for Measuring<'_> {
         let SolvedState { index, state, at, started, is_cut, .. } = solved;
         let warn = |code, text: String| self.session.warn(code, format!("load {index}: {text}"));
         let stiffness = if is_cut {
-            Err(NOT_SOLVED)
+            Err(NOT_SOLVED.into())
         } else {
             stiffness(self.contact, state, self.args.problem.stiffness_tolerance, |text| warn("stiffness", text))
         };
-        let at = StateContext { stiffness: stiffness.map_err(Into::into), ..at };
+        let at = StateContext { stiffness, ..at };
         let repulsion = state.repulsion();
         let Loads { prepared, conducting, drives, .. } = self.loads;
         let findings =
@@ -491,7 +491,7 @@ pub fn stiffness(
     state: &AnyState,
     tolerance: f64,
     warn: impl FnOnce(String),
-) -> Result<Stiffness, &'static str> {
+) -> Result<Stiffness, Cow<'static, str>> {
     contact.stiffness(state, tolerance).or_else(|error| match error {
         NoStiffness::Undefined(reason) => Err(reason),
         NoStiffness::Inexact(reached, why) => {

@@ -3,7 +3,7 @@
 mod args;
 mod waypoints;
 
-use gfmd_contact::{Budget, Drive, Fields as _, Load, SolveError, Visit};
+use gfmd_contact::{Budget, Drive, Fields as _, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Flow;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
@@ -20,8 +20,8 @@ use gfmd_report::figures::SceneFields;
 use gfmd_run::flow::through;
 use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
-    Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, beside,
-    on_finer_grids, resolved, run_with_journal,
+    Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, at_same_place,
+    beside, on_finer_grids, resolved, run_with_journal,
 };
 
 pub(crate) use self::args::{PathOptions, StepArgs};
@@ -115,7 +115,7 @@ impl PathInput {
             prepared: finer,
             contact,
             path: Path::new(contact, budget, *refinement),
-            rise: finer.surface.highest() - prepared.surface.highest(),
+            rise: finer.highest() - prepared.highest(),
             ended: None,
         });
         let mut log = Log {
@@ -158,18 +158,15 @@ impl Beside<'_> {
         if let Some(reason) = &self.ended {
             return Err(Failure::computation(reason.clone()));
         }
-        let load = match drive.load {
-            Load::Approach(approach) => Load::Approach(approach + self.rise),
-            pressure => pressure,
-        };
-        let step = self.path.step(Drive { load, ..drive }, &mut session.stop()).map_err(|error| match error {
-            SolveError::Interrupted { .. } => Failure::interrupted("interrupted"),
-            error => {
-                let [nx, ny] = self.prepared.surface.grid.points();
-                let reason = format!("the grid of {nx} x {ny} points: {error}");
-                Failure::computation(self.ended.insert(reason).clone())
-            }
-        })?;
+        let step =
+            self.path.step(at_same_place(drive, self.rise), &mut session.stop()).map_err(|error| match error {
+                SolveError::Interrupted { .. } => Failure::interrupted("interrupted"),
+                error => {
+                    let [nx, ny] = self.prepared.surface.grid.points();
+                    let reason = format!("the grid of {nx} x {ny} points: {error}");
+                    Failure::computation(self.ended.insert(reason).clone())
+                }
+            })?;
         let state = self.path.state().ok_or_else(|| Failure::computation(NOT_SOLVED))?;
         let reading = self.contact.reading(state);
         let at = resolved(self.prepared, state, tolerance);

@@ -23,6 +23,19 @@ impl Hardness {
         }
     }
 
+    /// Checks that the surfaces can carry the mean pressure `found`, in stress.
+    ///
+    /// # Errors
+    /// A pressure that is not below the mean hardness.
+    pub fn check_mean(&self, found: f64) -> Result<(), Refusal> {
+        let hardness = self.mean();
+        if found < hardness {
+            return Ok(());
+        }
+        let what = if let Self::Field(_) = self { "mean hardness" } else { "hardness" };
+        Err(Refusal::BeyondHardness { found, what, hardness })
+    }
+
     /// Multiplies the hardness by a factor.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {

@@ -13,8 +13,8 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::solution::{Conditions, field};
 use crate::{
-    Contact, Drive, Effort, Equilibrium, Fields as _, Load, Refusal, Resumable, RigidSurface, Solution, SolveError,
-    Solved, Solver, judge,
+    Contact, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface, Solution,
+    SolveError, Solved, Solver, Units, judge,
 };
 
 /// Rigid rough surface above an elastic one, without friction or adhesion, with slopes that are not small. A point x of
@@ -30,6 +30,7 @@ pub struct SteepContact {
     full: Arc<FullResponse>,
     surface: Arc<RigidSurface>,
     clearance: Spline,
+    hardness: Option<Hardness>,
 }
 
 /// Equilibrated contact with finite slopes.
@@ -110,7 +111,27 @@ impl SteepContact {
         }
         let clearance = Spline::through(grid, surface.clearance())?;
         let (normal, full) = (NormalResponse::new(*grid, body).into(), FullResponse::new(*grid, body).into());
-        Ok(Self { normal, full, surface: surface.into(), clearance })
+        Ok(Self { normal, full, surface: surface.into(), clearance, hardness: None })
+    }
+
+    /// Sets the `hardness`, the largest pressure normal to the surfaces that they can carry, in stress: a number or a
+    /// field `[x, y]`.
+    ///
+    /// # Errors
+    /// A hardness that is not positive and finite, or differs in shape from the heights.
+    pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
+        let hardness = hardness.into();
+        hardness.in_units(&self.surface, &Units::ONE)?;
+        Ok(Self { hardness: Some(hardness), ..self })
+    }
+
+    /// Returns the contact with small slopes on these heights, with the same hardness.
+    fn flat(&self, heights: &ArrayRef2<f64>) -> Result<Contact, Refusal> {
+        let contact = Contact::with_response(Arc::clone(&self.normal), heights)?;
+        match &self.hardness {
+            Some(hardness) => contact.with_hardness(hardness.clone()),
+            None => Ok(contact),
+        }
     }
 
     /// Returns the rigid surface.
@@ -199,7 +220,10 @@ impl SteepContact {
             load => load,
         };
         let modulus = self.full.contact_modulus();
-        let conditions = Conditions { sinking: 0.0, load: displaced, length_scale, extent: 0.0, hardness: None };
+        let hardness =
+            self.hardness.as_ref().map(|hardness| hardness.in_units(&self.surface, &Units::ONE)).transpose()?;
+        let conditions =
+            Conditions { sinking: 0.0, load: displaced, length_scale, extent: 0.0, hardness: hardness.as_ref() };
         let mut solution = Solution::of(&surface, modulus, pressure, normal, conditions);
         solution.approach += lowest;
         solution.effort.transform_pairs = transforms.pairs();
@@ -233,22 +257,31 @@ impl Search<'_> {
     /// Solves the contact with small slopes on the present heights to `tolerance`.
     fn solve(&mut self, tolerance: f64, watch: &mut dyn Watch) -> Result<Ending, Refusal> {
         let Self { contact, load, budget, effort, heights, small, .. } = self;
-        let flat = Contact::with_response(Arc::clone(&contact.normal), heights)?;
+        let flat = contact.flat(heights)?;
         let lowest = -heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let load = match load {
             Load::Approach(approach) => Load::Approach(*approach - lowest),
             load => *load,
         };
-        let before = effort.iterations;
-        let mut count = |now: &Progress| watch.see(&Progress { iteration: before + now.iteration, ..*now });
-        let press =
-            flat.press(load).tolerance(tolerance).max_iterations(budget.max_iterations.saturating_sub(before).max(1));
-        let (solution, ending) = match press.watch(&mut count).starting_from(small.as_ref()).solve() {
-            Ok(solution) => (solution, Ending::Converged),
-            Err(SolveError::Refused(refusal)) => return Err(refusal),
-            Err(SolveError::Interrupted { state }) => (*state, Ending::Interrupted),
-            Err(SolveError::NotConverged { state, why, .. }) => (*state, Ending::GaveUp(why)),
-            Err(SolveError::Detached { state, .. }) => (*state, Ending::GaveUp(Why::NoDescent)),
+        let mut starts = [small.take(), None].into_iter();
+        let (solution, ending) = loop {
+            let start = starts.next().flatten();
+            let before = effort.iterations;
+            let mut count = |now: &Progress| watch.see(&Progress { iteration: before + now.iteration, ..*now });
+            let left = budget.max_iterations.saturating_sub(before).max(1);
+            let press = flat.press(load).tolerance(tolerance).max_iterations(left);
+            let (solution, ending) = match press.watch(&mut count).starting_from(start.as_ref()).solve() {
+                Ok(solution) => (solution, Ending::Converged),
+                Err(SolveError::Refused(refusal)) => return Err(refusal),
+                Err(SolveError::Interrupted { state }) => (*state, Ending::Interrupted),
+                Err(SolveError::NotConverged { state, why, .. }) => (*state, Ending::GaveUp(why)),
+                Err(SolveError::Detached { state, .. }) => (*state, Ending::GaveUp(Why::NoDescent)),
+            };
+            // Where all points carry the hardness, a search may not leave the points of the last one.
+            if start.is_none() || contact.hardness.is_none() || ending != Ending::GaveUp(Why::NoDescent) {
+                break (solution, ending);
+            }
+            effort.add(solution.effort);
         };
         effort.add(solution.effort);
         *small = Some(solution);
@@ -293,7 +326,10 @@ impl Equilibrium for SteepContact {
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         drive.check()?;
         match drive.load {
-            Load::MeanPressure(found) if found > 0.0 => Ok(()),
+            Load::MeanPressure(found) if found > 0.0 => match &self.hardness {
+                Some(hardness) => hardness.check_mean(found),
+                None => Ok(()),
+            },
             Load::MeanPressure(found) => Err(Refusal::MeanPressure { found }),
             Load::Approach(found) if found > 0.0 => Ok(()),
             Load::Approach(found) => Err(Refusal::Approach { found, limit: None }),
@@ -324,7 +360,7 @@ impl Equilibrium for SteepContact {
         let heights = field(&self.surface, self.surface.clearance().iter().map(|c| -c).collect());
         let small = match start {
             Some(start) => {
-                let flat = Contact::with_response(Arc::clone(&self.normal), &heights)?;
+                let flat = self.flat(&heights)?;
                 Some(flat.certify(&start.normal.pressure, drive.load)?)
             }
             None => None,

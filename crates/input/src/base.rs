@@ -8,6 +8,7 @@ use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
 use gfmd_problem::key;
+use gfmd_surface::{Interpolation, finer};
 use gfmd_unit::Units;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
 use serde::{Deserialize, Serialize};
@@ -68,11 +69,18 @@ impl BaseArgs {
         self.base_displacement.is_some() || self.base_traction.is_some()
     }
 
-    /// Reads the field for a body with a surface on this `grid`; `unit` is the unit of its lengths, if it has one.
+    /// Reads the field for a body with a surface on this `grid`, which has `times` as many points along each side as
+    /// the field; `unit` is the unit of its lengths, if it has one. Values in between follow from the waves.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, has another shape or quantity, or is for another base.
-    pub fn read(&self, body: &Body, grid: &Grid, unit: Option<&str>) -> Result<Option<MovedBase>, Failure> {
+    pub fn read(
+        &self,
+        body: &Body,
+        grid: &Grid,
+        times: usize,
+        unit: Option<&str>,
+    ) -> Result<Option<MovedBase>, Failure> {
         let given = [&self.base_displacement, &self.base_traction];
         let Some((name, (kind, option, _))) =
             given.into_iter().zip(STORED).find_map(|(name, stored)| Some((name.as_ref()?, stored)))
@@ -82,7 +90,9 @@ impl BaseArgs {
         let refuse = |reason: String| Failure::input(key(option), format!("{name}: {reason}"));
         let quantity = if kind == Prescribed::Displacement { Quantity::Length(unit) } else { Quantity::Stress };
         let found = array::read(name, quantity).map_err(refuse)?;
-        let [nx, ny] = grid.points();
+        let coarse = |points: usize| (points / times).max(1);
+        let [nx, ny] = grid.points().map(coarse);
+        let grid = &Grid::new([nx, ny], grid.lengths()).map_err(|error| Failure::input(key("size"), error))?;
         let (all, allowed) = if grid.is_line() { (2, "[n], [n, 1] or [n, 2]") } else { (3, "[nx, ny] or [nx, ny, 3]") };
         let components = match *found.shape() {
             [n] | [n, 1] if grid.is_line() && n == nx => 1,
@@ -111,6 +121,13 @@ impl BaseArgs {
         };
         let lifted = base.surface_displacement(body, *grid).map_err(|error| Failure::input(key(option), error))?;
         let lift = Array2::from_shape_fn((nx, ny), |(i, j)| lifted[(all - 1) * points + i * ny + j]);
+        let lift = match times {
+            1 => lift,
+            // The lift has no other waves.
+            times => {
+                finer(&lift, grid, times, Interpolation::Waves).map_err(|error| Failure::input(key(option), error))?.0
+            }
+        };
         Ok(Some(MovedBase { kind, field, lift }))
     }
 }

@@ -58,7 +58,9 @@ impl LowerArgs {
     /// Returns an error if a file cannot be read, grid or unit differ from the upper surface, or a spectrum is missing.
     pub fn read(&self, source: &SourceArgs, upper: &Surface, session: &Session) -> Result<Option<Surface>, Failure> {
         let lower = if let Some(file) = &self.lower_surface {
-            let plain = SourceArgs { channel: None, surface: Some(file.clone()), ..source.clone() };
+            // A generated upper surface on a finer grid needs a finer lower one.
+            let refine = source.refine.or(source.finer);
+            let plain = SourceArgs { channel: None, surface: Some(file.clone()), refine, ..source.clone() };
             let source = if source.surface.is_some() {
                 plain
             } else {

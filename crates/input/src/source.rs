@@ -7,7 +7,8 @@ use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, contiguous, split_dataset};
 use gfmd_surface::{
-    Fill, Interpolation, Moments, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer,
+    Fill, Interpolation, Moments, Periodisation, Statistics, SurfaceError, centred, composite, composite_inside, finer,
+    finer_inside,
 };
 use gfmd_unit::{Units, canonical, is_length};
 use ndarray::Array2;
@@ -75,7 +76,7 @@ pub struct SourceArgs {
     #[option(kinds = Kinds::LENGTH)]
     pub size: Vec<f64>,
     /// Factor by which each side has more points than the file: heights in between follow from the waves of the
-    /// periodic surface. For a generated surface --n gives the points
+    /// periodic surface, with --boundary free from the cubic spline. For a generated surface --n gives the points
     #[arg(
         long,
         value_name = "TIMES",
@@ -88,6 +89,10 @@ pub struct SourceArgs {
     #[arg(skip)]
     #[serde(skip)]
     pub interpolation: Interpolation,
+    /// Factor by which each side has more points than the grid that was asked for ([`finer`](Self::finer)).
+    #[arg(skip)]
+    #[serde(skip)]
+    pub finer: Option<u64>,
     /// Trend to subtract from the heights of a file
     #[arg(long, value_enum, default_value_t = Detrend::None)]
     pub detrend: Detrend,
@@ -428,10 +433,6 @@ impl SourceArgs {
         if let (None, Some((option, _))) = (&self.surface, of_files.into_iter().find(|(_, given)| *given)) {
             return Err(Failure::value(key(option), "given", words!["left out without ", key("surface")]));
         }
-        if boundary == Boundary::Free && self.refine.is_some_and(|times| times > 1) {
-            let allowed = words!["1 with ", setting("boundary", "free"), ", which has no waves"];
-            return Err(Failure::value(key("refine"), self.refine.unwrap_or(1), allowed));
-        }
         if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
             return Err(Failure::value(
                 key("periodise"),
@@ -517,7 +518,14 @@ impl SourceArgs {
             }
             None => {
                 let grid = grid_of(&self.generator, &self.size)?;
-                (self.generator.heights(&grid)?, grid, self.generator.to_string(), None, None)
+                let heights = self.generator.heights(&grid)?;
+                let heights = match (boundary, self.finer) {
+                    (Boundary::Free, Some(times)) => {
+                        centred(&heights, &grid, times as usize).map_err(|error| Failure::input(self.name(), error))?
+                    }
+                    _ => heights,
+                };
+                (heights, grid, self.generator.to_string(), None, None)
             }
         };
         let second = match &self.second_surface {
@@ -533,7 +541,10 @@ impl SourceArgs {
         if let Some(times) = self.refine.filter(|times| *times > 1) {
             let [nx, ny] = grid.points().map(|points| points.saturating_mul(times as usize));
             memory::fits(memory::SURFACE, key("refine"), [nx, if grid.is_line() { 1 } else { ny }])?;
-            let found = finer(&heights, &grid, times as usize, self.interpolation);
+            let found = match boundary {
+                Boundary::Periodic => finer(&heights, &grid, times as usize, self.interpolation),
+                Boundary::Free => finer_inside(&heights, &grid, times as usize, self.interpolation),
+            };
             (heights, grid) = found.map_err(|error| Failure::input(key("refine"), error))?;
             description += &format!("; {times} times as many points along each side");
         }
@@ -541,12 +552,13 @@ impl SourceArgs {
     }
 
     /// Returns this source with `times` as many points along each side, interpolated by `how` between the points of a
-    /// file. A generated surface is the same one on a finer grid.
+    /// file. A generated surface is the same one on a finer grid. On both grids the points of a patch are the centres of
+    /// equal cells.
     ///
     /// # Errors
     /// Returns an error if nothing is known between the points of the surface.
     pub fn finer(&self, times: u64, how: Interpolation) -> Result<Self, Failure> {
-        let mut finer = self.resolved()?;
+        let mut finer = Self { finer: Some(times.saturating_mul(self.finer.unwrap_or(1))), ..self.resolved()? };
         if self.surface.is_some() || self.second_surface.is_some() {
             finer.refine = Some(times.saturating_mul(self.refine.unwrap_or(1)));
             finer.interpolation = how;

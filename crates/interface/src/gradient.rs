@@ -1,7 +1,7 @@
 //! Derivatives of a scalar result of an interface in u_z with respect to heights, load and modulus, from one linear
 //! problem (theory.md, section 7.9).
 
-use gfmd_contact::{Cotangents, Effort, Fields as _, Gradient, GradientError, Load};
+use gfmd_contact::{Cotangents, Effort, Fields as _, Gradient, GradientError, Load, Stiffness};
 use gfmd_vector::{dot, total};
 use ndarray::{Array2, ArrayRef2};
 
@@ -13,6 +13,21 @@ use crate::{Interface, State};
 const ERROR: f64 = 1e-8;
 
 impl Interface {
+    /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by the
+    /// wall kept; attraction counts, and the stiffness under tension may be negative. NaN for a profile whose approach is
+    /// known up to a constant. Its error is the relative error of the linear problem.
+    ///
+    /// # Errors
+    /// Returns the errors of [`gradient`](Self::gradient).
+    pub fn stiffness(&self, state: &State) -> Result<Stiffness, GradientError> {
+        if !self.patch.as_ref().is_none_or(Patch::has_level) {
+            return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
+        }
+        let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
+        let Gradient { load: value, error, effort, .. } = self.gradient(state, Load::Approach(state.approach), &of)?;
+        Ok(Stiffness { value, error, effort })
+    }
+
     /// Computes the derivatives of a scalar at the stable `state`, with respect to heights, load and modulus. `of`
     /// holds its derivatives with respect to the state; only the kind of `load` matters. The set of points pressed by
     /// the wall is kept fixed, as it is for almost all heights and loads.

@@ -31,6 +31,8 @@ pub use gfmd_law as law;
 pub use ndarray;
 pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
 pub use problem::{Interface, Trapping};
-pub use quasistatic::{LimitingPressure, Losses, Parts, QuasistaticContact, QuasistaticState, Shear, Wear};
+pub use quasistatic::{
+    LimitingPressure, Losses, Parts, QuasistaticContact, QuasistaticState, Shear, StiffnessError, Wear,
+};
 pub use state::{Residual, State};
 pub use stored_fields::StoredFields;

@@ -8,6 +8,7 @@ mod response;
 mod shear;
 mod state;
 mod step;
+mod stiffness;
 mod tangential;
 
 use std::sync::Arc;
@@ -30,6 +31,7 @@ use response::Response;
 use state::ShearFields;
 pub use state::{Losses, QuasistaticState};
 use step::Step;
+pub use stiffness::StiffnessError;
 
 /// A rigid rough surface above an elastic body, made of [`Parts`] and solved increment by increment: any body, any
 /// interaction, any history (theory.md, section 8.2).

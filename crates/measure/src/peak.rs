@@ -73,6 +73,20 @@ pub fn top(field: ArrayView2<f64>) -> f64 {
     maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(&field, *place, &weights)))
 }
 
+/// Returns the largest value between the points of a patch, which does not repeat, in the unit of the field: the largest
+/// maximum of the quadratics through the inner points and their neighbours, or the largest value of a point. NaN without
+/// points.
+pub fn top_inside(field: ArrayView2<f64>) -> f64 {
+    let highest = field.fold(f64::NEG_INFINITY, |most, value| most.max(*value));
+    if !highest.is_finite() {
+        return f64::NAN;
+    }
+    let (nx, ny) = field.dim();
+    let is_inner = |at: usize, points: usize| points == 1 || at > 0 && at + 1 < points;
+    let inner = maxima(field, f64::NEG_INFINITY).filter(|([i, j], _)| is_inner(*i, nx) && is_inner(*j, ny));
+    inner.fold(highest, |top, ([i, j], around)| top.max(field[[i, j]] + rise(&around)))
+}
+
 /// Points of the finer grid along each side around a point.
 const SIDE: usize = 2 * ZOOM + 1;
 
@@ -130,6 +144,10 @@ fn rise(at: &[[f64; 3]; 3]) -> f64 {
     let [xx, yy] = second_differences(at);
     let xy = 0.25 * (at[2][2] - at[2][0] - at[0][2] + at[0][0]);
     let determinant = xx * yy - xy * xy;
+    if at.iter().all(|row| row[0] == row[1] && row[1] == row[2]) {
+        // A profile.
+        return if xx < 0.0 { -0.5 * slope[0] * slope[0] / xx } else { 0.0 };
+    }
     let has_maximum = xx < 0.0 && determinant > 0.0;
     // Minus half the slope times the step to the maximum.
     let along = yy * slope[0] * slope[0] - 2.0 * xy * slope[0] * slope[1] + xx * slope[1] * slope[1];
@@ -163,6 +181,21 @@ mod tests {
             assert!((found.value - 4.0).abs() < 0.06 * (4.0 - most), "{at}: {most} {found:?}");
         }
         assert_eq!(Peak::of(Array2::<f64>::zeros((0, 3)).view()), None);
+    }
+
+    #[test]
+    fn the_top_of_a_patch_and_of_a_profile_lies_between_their_points() {
+        let sphere = |i: usize, at: f64| -0.3 * (i as f64 - at).powi(2);
+        let field = Array2::from_shape_fn((9, 8), |(i, j)| 2.0 + sphere(i, 4.3) + sphere(j, 3.8));
+        assert!((top_inside(field.view()) - 2.0).abs() < 1e-14);
+        // The highest point at the rim is the top, though the other rim is lower.
+        let tilted = Array2::from_shape_fn((9, 8), |(i, j)| i as f64 + sphere(j, 0.2));
+        assert_eq!(top_inside(tilted.view()), tilted[[8, 0]]);
+        assert!(top_inside(Array2::<f64>::zeros((0, 3)).view()).is_nan());
+        let profile = Array2::from_shape_fn((9, 1), |(i, _)| 2.0 + sphere(i, 4.3));
+        assert!((top_inside(profile.view()) - 2.0).abs() < 1e-14);
+        let wave = Array2::from_shape_fn((64, 1), |(i, _)| (std::f64::consts::TAU * (i as f64 - 20.3) / 8.0).cos());
+        assert!((top(wave.view()) - 1.0).abs() < 1e-6, "{}", top(wave.view()));
     }
 
     #[test]

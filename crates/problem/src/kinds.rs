@@ -5,7 +5,8 @@ use gfmd_contact::{
     SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    Interface, Quasistatic, QuasistaticContact, QuasistaticState, Reading, State, StoredFields, Trapping,
+    Interface, Quasistatic, QuasistaticContact, QuasistaticState, Reading, State, StiffnessError, StoredFields,
+    Trapping,
 };
 use ndarray::ArrayRef2;
 
@@ -72,7 +73,7 @@ impl ContactKind for FullContact {
 
     fn stiffness(&self, _: &FullSolution, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(NoStiffness::Undefined(
-            "not computed with all components: the Nyquist modes of an even grid have a stiffness of their own",
+            "not computed with all components: the Nyquist modes of an even grid have a stiffness of their own".into(),
         ))
     }
 }
@@ -89,7 +90,7 @@ impl ContactKind for SteepContact {
 
     fn stiffness(&self, _: &SteepSolution, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(NoStiffness::Undefined(
-            "not computed with finite slopes: the points in contact move sideways with the load",
+            "not computed with finite slopes: the points in contact move sideways with the load".into(),
         ))
     }
 }
@@ -113,7 +114,7 @@ impl ContactKind for SqueezedContact {
     }
 
     fn stiffness(&self, _: &SqueezedSolution, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined("not computed of a slab between two surfaces, which has two contacts"))
+        Err(NoStiffness::Undefined("not computed of a slab between two surfaces, which has two contacts".into()))
     }
 }
 
@@ -136,10 +137,8 @@ impl ContactKind for Interface {
         Interface::recall(self, StoredFields { approach, ..stored })
     }
 
-    fn stiffness(&self, _: &State, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined(
-            "not computed with a law across the gap: it acts on all points, not on those in contact alone",
-        ))
+    fn stiffness(&self, state: &State, _: f64) -> Result<Stiffness, NoStiffness> {
+        Interface::stiffness(self, state).map_err(|error| NoStiffness::Undefined(error.to_string().into()))
     }
 
     fn reading(&self, state: &State) -> Reading {
@@ -173,8 +172,11 @@ impl ContactKind for QuasistaticContact {
         QuasistaticContact::recall(self, StoredFields { approach, ..stored })
     }
 
-    fn stiffness(&self, _: &QuasistaticState, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined("not computed along a path"))
+    fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        QuasistaticContact::stiffness(self, state, tolerance).map_err(|error| match error {
+            StiffnessError::Inexact { reached, .. } => NoStiffness::Inexact(reached, error.to_string()),
+            error => NoStiffness::Undefined(error.to_string().into()),
+        })
     }
 
     fn reading(&self, state: &QuasistaticState) -> Reading {

@@ -25,7 +25,7 @@ impl AnyState {
 
     /// Returns the plastic points of a load with a hardness and a hard wall alone.
     fn plastic(&self) -> Option<&Plastic> {
-        self.get::<Solution>()?.plastic.as_ref()
+        self.get::<Solution>().or_else(|| self.steep().map(|state| &state.normal))?.plastic.as_ref()
     }
 
     /// Returns the fraction of points with a pressure equal to the hardness, and the mean plastic depth over the whole

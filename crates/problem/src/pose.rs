@@ -99,7 +99,11 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
         return Ok(Posed::new(SqueezedContact::new(body, grid, heights, lower)?));
     }
     if facts.finite_slope {
-        return Ok(Posed::new(SteepContact::new(body, grid, heights)?));
+        let contact = SteepContact::new(body, grid, heights)?;
+        return Ok(Posed::new(match hardness {
+            Some(hardness) => contact.with_hardness(hardness.clone())?,
+            None => contact,
+        }));
     }
     if facts.task == Task::Path {
         let parts = Parts {

@@ -1,4 +1,5 @@
 use std::any::Any;
+use std::borrow::Cow;
 
 use gfmd_contact::{
     Budget, Cotangents, Drive, Effort, Equilibrium, Fields, Gradient, Load, Refusal, Resumable, RigidSurface,
@@ -96,7 +97,7 @@ fn of_fields(state: &impl Fields) -> Reading {
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoStiffness {
     /// Not computed.
-    Undefined(&'static str),
+    Undefined(Cow<'static, str>),
     /// Less exact than requested: the stiffness reached, and a remark.
     Inexact(Stiffness, String),
 }
@@ -268,7 +269,7 @@ impl<K: ContactKind> DynContact for K {
     fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         match state.get() {
             Some(state) => ContactKind::stiffness(self, state, tolerance),
-            None => Err(NoStiffness::Undefined("the state is of another kind of contact")),
+            None => Err(NoStiffness::Undefined("the state is of another kind of contact".into())),
         }
     }
 

@@ -109,8 +109,6 @@ parts! {
     }, |f| !f.has_level();
     /// Prescribed approach.
     Approach: |_| (key("approach"), "given", key("approach")), |f| f.approach;
-    /// Prescribed approach of a load, not of a path.
-    FixedApproach: |_| (key("approach"), "given", key("approach")), |f| f.approach && f.task == Task::Loads;
     /// Lateral motion without friction.
     Lateral: |_| {
         let friction = words![key("friction"), " or ", key("shear_strength")];
@@ -174,9 +172,9 @@ pub const RULES: &[Rule] = {
     &[
         rule(HalfSpace, Lower, "finite", "a second surface needs a lower face"),
         rule(OtherBase, Lower, "left out", "the slab is held by the two surfaces alone"),
-        rule(FiniteSlope, Lower, "left out", NOT_IMPLEMENTED),
+        rule(FiniteSlope, Lower, "left out", "nothing holds the slab sideways"),
         rule(Law, Lower, "hard-wall", NOT_IMPLEMENTED),
-        rule(Free, Lower, "periodic", NOT_IMPLEMENTED),
+        rule(Free, Lower, "periodic", "nothing holds the slab outside the patch"),
         rule(All, Lower, "normal", NOT_IMPLEMENTED),
         rule(Held, Lower, "normal", NOT_IMPLEMENTED),
         rule(SecondBody, Lower, "left out", NOT_IMPLEMENTED),
@@ -185,21 +183,19 @@ pub const RULES: &[Rule] = {
         rule(Statistics, Lower, "left out", "the face is ambiguous"),
         rule(Flow, Lower, "left out", "the gap is ambiguous"),
         rule(FlowThreshold, Lower, "left out", "the gap is ambiguous"),
-        rule(Law, FiniteSlope, "hard-wall", NOT_IMPLEMENTED),
-        rule(Free, FiniteSlope, "periodic", NOT_IMPLEMENTED),
+        rule(Law, FiniteSlope, "hard-wall", "where surfaces are steep, the vertical gap is not their distance"),
+        rule(Free, FiniteSlope, "periodic", "points move beyond the rim, where no heights are known"),
         rule(All, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
         rule(Held, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
         rule(SecondBody, FiniteSlope, "left out", "the slope of each body is not known"),
-        rule(Hardness, FiniteSlope, "left out", NOT_IMPLEMENTED),
-        rule(MovedBase, FiniteSlope, "left out", NOT_IMPLEMENTED),
-        rule(FlowThreshold, FiniteSlope, "left out", NOT_IMPLEMENTED),
+        rule(MovedBase, FiniteSlope, "left out", "the base moves the surface sideways, too"),
         rule(All, Table, "normal", "the normal compliance alone is known"),
         rule(Held, Table, "normal", "the normal compliance alone is known"),
         rule(FiniteSlope, Table, "left out", "the normal compliance alone is known"),
         rule(Friction, Table, "left out", "the normal compliance alone is known"),
         rule(Lateral, Table, "left out", "the normal compliance alone is known"),
         rule(Prony, Table, "left out", "its moduli are not known"),
-        rule(Free, Table, "periodic", NOT_IMPLEMENTED),
+        rule(Free, Table, "periodic", "the compliance of waves longer than the cell is not known"),
         rule(Lower, Table, "left out", "it has no lower face"),
         rule(MovedBase, Table, "left out", "it has no base"),
         rule(SecondBody, Table, "left out", "the compliance is that of both bodies together"),
@@ -235,12 +231,6 @@ pub const RULES: &[Rule] = {
         rule(FlowThreshold, Law, "left out", "the bisection needs compressive loads"),
         rule(Flow, Line, "left out", "a profile has no flow"),
         rule(FlowThreshold, Line, "left out", "a profile has no flow"),
-        rule(Refine, Lower, "none or estimate", NOT_IMPLEMENTED),
-        rule(Refine, MovedBase, "none or estimate", NOT_IMPLEMENTED),
-        rule(Refine, Free, "none or estimate", "the rim of the patch moves with the grid"),
-        rule(Refine, FiniteSlope, "none or estimate", NOT_IMPLEMENTED),
-        rule(Refine, Line, "none or estimate", NOT_IMPLEMENTED),
-        rule(Refine, FixedApproach, "none or estimate", "the limits are those under the same load"),
         rule(Refine, FlowThreshold, "none or estimate", NOT_IMPLEMENTED),
         rule(Refine, History, "none or estimate", "it is the record of one search"),
         rule(Refine, Resume, "none or estimate", "the states of the finer grid are not kept"),
@@ -353,7 +343,6 @@ impl Part {
                     | Self::StillFriction
                     | Self::SlipAlone
             ),
-            Task::Path if self == Self::FixedApproach => false,
             Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }
     }

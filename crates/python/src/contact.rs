@@ -231,7 +231,7 @@ impl Problem {
             let start = start.map(|state| &state.rest).or(first.as_ref());
             let (state, failure) = reached(args.press(contact, drive).starting_from(start).watch(&mut watch).solve())?;
             let stiffness = match &failure {
-                Some(_) => Err(NOT_SOLVED),
+                Some(_) => Err(NOT_SOLVED.into()),
                 None => stiffness(contact, &state, args.stiffness_tolerance, |text| tracing::warn!("{text}")),
             };
             let finer = finer.iter_mut().map(|finer| match &failure {
@@ -243,7 +243,7 @@ impl Problem {
             if let (None, Some(warning)) = (&failure, prepared.edge_warning(&state)) {
                 tracing::warn!("{warning}");
             }
-            let (stiffness, seconds) = (stiffness.map_err(Into::into), started.elapsed().as_secs_f64());
+            let (stiffness, seconds) = (stiffness, started.elapsed().as_secs_f64());
             let facts = Facts { approach: matches!(drive.load, Load::Approach(_)), ..prepared.facts };
             let record = Record::of(&StateContext { facts: &facts, stiffness, seconds, finer, ..at });
             Ok::<_, Failure>((state, record, failure))

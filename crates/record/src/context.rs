@@ -185,7 +185,7 @@ impl<'a> StateContext<'a> {
         use gfmd_problem::NoStiffness::{Inexact, Undefined};
         let stiffness = match self.rest.map(|rest| problem.stiffness(rest, tolerance)) {
             Some(Ok(stiffness) | Err(Inexact(stiffness, _))) => Ok(stiffness),
-            Some(Err(Undefined(reason))) => Err(reason.into()),
+            Some(Err(Undefined(reason))) => Err(reason),
             None => Err(NOT_SOLVED.into()),
         };
         Self { stiffness, ..self }

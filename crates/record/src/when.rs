@@ -25,11 +25,6 @@ pub(crate) fn load_given(facts: &Facts) -> bool {
     !facts.approach || path(facts)
 }
 
-/// Returns true if the approach is prescribed in each step of a path.
-pub(crate) fn prescribed(facts: &Facts) -> bool {
-    path(facts) && facts.approach
-}
-
 /// Returns true if shear may act along a path.
 pub(crate) fn sheared(facts: &Facts) -> bool {
     path(facts) && (facts.lateral || friction(facts))

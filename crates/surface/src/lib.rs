@@ -44,7 +44,7 @@ pub use areal::Areal;
 pub use discretisation::Discretisation;
 pub use error::SurfaceError;
 pub use fill::{Fill, fill};
-pub use finer::{Interpolation, finer};
+pub use finer::{Interpolation, centred, finer, finer_inside};
 pub use gfmd_field::Grid;
 pub use moments::{Dimension, Moments};
 pub use pair::{composite, composite_inside};

@@ -81,9 +81,12 @@ fn compare(
         stored.compare_fields(index, &state, comparison)?;
         let at = stored.at(index, &state);
         let tolerance = args.problem.stiffness_tolerance;
-        let stiffness =
-            if at.has_converged() { stiffness(stored.contact, &state, tolerance, |_| {}) } else { Err(NOT_SOLVED) };
-        let at = StateContext { stiffness: stiffness.map_err(Into::into), ..at };
+        let stiffness = if at.has_converged() {
+            stiffness(stored.contact, &state, tolerance, |_| {})
+        } else {
+            Err(NOT_SOLVED.into())
+        };
+        let at = StateContext { stiffness, ..at };
         // Use the fields of the file: a number moved to another bin by rounding would be a difference.
         let field = |name: &str, made: ArrayView2<f64>| -> Result<Array2<f64>, Failure> {
             let is_stored = reader.contains(&format!("/fields/{name}"));

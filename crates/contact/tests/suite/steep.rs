@@ -55,6 +55,55 @@ fn the_mean_pressure_is_the_derivative_of_the_energy() {
 }
 
 #[test]
+fn below_a_hardness_the_mean_pressure_is_the_derivative_of_the_stored_and_the_plastic_energy() {
+    let (grid, heights) = rough(0.25, false);
+    let contact = SteepContact::new(&body(0.3), &grid, &heights).unwrap().with_hardness(0.08).unwrap();
+    let at = |approach: f64| contact.press(Load::Approach(approach)).tolerance(1e-12).solve().unwrap();
+    let approach = 0.7 * contact.surface().rms_height();
+    let state = at(approach);
+    let plastic = state.normal.plastic.as_ref().unwrap();
+    let area = state.summary().area_fraction;
+    assert!(state.worst() <= 1e-12);
+    assert!(plastic.fraction > 0.01 && plastic.fraction < area, "{} {area}", plastic.fraction);
+    assert!(state.normal.pressure.iter().all(|p| *p <= 0.08));
+    let energy = |approach: f64| {
+        let state = at(approach);
+        state.summary().elastic_energy + 0.08 * state.normal.plastic.as_ref().unwrap().volume
+    };
+    let step = 1e-4 * approach;
+    let slope = (energy(approach + step) - energy(approach - step)) / (2.0 * step);
+    approx::assert_relative_eq!(slope, state.normal.mean_pressure, max_relative = 1e-6);
+    // The same load leads back to the same approach.
+    let load = Load::MeanPressure(state.normal.mean_pressure);
+    let loaded = contact.press(load).tolerance(1e-12).solve().unwrap();
+    approx::assert_relative_eq!(loaded.normal.approach, approach, max_relative = 1e-9);
+}
+
+#[test]
+fn a_hardness_that_is_not_reached_changes_no_steep_contact_and_small_slopes_give_that_of_small_ones() {
+    let (grid, heights) = rough(0.25, false);
+    let (contact, load) = (SteepContact::new(&body(0.3), &grid, &heights).unwrap(), Load::MeanPressure(0.05));
+    let without = contact.press(load).tolerance(1e-11).solve().unwrap();
+    let with = contact.clone().with_hardness(50.0).unwrap().press(load).tolerance(1e-11).solve().unwrap();
+    approx::assert_relative_eq!(with.normal.approach, without.normal.approach, max_relative = 1e-9);
+    assert_eq!(with.normal.plastic.as_ref().unwrap().fraction, 0.0);
+    let gradient = 1e-4;
+    let (grid, heights) = rough(gradient, false);
+    let load = Load::MeanPressure(0.1 * gradient);
+    let steep = SteepContact::new(&body(0.3), &grid, &heights).unwrap().with_hardness(0.4 * gradient).unwrap();
+    let steep = steep.press(load).tolerance(1e-11).solve().unwrap();
+    let flat = Contact::new(&body(0.3), &grid, &heights).unwrap().with_hardness(0.4 * gradient).unwrap();
+    let flat = flat.press(load).tolerance(1e-11).solve().unwrap();
+    let volume = |state: &gfmd_contact::Solution| state.plastic.as_ref().unwrap().volume;
+    approx::assert_relative_eq!(volume(&steep.normal), volume(&flat), max_relative = 1e-3);
+    for wrong in [0.0, f64::NAN, -1.0] {
+        assert!(matches!(contact.clone().with_hardness(wrong), Err(Refusal::Hardness { .. })), "{wrong}");
+    }
+    let soft = contact.with_hardness(0.01).unwrap();
+    assert!(matches!(soft.check(load.into()), Ok(())) && soft.check(Load::MeanPressure(0.02).into()).is_err());
+}
+
+#[test]
 fn small_slopes_give_the_contact_with_small_slopes_and_the_difference_is_of_first_order() {
     let difference = |gradient: f64| {
         let (grid, heights) = rough(gradient, false);

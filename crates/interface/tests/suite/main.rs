@@ -13,6 +13,7 @@ mod path;
 mod plastic;
 mod relaxing;
 mod small_loads;
+mod stiffness;
 mod wear;
 
 use gfmd_contact::{Boundary, Fields as _};

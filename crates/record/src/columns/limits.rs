@@ -10,8 +10,8 @@ use super::undefined::lost;
 use super::{Column, measured::MEASURED};
 use crate::column::{LIMIT, Origin};
 use crate::when::{
-    any, approach_given, flow, friction, hardness, law, load_given, loads, of_a_law, path, prescribed, relaxing,
-    sheared, statistics, steep, wears,
+    any, approach_given, flow, friction, hardness, law, load_given, loads, of_a_law, path, relaxing, sheared,
+    statistics, steep, wears,
 };
 use crate::{Cell, StateContext};
 
@@ -39,10 +39,10 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
         (relaxing(facts), with!("a body that relaxes")),
         (wears(facts), with!("surfaces that wear")),
         (facts.unknown != Unknown::Normal, with!("further unknown components")),
-        (steep(facts), "the error of the grid was not measured with finite slopes"),
-        (facts.lower.is_some(), "the error of the grid was not measured with a lower surface"),
-        (facts.moved_base.is_some(), "the error of the grid was not measured with a base that moves"),
-        (facts.line, "the error of the grid was not measured of a profile"),
+        (steep(facts), with!("finite slopes")),
+        (facts.lower.is_some(), with!("a lower surface")),
+        (facts.moved_base.is_some(), with!("a base that moves")),
+        (facts.line, with!("a profile")),
         (!is_half_space(facts), with!("a body that is no half-space")),
     ];
     reasons.into_iter().find(|(is_so, _)| *is_so).map(|(_, reason)| reason)
@@ -72,6 +72,9 @@ const LEVELS: [&str; 5] = ["approach", "mean_gap", "kappa", "flow_xx", "flow_yy"
 /// Columns of a patch with errors from its compliance between points, which differs from the compliance of waves.
 const COMPLIANT: [&str; 4] = ["max_pressure", "pressure_deviation_in_contact", "pressure_moment_2", "elastic_energy"];
 
+/// Columns that the singular pressure at the rim of a patch decides.
+const SINGULAR: [&str; 3] = ["max_pressure", "pressure_deviation_in_contact", "pressure_moment_2"];
+
 /// Largest ratio of the rms slopes along x and y.
 const STEEPEST: f64 = 2.0;
 
@@ -84,6 +87,9 @@ const OF_PATCHES: [&str; 2] = ["patches", "largest_patch_fraction"];
 /// Columns over the points in contact, with a counted edge; two-grid differences are small by chance more often.
 const OVER_CONTACT: [&str; 4] =
     ["mean_pressure_in_contact", "pressure_deviation_in_contact", "stiffness", "conductance"];
+
+/// The same on a profile, where the ends of few contacts do not average out.
+const OVER_PROFILE: [&str; 2] = ["area_fraction", "max_pressure"];
 
 /// Least process zone, relative to the zone that resolves a law. In narrower zones, the contact edge catches on grid
 /// points, and two grids agree by chance.
@@ -145,6 +151,20 @@ fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, C
     limits.map_err(|reason| reason.to_string().into())
 }
 
+/// Returns true if only two grids tell the limit of a number, not the formulas of one grid: under a law, for profiles, a
+/// slab between two surfaces, and for numbers of a patch that depend on its gap, its rim, or its compliance.
+fn needs_two_grids(at: &StateContext, name: &str) -> bool {
+    let of_patch = || {
+        let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
+        LEVELS.contains(&name) || !is_alike && COMPLIANT.contains(&name) || at.reaches_rim() != Some(false)
+    };
+    law(at.facts)
+        || BY_DIFFERENCE.contains(&name)
+        || at.facts.line
+        || at.facts.lower.is_some()
+        || at.facts.boundary == Boundary::Free && of_patch()
+}
+
 /// Returns a number of a column's limit on infinitely fine grids, or the reason why it is unknown.
 fn limit(
     at: &StateContext,
@@ -179,8 +199,8 @@ fn refined(
         )
         .into());
     }
-    // Boundary links are counted in steps of their own grid.
-    let unit = if name == "boundary_links" { 0.5 } else { 1.0 };
+    // Boundary links are counted in steps of their own grid; the ends of the contacts of a profile have no length.
+    let unit = if name == "boundary_links" && !at.facts.line { 0.5 } else { 1.0 };
     let limits = at.finer.iter().map(|finer| {
         let finer = finer.as_ref().map_err(|reason| Cow::from(reason.clone()))?;
         let number = |end: &str| match finer.record.get(&format!("{name}{end}")) {
@@ -191,9 +211,13 @@ fn refined(
         if fine.is_nan() {
             return Err("the number has no value on the finer grid".into());
         }
-        if law(at.facts) && name == "boundary_links" {
-            return Err(NoLimit::Counted.to_string().into());
-        } else if law(at.facts) || BY_DIFFERENCE.contains(&name) {
+        if needs_two_grids(at, name) {
+            if law(at.facts) && name == "boundary_links" {
+                return Err(NoLimit::Counted.to_string().into());
+            } else if SINGULAR.contains(&name) && at.facts.boundary == Boundary::Free && at.reaches_rim() != Some(false)
+            {
+                return Err("contacts reach the rim of the patch, where the pressure has no largest value".into());
+            }
             // An approach counts from the top of the surface, above the highest points of both grids.
             let rises = if name == "approach" { at.rise.zip(finer.rise) } else { None };
             let [value, fine] = rises.map_or([value, fine], |(rise, other)| [value + rise, fine + other]);
@@ -201,7 +225,8 @@ fn refined(
             // Two searches agree at best to their tolerance, and two losses to their own errors.
             let loss = if name == "dissipated" { lost(at, true).number() } else { 0.0 };
             let least = loss.max(at.tolerance.min(1e-6) * fine.abs());
-            let wider = if OVER_CONTACT.contains(&name) { 1.6 } else { 1.0 };
+            let is_counted = OVER_CONTACT.contains(&name) || at.facts.line && OVER_PROFILE.contains(&name);
+            let wider = if is_counted || name == "kappa" { 1.6 } else { 1.0 };
             return Ok(GridLimit { half_width: (wider * found.half_width).max(least), ..found });
         }
         if name == "max_pressure" && hardness(at.facts) && (fine - value).abs() <= 1e-6 * value {
@@ -211,7 +236,7 @@ fn refined(
         let refined = Refined { value, own: own.as_ref().ok().copied(), fine, limit: GridLimit { limit, half_width } };
         Ok(match () {
             () if name.starts_with("flow_") => refined.flow(),
-            () if not_calibrated(at.facts).is_none() && !prescribed(at.facts) => refined.calibrated(),
+            () if not_calibrated(at.facts).is_none() && !at.facts.approach => refined.calibrated(),
             () => refined.by_difference(),
         })
     });

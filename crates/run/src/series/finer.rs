@@ -1,6 +1,6 @@
 //! Same contact on a finer grid, to find the grid error of its numbers.
 
-use gfmd_contact::{Drive, Watch};
+use gfmd_contact::{Drive, Load, Watch};
 use gfmd_problem::{AnyState, GridError, Posed, key, words};
 use gfmd_record::{OnFinerGrid, StateContext, UNRESOLVED};
 use gfmd_surface::Interpolation;
@@ -45,6 +45,15 @@ pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepare
     sources(asked, prepared)?.into_iter().map(pose).collect()
 }
 
+/// Returns the drive that leads to the same place on a finer grid, whose highest point lies higher by `rise` (length):
+/// an approach counts from the highest point.
+pub fn at_same_place(drive: Drive, rise: f64) -> Drive {
+    match drive.load {
+        Load::Approach(approach) => Drive { load: Load::Approach(approach + rise), ..drive },
+        Load::MeanPressure(_) => drive,
+    }
+}
+
 /// Returns the numbers on a finer grid, or the reason why there are none; the number on the coarse grid stays.
 ///
 /// # Errors
@@ -63,6 +72,8 @@ pub struct Finer {
     /// Input.
     pub prepared: Prepared,
     contact: Posed,
+    /// Height of its highest point above the highest point of the coarser grid.
+    rise: f64,
     last: Option<AnyState>,
 }
 
@@ -73,7 +84,11 @@ impl Finer {
     /// Fails like [`on_finer_grids`].
     pub fn pose(args: &ContactArgs, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
         let posed = on_finer_grids(&args.asked()?, prepared)?.into_iter();
-        Ok(posed.map(|(prepared, contact)| Self { args: args.clone(), prepared, contact, last: None }).collect())
+        let with_rise = |(finer, contact): (Prepared, Posed)| {
+            let rise = finer.highest() - prepared.highest();
+            Self { args: args.clone(), prepared: finer, contact, rise, last: None }
+        };
+        Ok(posed.map(with_rise).collect())
     }
 
     /// Returns true if a state was found before.
@@ -81,7 +96,8 @@ impl Finer {
         self.last.is_some()
     }
 
-    /// Solves for the state under a drive, starting from the previous one; returns it with its surface and its numbers.
+    /// Solves for the state under a drive of the coarser grid, starting from the previous one; returns it with its
+    /// surface and its numbers.
     ///
     /// # Errors
     /// Returns an error if the search was interrupted, or did not converge.
@@ -91,6 +107,7 @@ impl Finer {
         watch: &mut dyn Watch,
     ) -> Result<(&AnyState, &Surface, StateContext<'_>), Failure> {
         let [nx, ny] = self.prepared.surface.grid.points();
+        let drive = at_same_place(drive, self.rise);
         let first = match self.last {
             Some(_) => None,
             None => self.args.after_longer_ranges(&self.prepared, drive, watch)?,

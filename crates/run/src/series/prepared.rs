@@ -9,7 +9,7 @@ use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_interface::{Shear, Wear};
 use gfmd_law::Law;
-use gfmd_measure::{Scales, top};
+use gfmd_measure::{Scales, top, top_inside};
 use gfmd_medium::Prony;
 use gfmd_problem::{AnyState, Facts, Given, Posed, Words, key, pose, setting, words};
 use gfmd_record::StateContext;
@@ -134,8 +134,10 @@ impl Prepared {
         };
         check_wavenumbers(&body, &surface.grid)?;
         asked.body.check_on(&surface.grid, body.contact_modulus() * surface.rms_gradient())?;
-        let is_known = surface.share.is_whole() && !facts.line;
-        let rise = is_known.then(|| top(surface.heights.view()) - surface.highest());
+        let rise = surface.share.is_whole().then(|| {
+            let upper = rise_of(&MovedBase::under(base.as_ref(), &surface.heights), surface.boundary);
+            upper + lower.as_ref().map_or(0.0, |lower| rise_of(&lower.heights, lower.boundary))
+        });
         let moments = match surface.boundary {
             Boundary::Free if surface.share.is_whole() => {
                 let windowed =
@@ -200,6 +202,14 @@ impl Prepared {
             process_zone: self.adhesion.map(|found| found.process_zone_points / found.process_zone_needed),
             ..at
         }
+    }
+
+    /// Returns the height of the highest grid point, length, from which approaches count: with the lift of a base that
+    /// moves, and with the highest point of a lower surface.
+    pub fn highest(&self) -> f64 {
+        let heights = MovedBase::under(self.base.as_ref(), &self.surface.heights);
+        let upper = highest(&heights);
+        upper + self.lower.as_ref().map_or(0.0, Surface::highest)
     }
 
     /// Returns the share of the mean square gradient of the surface in waves shorter than four points.
@@ -386,6 +396,20 @@ impl Prepared {
     }
 }
 
+/// Returns the height of a surface's top above its highest grid point, length.
+fn rise_of(heights: &Array2<f64>, boundary: Boundary) -> f64 {
+    let top = match boundary {
+        Boundary::Periodic => top(heights.view()),
+        Boundary::Free => top_inside(heights.view()),
+    };
+    top - highest(heights)
+}
+
+/// Returns the highest point of a grid, length.
+fn highest(heights: &Array2<f64>) -> f64 {
+    heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height))
+}
+
 /// Code of warnings about mixed-up units.
 const UNITS: &str = "units";
 
@@ -442,7 +466,8 @@ impl<'a> Asked<'a> {
     ) -> Result<(Option<MovedBase>, Option<Hardness>), Failure> {
         let Surface { grid, share, unit, .. } = surface;
         let read = || {
-            let base = self.base.read(body, grid, unit.as_deref())?;
+            let times = self.source.finer.map_or(1, |times| times as usize);
+            let base = self.base.read(body, grid, times, unit.as_deref())?;
             Ok((base, self.hardness.map(|hardness| hardness.read(grid)).transpose()?))
         };
         if share.is_whole() {

@@ -1,0 +1,104 @@
+//! Stiffness of states with a law and along paths, compared with small changes of the approach.
+
+use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields as _, Load};
+use gfmd_field::Grid;
+use gfmd_green::Body;
+use gfmd_interface::{Interface, Parts, QuasistaticContact, QuasistaticState, Shear, StiffnessError, Wear};
+use gfmd_law::{Exponential, HardWall, Law as _, Limit};
+use gfmd_medium::{Prony, Relaxes};
+
+use super::{material, rough};
+
+const TOLERANCE: f64 = 1e-11;
+
+fn approached<E: Equilibrium>(contact: &E, approach: f64, drive: Drive, start: Option<&E::State>) -> E::State {
+    let drive = Drive { load: Load::Approach(approach), ..drive };
+    contact.press(drive).tolerance(TOLERANCE).starting_from(start).solve().unwrap()
+}
+
+#[test]
+fn with_a_law_it_is_the_derivative_of_the_mean_pressure_also_under_tension_and_on_a_patch() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
+    let heights = rough(&grid, 3);
+    for boundary in [Boundary::Periodic, Boundary::Free] {
+        let law = Exponential::new(1e-3, 4e-3).unwrap();
+        let interface = Interface::with_boundary(boundary, &body, &grid, &heights, law.into_shared()).unwrap();
+        let mut state = None;
+        for approach in [0.01, 0.004, -0.003] {
+            let reached = approached(&interface, approach, Load::Approach(0.0).into(), state.as_ref());
+            let found = interface.stiffness(&reached).unwrap();
+            let step = 1e-6;
+            let [above, below] = [1.0, -1.0]
+                .map(|sign| approached(&interface, approach + sign * step, Load::Approach(0.0).into(), Some(&reached)));
+            let slope = (above.mean_pressure - below.mean_pressure) / (2.0 * step);
+            approx::assert_relative_eq!(found.value, slope, max_relative = 1e-5);
+            assert!(found.error <= 1e-8);
+            state = Some(reached);
+        }
+        assert!(state.unwrap().mean_pressure < 0.0);
+    }
+}
+
+#[test]
+fn a_law_without_attraction_has_the_stiffness_of_the_hard_wall() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
+    let heights = rough(&grid, 3);
+    let interface = Interface::new(&body, &grid, &heights, HardWall).unwrap();
+    let contact = Contact::new(&body, &grid, &heights).unwrap();
+    let found = interface.stiffness(&approached(&interface, 0.008, Load::Approach(0.0).into(), None)).unwrap();
+    let wall = contact.stiffness(&approached(&contact, 0.008, Load::Approach(0.0).into(), None), 1e-9).unwrap();
+    approx::assert_relative_eq!(found.value, wall.value, max_relative = 1e-8);
+}
+
+/// Returns the difference quotient of the mean pressure from a state, for a small change of the approach alone.
+fn quotient(contact: &QuasistaticContact, state: &QuasistaticState, step: f64) -> f64 {
+    let drive = Drive { time: state.time, distance: state.distance, ..Load::Approach(0.0).into() };
+    let moved = approached(contact, state.approach() + step, drive, Some(state));
+    (moved.mean_pressure() - state.mean_pressure()) / step
+}
+
+#[test]
+fn along_a_path_it_is_the_stiffness_of_an_instant() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
+    let heights = &rough(&grid, 3);
+    let prony = Prony::from_fractions(&[(1.0, 0.4)]).unwrap();
+    for boundary in [Boundary::Periodic, Boundary::Free] {
+        let plain = Parts { boundary, ..Parts::new(&body, &grid, heights) };
+        let hard = Parts { hardness: Some(0.15.into()), ..plain.clone() };
+        let worn = Parts { wear: Some(Wear { by_distance: 0.05, by_slip: 0.0 }), ..plain.clone() };
+        let relaxing = Parts { relaxation: Some((&prony, Relaxes::Both)), ..plain.clone() };
+        let all = Parts { hardness: hard.hardness.clone(), wear: worn.wear, ..relaxing.clone() };
+        for (name, parts) in [("wall", plain), ("hard", hard), ("worn", worn), ("relaxing", relaxing), ("all", all)] {
+            let contact = QuasistaticContact::new(&parts).unwrap();
+            let (mut state, mut least) = (None, f64::INFINITY);
+            for (approach, time) in [(0.006, 0.3), (0.01, 0.8), (0.0085, 1.0)] {
+                let drive = Drive { time, distance: time, ..Load::Approach(0.0).into() };
+                let reached = approached(&contact, approach, drive, state.as_ref());
+                let found = contact.stiffness(&reached, 1e-9).unwrap();
+                // Unloading keeps the depth pressed in, and loading keeps the points at the hardness.
+                let [up, down] = [1e-7, -1e-7].map(|step| quotient(&contact, &reached, step));
+                let is_met = |slope: f64| (slope / found.value - 1.0).abs() < 2e-4;
+                assert!(is_met(up) || is_met(down), "{boundary:?} {name}: {found:?} {up} {down}");
+                least = least.min(found.value);
+                state = Some(reached);
+            }
+            assert!(least > 0.0);
+        }
+    }
+}
+
+#[test]
+fn what_has_no_stiffness_says_why() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
+    let heights = &rough(&grid, 3);
+    let plain = Parts::new(&body, &grid, heights);
+    let law = Some(Exponential::new(1e-3, 4e-3).unwrap().into_shared());
+    let sheared = Parts { shear: Some(Shear::from(Limit::Coulomb(0.3))), ..plain.clone() };
+    let both = Parts { law, hardness: Some(0.15.into()), ..plain.clone() };
+    for (parts, why) in [(sheared, "shear each other"), (both, "yield or wear")] {
+        let contact = QuasistaticContact::new(&parts).unwrap();
+        let state = approached(&contact, 0.01, Load::Approach(0.0).into(), None);
+        let error = contact.stiffness(&state, 1e-9).unwrap_err();
+        assert!(error.to_string().contains(why) && !matches!(error, StiffnessError::Inexact { .. }), "{error}");
+    }
+}
