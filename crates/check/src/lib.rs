@@ -2,7 +2,7 @@
 #![doc = include_str!("../README.md")]
 //!
 //! [`result`](mod@result) reads the problem of a file and compares numbers; [`series`] recomputes the states of
-//! `contact`, `path` and `wear`, [`sweep`] the contacts of a sweep, [`statistics`] their distributions.
+//! `contact` and `path`, [`sweep`] the contacts of a sweep, [`statistics`] their distributions.
 #![warn(missing_docs)]
 
 pub mod result;

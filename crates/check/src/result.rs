@@ -29,7 +29,6 @@ pub enum ResultKind {
     Contact,
     Path,
     Slide,
-    Wear,
     Punch,
     Body,
     KappaSweep,
@@ -43,7 +42,6 @@ impl ResultKind {
             ("/loads", Self::Contact),
             ("/path", Self::Path),
             ("/states", Self::Slide),
-            ("/wear", Self::Wear),
             ("/punch", Self::Punch),
             ("/runs", Self::KappaSweep),
         ];
@@ -58,7 +56,6 @@ impl ResultKind {
             Self::Contact => "contact",
             Self::Path => "path",
             Self::Slide => "slide",
-            Self::Wear => "wear",
             Self::Punch => "punch",
             Self::Body => "body",
             Self::KappaSweep => "kappa-sweep",

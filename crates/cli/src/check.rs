@@ -13,7 +13,7 @@ use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
 use crate::checking::{Check, Checking};
-use crate::{body, contact, kappa_sweep, path, punch, slide, wear};
+use crate::{body, contact, kappa_sweep, path, punch, slide};
 use gfmd_check::result::{Comparison, Difference, ResultKind, printable};
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::memory::check_file;
@@ -26,7 +26,7 @@ use gfmd_input::session::Session;
   gfmd check sweep.h5 --rerun --sample 20
   gfmd check path.h5 --rerun --json")]
 pub struct Args {
-    /// Result of contact, path, slide, wear, punch, body or kappa-sweep
+    /// Result of contact, path, slide, punch, body or kappa-sweep
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Run the stored configuration again, and compare every number
@@ -92,7 +92,7 @@ const LISTED: usize = 20;
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
-    let kinds = "a result of contact, path, slide, wear, punch, body or kappa-sweep";
+    let kinds = "a result of contact, path, slide, punch, body or kappa-sweep";
     let kind = ResultKind::of(&reader)
         .ok_or_else(|| Failure::refused(format!("{} is not a result file; it must be {kinds}", file.display())))?;
     check_file(&reader)?;
@@ -168,7 +168,6 @@ pub(crate) fn of(kind: ResultKind) -> Option<Check> {
         ResultKind::Contact => Check::of::<contact::Args>(),
         ResultKind::Path => Check::of::<path::Args>(),
         ResultKind::Slide => Check::of::<slide::Args>(),
-        ResultKind::Wear => Check::of::<wear::Args>(),
         ResultKind::Punch => Check::of::<punch::Args>(),
         ResultKind::Body => Check::of::<body::Args>(),
         ResultKind::KappaSweep => return None,

@@ -42,7 +42,7 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
 const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     (
         &["force", "normal-force", "load", "weight"],
-        &["contact", "path", "slide", "wear"],
+        &["contact", "path", "slide"],
         "write the mean pressure, the force divided by the area of the surface: --pressure 1MPa",
     ),
     (
@@ -62,7 +62,7 @@ const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     ),
     (
         &["viscosity", "pressure-drop", "leak", "leakage"],
-        &["contact", "path", "wear"],
+        &["contact", "path"],
         "write --flow; rates in m^3/s are in Python: result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")",
     ),
 ];

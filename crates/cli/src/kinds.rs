@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use gfmd_problem::options::{KindsByKey, add_kinds};
 
-use crate::{body, contact, green, law, path, punch, slide, surface, theory, wear};
+use crate::{body, contact, green, law, path, punch, slide, surface, theory};
 
 /// Returns the kinds of the numbers of all options, by key. Options with the same key have the same kinds in all
 /// commands.
@@ -19,7 +19,6 @@ pub fn kinds() -> &'static KindsByKey {
         add_kinds::<green::Args>(&mut all);
         add_kinds::<path::Args>(&mut all);
         add_kinds::<slide::Args>(&mut all);
-        add_kinds::<wear::Args>(&mut all);
         add_kinds::<law::Args>(&mut all);
         add_kinds::<theory::Args>(&mut all);
         all
@@ -43,7 +42,6 @@ mod tests {
         green::Args::kinds(&mut see);
         path::Args::kinds(&mut see);
         slide::Args::kinds(&mut see);
-        wear::Args::kinds(&mut see);
         law::Args::kinds(&mut see);
         theory::Args::kinds(&mut see);
         assert!(seen.len() > kinds().len(), "commands share options");

@@ -1,7 +1,11 @@
-//! `path`: a contact along a path of loads, approaches and lateral displacements, each step starting from the last.
+//! `path`: a contact along a path of loads, approaches, lateral displacements, times and sliding distances, each step
+//! starting from the last.
 
+mod args;
 mod check;
+mod course;
 mod figures;
+mod legs;
 mod memory;
 mod report;
 mod waypoints;
@@ -10,13 +14,16 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_interface::{LimitingPressure, Path, QuasistaticState, Refinement, Step};
+use gfmd_contact::{Drive, Load};
+use gfmd_interface::{LimitingPressure, Path, QuasistaticState, Refinement, Step, Wear};
 use gfmd_law::LawKind;
 use gfmd_problem::{AnyState, Facts, Posed, WearBy, key, setting, words};
+use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
+use self::args::{PathOptions, StepArgs};
+use self::course::{Followed, PathInput, PathSettings};
 use self::waypoints::WaypointArgs;
-use crate::course::{Followed, PathInput, PathOptions, PathSettings, StepArgs};
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::session::Session;
@@ -28,6 +35,7 @@ use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
 
+pub(crate) use self::report::FLOW;
 pub use self::report::{Report, Sliding};
 
 /// Default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
@@ -42,6 +50,7 @@ const FRICTION_SOLVES: u64 = 10;
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
   gfmd path --n 128 --hardness 0.1 --p-star 0.01,0.3,0.01,0.3 --steps 10 --out imprint.h5 --plots imprint
   gfmd path --n 128 --prony 0.1:0.3,10:0.4 --pressure 0.01 --time 0,1e-3:1e3:25 --steps 1 --out creep.h5 --plots creep
+  gfmd path --n 128 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out worn.h5 --plots worn
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
     --approach 0.002 --lateral 0,0.01 --json")]
 pub struct Args {
@@ -170,7 +179,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         refinement: Refinement { tolerance: args.energy_tolerance, solves_per_step: args.energy_solves() },
         config: args.config()?,
     };
-    input.run(&settings, session, |followed| finish(&input, args, followed, session), |report| report.out.as_ref())
+    input.run(&settings, session, |followed| finish(&input, args, followed, session))
 }
 
 /// Returns the input of the command, checked before the first solve.
@@ -213,8 +222,30 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     let may_part = prepared.prony.is_some() && args.waypoints.given() == "approach";
     let hard = !may_part && args.law.law == LawKind::HardWall;
     let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
+    if let Some(Wear { by_distance, .. }) = prepared.wear {
+        check_distance(by_distance, &drives, &prepared.surface.heights)?;
+    }
     let output = session.output(args.steps.out.as_ref())?;
     Ok(PathInput { prepared, drives, places, output })
+}
+
+/// Largest depth that can be worn off, divided by the range of heights; the rounding errors of the remaining heights
+/// are ten digits smaller than this range.
+const MOST_WORN: f64 = 1e6;
+
+/// Refuses distances over which surfaces with a wear `coefficient` lose a depth beyond the precision of the numbers of
+/// the `heights`.
+fn check_distance(coefficient: f64, drives: &[Drive], heights: &Array2<f64>) -> Result<(), Failure> {
+    let [least, most] = [f64::min, f64::max].map(|fold| heights.iter().copied().fold(heights[[0, 0]], fold));
+    let pressure = |drive: &Drive| if let Load::MeanPressure(pressure) = drive.load { pressure } else { 0.0 };
+    let largest = drives.iter().map(pressure).fold(0.0, f64::max);
+    let whole = drives.last().map_or(0.0, |drive| drive.distance);
+    let allowed = MOST_WORN * (most - least) / (coefficient * largest);
+    if most > least && whole > allowed {
+        let allowed = format!("at most {allowed:.3e} in all, which wears off {MOST_WORN:e} times the range of heights");
+        return Err(Failure::value(key("distance"), format!("{whole:e}"), allowed));
+    }
+    Ok(())
 }
 
 /// Writes the file of a path, draws it, and returns its report.
@@ -236,7 +267,8 @@ fn finish(
     let mut head = Head::new(&args.asked()?, prepared, contact.surface());
     head.relaxation = args.prony.relaxation(&args.body)?;
     let report = Report::new(head, args.waypoints.along(), records, places);
-    let mut report = Report { parted_at, not_converged, out, ..report };
+    let coefficient = args.wear.coefficient;
+    let mut report = Report { coefficient, parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
         let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
         let depth = path.state().and_then(|state| state.on_path()?.wear_depth());

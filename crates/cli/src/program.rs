@@ -18,7 +18,7 @@ use crate::kinds::kinds;
 use crate::session::Common;
 use crate::{
     body, check, completions, contact, green, guess, inputs, kappa_sweep, law, path, processes, punch, report, session,
-    slide, surface, theory, wear,
+    slide, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -52,12 +52,11 @@ pub enum Command {
     Surface(Box<surface::Args>),
     /// Look up stiffness, compliance and transfer matrices of one wave vector
     Green(Box<green::Args>),
-    /// Follow a contact along a path: loading and unloading, adhesion, friction
+    /// Follow a contact along a path: loading and unloading, adhesion, friction, wear
+    #[command(visible_alias = "wear")]
     Path(Box<path::Args>),
     /// Slide a rough surface steadily over a body: friction by hysteresis, and flash temperature, against velocity
     Slide(Box<slide::Args>),
-    /// Wear a rough surface that slides on an elastic body: running-in by Archard's law
-    Wear(Box<wear::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
     /// Evaluate theories of rough contact for a surface and a body, without solving a contact
@@ -235,17 +234,12 @@ impl Command {
         Ok(match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
             "slide" => Self::Slide(Box::new(of_keys(table, arrays)?)),
-            "wear" => Self::Wear(Box::new(of_keys(table, arrays)?)),
             "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
             "body" => Self::Body(Box::new(of_keys(table, arrays)?)),
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
             _ => {
-                return Err(Failure::value(
-                    "the command",
-                    name,
-                    "path, slide, wear, punch, body, kappa-sweep or green",
-                ));
+                return Err(Failure::value("the command", name, "path, slide, punch, body, kappa-sweep or green"));
             }
         })
     }
@@ -275,7 +269,6 @@ impl Command {
             Self::Green(args) => whole(green::run(args)?),
             Self::Path(args) => ended(path::run(args, session)?),
             Self::Slide(args) => ended(slide::run(args, session)?),
-            Self::Wear(args) => ended(wear::run(args, session)?),
             Self::Law(args) => whole(law::run(args)?),
             Self::Theory(args) => whole(theory::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),

@@ -26,7 +26,7 @@ use gfmd_report::{Page, quoted};
   gfmd report kappa.h5
   gfmd report contact.h5 --out contact-page.html")]
 pub struct Args {
-    /// Result of contact, path, slide, wear, punch, body or kappa-sweep
+    /// Result of contact, path, slide, punch, body or kappa-sweep
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Write the page to this file; default: beside the result, with the ending .html
@@ -67,7 +67,7 @@ pub fn write_page(file: &Path, out: &Path, session: &Session) -> Result<Report, 
 /// Opens a result file that is not damaged; returns its kind, and true if its checksum holds (`None` without one).
 fn opened(file: &Path, session: &Session) -> Result<(Reader, ResultKind, Option<bool>), Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
-    let kinds = "contact, path, slide, wear, punch, body or kappa-sweep";
+    let kinds = "contact, path, slide, punch, body or kappa-sweep";
     let kind = ResultKind::of(&reader).ok_or_else(|| {
         let name = file.display();
         let surface = reader.contains("/surface/height");
@@ -101,7 +101,6 @@ fn page_of(reader: &Reader, kind: ResultKind, session: &Session) -> Result<Page,
         ResultKind::Path => gfmd_report::path::page(reader),
         ResultKind::KappaSweep => gfmd_report::kappa::page(reader, session),
         ResultKind::Slide => gfmd_report::slide::page(reader),
-        ResultKind::Wear => gfmd_report::wear::page(reader),
         ResultKind::Punch => gfmd_report::punch::page(reader),
         ResultKind::Body => gfmd_report::body::page(reader),
     }

@@ -65,7 +65,7 @@ const ERROR: f64 = 1e-9;
 #[derive(Debug, thiserror::Error)]
 pub enum ConductanceError {
     /// The pressure differs in shape from the grid.
-    #[error("the shape of the pressure is {found:?}; it must be {expected:?} as that of the grid")]
+    #[error("the shape of the pressure is {found:?}; it must be {expected:?}, the shape of the grid")]
     Shape {
         /// Shape of the pressure.
         found: [usize; 2],

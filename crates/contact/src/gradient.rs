@@ -56,7 +56,9 @@ pub enum GradientError {
     #[error("several processes share the contact; it must be that of one")]
     Shared,
     /// A field differs in shape from the contact.
-    #[error("the shape of the derivative by the {name} is {found:?}; it must be {expected:?} as that of the contact")]
+    #[error(
+        "the shape of the derivative by the {name} is {found:?}; it must be {expected:?}, the shape of the contact"
+    )]
     Shape {
         /// Name of the field.
         name: &'static str,

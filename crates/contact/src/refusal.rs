@@ -11,7 +11,7 @@ use crate::Solver;
 #[non_exhaustive]
 pub enum Refusal {
     /// The heights differ in shape from the elastic surface.
-    #[error("the shape of the heights is {found:?}; it must be {expected:?} as that of the elastic surface")]
+    #[error("the shape of the heights is {found:?}; it must be {expected:?}, the shape of the elastic surface")]
     Shape {
         /// Shape of the heights.
         found: [usize; 2],
@@ -168,7 +168,7 @@ pub enum Refusal {
         found: f64,
     },
     /// The hardness field differs in shape from the heights.
-    #[error("the shape of the hardness is {found:?}; it must be {expected:?} as that of the heights")]
+    #[error("the shape of the hardness is {found:?}; it must be {expected:?}, the shape of the heights")]
     HardnessShape {
         /// Shape of the hardness.
         found: [usize; 2],
@@ -182,7 +182,7 @@ pub enum Refusal {
         found: f64,
     },
     /// The field of springs differs in shape from the heights.
-    #[error("the shape of the springs is {found:?}; it must be {expected:?} as that of the heights")]
+    #[error("the shape of the springs is {found:?}; it must be {expected:?}, the shape of the heights")]
     SpringsShape {
         /// Shape of the springs.
         found: [usize; 2],
@@ -243,7 +243,7 @@ pub enum Refusal {
     #[error("the approach is prescribed; for this contact the mean pressure must be prescribed")]
     NoApproach,
     /// A viscoelastic body moves backwards in time.
-    #[error("the time is {found}; it must be at least {least}, that of the state before")]
+    #[error("the time is {found}; it must be at least {least}, the time of the state before")]
     Time {
         /// Time.
         found: f64,
@@ -251,7 +251,7 @@ pub enum Refusal {
         least: f64,
     },
     /// Surfaces that wear slide backwards.
-    #[error("the distance is {found}; it must be at least {least}, that of the state before")]
+    #[error("the distance is {found}; it must be at least {least}, the distance of the state before")]
     Distance {
         /// Sliding distance.
         found: f64,

@@ -15,7 +15,7 @@ pub enum HeatError {
     #[error("the velocity is {0:?}; it must be finite")]
     Velocity([f64; 2]),
     /// Field with a different number of points than the grid.
-    #[error("the heat flux has {found} points; it must have {expected}, those of the grid")]
+    #[error("the heat flux has {found} points; it must have {expected}, as the grid")]
     Points {
         /// Number of points of the field.
         found: usize,

@@ -28,7 +28,7 @@ impl Quantity<'_> {
         match self {
             Self::Length(_) if CONSISTENT_UNITS.contains(&unit) => Ok(()),
             Self::Length(Some(of_surface)) => convert_lengths(values, unit, of_surface)
-                .or_else(|_| wrong(&format!("a unit of length, as that of the surface is {}", line(of_surface)))),
+                .or_else(|_| wrong(&format!("a unit of length, since the heights are in {}", line(of_surface)))),
             Self::Length(None) => wrong("length, or left out, as the surface has no unit"),
             Self::Stress if unit == "length" || is_length_unit(unit) => wrong("that of a stress"),
             Self::Stress => Ok(()),

@@ -71,7 +71,7 @@ impl GivenHardness {
         let (shape, line) = (found.shape().to_vec(), grid.is_line());
         if shape != points && !(line && shape == [points[0]]) {
             let allowed = if line { format!("[{}]", points[0]) } else { format!("{points:?}") };
-            return Err(refuse(format!("the shape is {shape:?}; it must be {allowed} as that of the surface")));
+            return Err(refuse(format!("the shape is {shape:?}; it must be {allowed}, the shape of the surface")));
         }
         if let Some(bad) = found.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
             return Err(refuse(format!("a value is {bad}; all values must be positive and finite")));

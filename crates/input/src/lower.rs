@@ -85,16 +85,12 @@ impl LowerArgs {
                 let ([nx, ny], [x, y]) = (surface.grid.points(), surface.grid.lengths());
                 format!("{nx} x {ny} points in a cell {x:?} x {y:?}")
             };
-            return refuse(format!(
-                "it has {}; it must have those of the upper surface, {}",
-                words(&lower),
-                words(upper)
-            ));
+            return refuse(format!("it has {}; it must have {}, as the upper surface", words(&lower), words(upper)));
         }
         if let (Some(found), Some(expected)) = (&lower.unit, &upper.unit)
             && found != expected
         {
-            return refuse(format!("its unit is {found}; it must be that of the upper surface, {expected}"));
+            return refuse(format!("its unit is {found}; it must be {expected}, the unit of the upper surface"));
         }
         Ok(Some(lower))
     }

@@ -104,7 +104,7 @@ impl fmt::Display for ShapesDiffer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the displacement has the shape {:?}; it must be {:?} as that of the pressure",
+            "the displacement has the shape {:?}; it must be {:?}, the shape of the pressure",
             self.other, self.pressure
         )
     }

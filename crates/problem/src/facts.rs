@@ -147,8 +147,6 @@ pub struct Facts {
     pub relaxes: Option<Relaxes>,
     /// Sliding by which the surfaces wear, if they do.
     pub wear: Option<WearBy>,
-    /// True for the command `wear`, whose results have a file of their own kind.
-    pub is_wear: bool,
     /// Motion of the base, if it moves.
     pub moved_base: Option<MovedBase>,
     /// True for a profile, in plane strain.
@@ -189,7 +187,6 @@ impl Default for Facts {
             second: None,
             relaxes: None,
             wear: None,
-            is_wear: false,
             moved_base: None,
             line: false,
             approach: false,

@@ -85,9 +85,14 @@ parts! {
         let (name, ..) = Part::Friction.words(f);
         (name, "given", words!["friction without ", key("lateral")])
     }, |f| f.friction.is_some() && !f.lateral;
-    /// Surfaces that wear by their slip, without friction.
-    SlipAlone: |_| (setting("wear_by", "slip"), "given", setting("wear_by", "slip")),
-        |f| f.wear == Some(WearBy::Slip) && f.friction.is_none();
+    /// Surfaces that wear by their slip.
+    WearBySlip: |_| (setting("wear_by", "slip"), "given", setting("wear_by", "slip")),
+        |f| f.wear == Some(WearBy::Slip);
+    /// Surfaces without friction.
+    Frictionless: |_| {
+        let neither = words!["neither ", key("friction"), " nor ", key("shear_strength")];
+        (key("friction"), "left out", neither)
+    }, |f| f.friction.is_none();
     /// Law with a traction along the surface.
     ShearingLaw: |f| (key("law"), f.law.name(), words!["a ", key("law"), " that shears"]), |f| f.law.shears();
     /// Law without a hard wall.
@@ -220,9 +225,9 @@ pub const RULES: &[Rule] = {
         rule(Prony, Lateral, "left out", LAW_ALONE),
         rule(SecondBody, Prony, "left out", "the second body would relax differently"),
         rule(Wear, OpenLaw, "left out", "without a wall nothing is rubbed off"),
+        rule(WearBySlip, Frictionless, "distance", "slip is known with friction only"),
         rule(Wear, Lateral, "left out", LAW_ALONE),
         rule(StillFriction, WearByDistance, "left out", "surfaces that slide over a distance slip at all points"),
-        rule(SlipAlone, Path, "distance", "slip is known with friction only"),
         rule(Friction, Shear, "left out", "the relaxation of the shear is not known"),
         rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
         rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
@@ -319,6 +324,9 @@ impl Part {
     pub fn given(self) -> String {
         let (name, found, _) = self.words(&Facts::default());
         let flag = name.spelled(Spelling::Flag);
+        if self == Self::StillFriction {
+            return self.beside(&Facts::default());
+        }
         if found == "given" || self == Self::Law { flag } else { format!("{flag} {found}") }
     }
 
@@ -341,7 +349,8 @@ impl Part {
                     | Self::Wear
                     | Self::WearByDistance
                     | Self::StillFriction
-                    | Self::SlipAlone
+                    | Self::WearBySlip
+                    | Self::Frictionless
             ),
             Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }
@@ -361,13 +370,6 @@ pub fn rules_of(task: Task) -> Vec<(String, Vec<String>)> {
         }
     }
     groups
-}
-
-/// Returns the parts of a path that cannot be combined with wear.
-pub fn rules_of_wear() -> Vec<String> {
-    let beside = RULES.iter().filter(|rule| rule.with == Part::Wear).map(|rule| rule.part.given());
-    let without = RULES.iter().filter(|rule| rule.part == Part::Wear);
-    beside.chain(without.map(|rule| rule.with.beside(&Facts::default()))).collect()
 }
 
 /// Returns the rules as a Markdown table: part, other part, allowed values, reason.

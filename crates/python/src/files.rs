@@ -110,7 +110,6 @@ fn other(kind: ResultKind) -> String {
         ResultKind::Contact => ("contact", "loads"),
         ResultKind::Path => ("path", "path"),
         ResultKind::Slide => ("slide", "states"),
-        ResultKind::Wear => ("wear", "wear"),
         ResultKind::Punch => ("punch", "punch"),
         ResultKind::Body => ("interior", "fields"),
         ResultKind::KappaSweep => ("kappa_sweep", "points"),

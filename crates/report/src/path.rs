@@ -82,9 +82,14 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         }
         false => number(factor * dissipated),
     };
+    // Wear is the only cause of losses.
+    let wears_alone = stored.has("wear_volume") && stored.has("distance") && !stored.has("lost_wear");
     page.answer.push(html! {
         p.headline {
-            @if dissipated.is_finite() {
+            @if wears_alone {
+                (stored.said("wear_volume", computed - 1, 1.0)) " "
+                span { "lost on average over the distance " (stored.said("distance", computed - 1, 1.0)) }
+            } @else if dissipated.is_finite() {
                 (lost) span { (unit) } " lost along the path "
                 @if error > 0.0 { span { "± " (number(factor * error)) (unit) } }
             } @else { "No energy is defined for this law" }
@@ -92,6 +97,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     });
     let lowest = (0..computed).min_by(|a, b| mean[*a].total_cmp(&mean[*b])).unwrap_or(0);
     let friction = shear.iter().zip(&mean).take(computed).map(|(shear, mean)| (shear / mean).abs());
+    let peak = column("max_pressure");
+    let ran_in = [0, computed - 1].map(|step| peak[step] / mean[step]);
     page.answer.push(html! {
         p {
             (computed) " of " (stored.len()) " steps. "
@@ -108,8 +115,16 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         @if let Some(causes) = by_cause(&stored, computed, dissipated) { p { (causes) } }
         @if stored.has("wear_volume") {
             p {
+                @if wears_alone { "Energy lost: " (lost) (unit) ". " }
                 "The surfaces have lost " (stored.said("wear_volume", computed - 1, 1.0)) " of their height on average"
                 ", " (stored.said("max_wear", computed - 1, 1.0)) " at most. "
+                @if ran_in.iter().all(|ratio| ratio.is_finite()) && computed > 1 {
+                    "From the first step to the last, the contact area went from "
+                    (stored.said("area_fraction", 0, 100.0)) " % to "
+                    (stored.said("area_fraction", computed - 1, 100.0))
+                    " % of the surface, the largest pressure divided by the mean from " (number(ran_in[0])) " to "
+                    (number(ran_in[1])) ". "
+                }
             }
         }
     });
@@ -209,6 +224,22 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     Ok(page)
 }
 
+/// Returns true if the first step of a path, given by its columns, takes no time and no distance.
+fn loads_at_once(column: impl Fn(&str) -> Vec<f64>) -> bool {
+    ["time", "distance"].iter().all(|name| !column(name).first().is_some_and(|length| *length > 0.0))
+}
+
+/// Returns the sum of the imbalances of work and energy of the steps of a path, given by its columns; `None` if no step
+/// has one. A first step that takes no time and no distance is left out: it loads the surfaces at once, and the work of
+/// a growing contact is no trapezium.
+pub fn work_imbalance(column: impl Fn(&str) -> Vec<f64>) -> Option<f64> {
+    let known: Vec<(usize, f64)> =
+        column("work_imbalance").into_iter().enumerate().filter(|(_, value)| value.is_finite()).collect();
+    let first = usize::from(loads_at_once(column));
+    let sum = known.iter().filter(|(step, _)| *step >= first).map(|(_, value)| value).sum();
+    (!known.is_empty()).then_some(sum)
+}
+
 /// Returns the interface of a path in words: the law or the wall, and the further parts.
 fn interface(table: &toml::Table) -> String {
     let word = |name: &str| table.get(name).and_then(toml::Value::as_str).unwrap_or_default();
@@ -243,8 +274,9 @@ fn by_cause(stored: &Stored, computed: usize, dissipated: f64) -> Option<Markup>
         return None;
     }
     let sum = |name: &str| -> f64 { stored.column(name)[..computed].iter().filter(|value| value.is_finite()).sum() };
-    // The first step may load the surfaces at once, whose work is no trapezium.
-    let imbalance = stored.column("work_imbalance")[..computed].iter().skip(1).sum::<f64>() / dissipated;
+    let column = |name: &str| stored.column(name)[..computed].to_vec();
+    let imbalance = work_imbalance(column).filter(|_| computed > 1).map(|sum| sum / dissipated);
+    let start = if loads_at_once(column) { "After the first step, work" } else { "Work" };
     Some(html! {
         "Lost by "
         @for (index, (column, cause)) in there.iter().enumerate() {
@@ -252,8 +284,32 @@ fn by_cause(stored: &Stored, computed: usize, dissipated: f64) -> Option<Markup>
             (cause) " " (rough(100.0 * sum(column) / dissipated)) " %"
         }
         ". "
-        @if imbalance.is_finite() && computed > 1 {
-            "After the first step, work and energies balance to " (rough(100.0 * imbalance)) " % of the loss. "
+        @if let Some(imbalance) = imbalance {
+            (start) " and energies balance to " (rough(100.0 * imbalance)) " % of the loss. "
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A first step that loads at once has no balance; one that takes time has.
+    #[test]
+    fn the_total_leaves_out_a_first_step_at_once() {
+        let of = |times: &[f64], distances: &[f64]| {
+            work_imbalance(|name: &str| match name {
+                "work_imbalance" => vec![8.0, 2.0, f64::NAN, 1.0],
+                "time" => times.to_vec(),
+                "distance" => distances.to_vec(),
+                _ => Vec::new(),
+            })
+        };
+        assert_eq!(of(&[], &[]), Some(3.0));
+        assert_eq!(of(&[0.0, 1.0], &[f64::NAN; 2]), Some(3.0));
+        assert_eq!(of(&[1.0, 2.0], &[]), Some(11.0));
+        assert_eq!(of(&[0.0, 0.0], &[0.5, 1.0]), Some(11.0));
+        assert_eq!(work_imbalance(|_| vec![f64::NAN; 3]), None);
+        assert_eq!(work_imbalance(|name| if name == "work_imbalance" { vec![4.0] } else { vec![] }), Some(0.0));
+    }
 }

@@ -1,34 +1,19 @@
-//! Page about wear, and its figures.
+//! Figures of wear.
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
-use gfmd_problem::options::Kinds;
 use maud::html;
 
 use crate::figures::{Drawn, field, largest, length, short, sides};
-use crate::legs::{along, waypoints};
-use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, with_unit};
-use gfmd_input::failure::Failure;
-use gfmd_record::State;
-
-const CITED: [&str; 2] = [
-    "J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24, 981–988 (1953).",
-    "L. A. Galin, Contact problems of the theory of elasticity in the presence of wear, Prikladnaya Matematika i \
-     Mekhanika 40, 981–986 (1976).",
-];
+use crate::legs::along;
+use crate::page::{Page, StoredSurface};
 
 /// Largest number of values along a profile; longer ones are thinned.
 const MOST_POINTS: usize = 2000;
 
-/// Returns panels of the mean depth lost, the contact area and the largest pressure against the sliding distance, from
-/// columns by name.
-pub fn against_distance(column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &str) -> Vec<Panel> {
-    let distance = column("distance");
-    against(("distance", &distance), column, modulus, unit)
-}
-
-/// Returns the same panels against a length of the given name.
+/// Returns panels of the mean depth lost, the contact area and the largest pressure against a length of the given name,
+/// from columns by name.
 pub(crate) fn against(
     (name, distance): (&str, &[f64]),
     column: impl Fn(&str) -> Vec<f64>,
@@ -104,87 +89,4 @@ pub(crate) fn worn_surface(page: &mut Page, reader: &Reader, surface: &StoredSur
     depth_of(&surface.grid, &depth, &surface.unit, |drawn| {
         page.field(drawn, "depth lost", &html! { "Depth that both surfaces have lost." });
     });
-}
-
-/// Builds the page about the wear in a file.
-///
-/// # Errors
-/// Returns an error if the file has no steps.
-pub fn page(reader: &Reader) -> Result<Page, Failure> {
-    let stored = Stored::new(reader, "/wear", "mean_pressure")?;
-    let table = config(reader);
-    let mut page = Page { title: "Wear of a rough contact".into(), cited: CITED.to_vec(), ..Page::default() };
-    let column = |name: &str| stored.column(name);
-    let [mean, converged, p_star, peak] = ["mean_pressure", "converged", "p_star", "max_pressure"].map(column);
-    let computed =
-        mean.iter().zip(&converged).take_while(|(mean, converged)| mean.is_finite() && **converged != 0.0).count();
-    let Some(last) = computed.checked_sub(1) else {
-        page.answer.push(html! { p.headline { "No step converged: there is no result" } });
-        page.failure(reader, "step");
-        return Ok(page);
-    };
-    let units = stored.units();
-    let shown = |name: &str| stored.said(name, last, 1.0);
-    page.answer.push(html! {
-        p.headline {
-            (shown("wear_volume")) " "
-            span { "lost on average over the distance " (shown("distance")) }
-        }
-    });
-    page.answer.push(html! {
-        p {
-            (computed) " of " (stored.len()) " steps. The largest depth lost is "
-            (shown("max_wear"))
-            "; the contact area went from " (stored.said("area_fraction", 0, 100.0)) " % to "
-            (stored.said("area_fraction", last, 100.0))
-            " % of the surface, the largest pressure divided by the mean from " (number(peak[0] / mean[0])) " to "
-            (number(peak[last] / mean[last])) ". "
-        }
-    });
-    if computed < stored.len() {
-        page.remarks.push(format!("the path ends after step {last} of {}", stored.len() - 1));
-    }
-    let surface = StoredSurface::read(reader);
-    page.asked(&surface, &table, "hard wall, wear");
-    let coefficient = of(&table, "coefficient");
-    let term = if units.stress().is_some() { "wear coefficient" } else { "wear coefficient (1/stress)" };
-    page.asked.push(Fact(html! { (term) }, with_unit(coefficient, "1/stress", &units)));
-    for (term, key, kinds) in [
-        ("distances of the legs", "distance", Kinds::LENGTH),
-        ("waypoints, pressure", "pressure", Kinds::STRESS),
-        ("waypoints, p*", "p_star", Kinds::NUMBER),
-        ("waypoints, approach", "approach", Kinds::LENGTH),
-        ("steps of a leg", "steps", Kinds::NUMBER),
-    ] {
-        if let Some(value) = table.get(key) {
-            page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
-        }
-    }
-    let tolerance = of(&table, "tolerance");
-    page.asked.push(Fact(html! { "tolerance" }, given(tolerance)));
-    let (mut shown, mut state, mut modulus) = (None, String::new(), f64::NAN);
-    if let Ok(surface) = &surface {
-        let loudest = (0..computed).max_by(|a, b| mean[*a].total_cmp(&mean[*b]));
-        let scale = loudest.map_or(f64::NAN, |step| mean[step] / p_star[step]);
-        modulus = scale / surface.rms_gradient;
-        let steps = |name: &str| column(name)[..computed].to_vec();
-        let panels = against_distance(steps, modulus, &surface.unit);
-        if computed > 1 && !panels.is_empty() {
-            let caption = html! { "Mean depth lost, contact area and largest pressure against the sliding distance." };
-            page.chart(&Chart::new(panels), "wear against distance", &caption);
-        }
-        let steps_of_leg = table.get("steps").and_then(toml::Value::as_integer).unwrap_or(1).max(1) as usize;
-        let waypoints = waypoints(&table, computed, steps_of_leg);
-        shown = waypoints.len().checked_sub(1);
-        state = waypoints.last().map_or_else(String::new, |step| format!("step {step}"));
-        if let Some(index) = shown {
-            worn_surface(&mut page, reader, surface, index);
-        }
-    }
-    page.fields(reader, &surface, (shown, &state, modulus), None);
-    page.failure(reader, "step");
-    page.residual(&stored, tolerance);
-    page.numbers::<State>(&stored, computed, "step");
-    page.effort(&stored);
-    Ok(page)
 }

@@ -130,7 +130,7 @@ fn channel<'a>(
         let mut notes = Vec::new();
         if let Some((shape, mask)) = mask {
             if shape.points != grid.points {
-                return Err(format!("the mask has {:?} points; it must have those of the heights", shape.points));
+                return Err(format!("the mask has {:?} points; it must have as many as the heights", shape.points));
             }
             let mask = shape.read(mask, |masked| masked)?;
             heights.zip_mut_with(&mask, |height, masked| {

@@ -185,21 +185,6 @@ const SLIDE: &[Row] = &[
     row(&["/fields/*"], Verified, Verified, "the pressure, on surface and body"),
 ];
 
-const WEAR: &[Row] = &[
-    row(&["/wear/seconds"], Checksum, Checksum, ""),
-    row(
-        &["/wear/converged", "/wear/p_star", "/wear/distance", "/wear/wear_volume"],
-        Verified,
-        Verified,
-        "the residual and the tolerance; the mean pressure; the distances of the configuration",
-    ),
-    row(&["/wear/iterations", "/wear/transform_pairs", "/wear/extra_solves"], Checksum, Verified, "the second run"),
-    row(&["/wear/work_imbalance"], Verified, Verified, "the balance of work and energy"),
-    row(&["/wear/step"], Verified, Verified, "the layout that the configuration gives"),
-    row(&["/wear/*"], InPart, Verified, "what the path prescribes; at the waypoints the fields"),
-    row(&["/fields/*"], Verified, Verified, "the pressure on surface and body, as they are worn"),
-];
-
 const PUNCH: &[Row] = &[
     row(&["/punch/seconds"], Checksum, Checksum, ""),
     row(&["/punch/iterations", "/punch/transform_pairs"], Checksum, Verified, "the second run"),
@@ -259,7 +244,6 @@ pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
         ResultKind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
         ResultKind::Path => &[PATH, SEARCH, ALL, SURFACE],
         ResultKind::Slide => &[SLIDE, ALL, SURFACE],
-        ResultKind::Wear => &[WEAR, SEARCH, ALL, SURFACE],
         ResultKind::Punch => &[SEARCH, ALL, PUNCH],
         ResultKind::Body => &[ALL, BODY],
         ResultKind::KappaSweep => &[ALL, SWEEP],
@@ -299,13 +283,12 @@ pub fn page() -> String {
         }
     };
     table(&mut page, "Every result", ALL);
-    table(&mut page, "Surface of `contact`, `path`, `slide` and `wear`", SURFACE);
-    table(&mut page, "Search of `contact`, `path`, `wear` and `punch`", SEARCH);
+    table(&mut page, "Surface of `contact`, `path` and `slide`", SURFACE);
+    table(&mut page, "Search of `contact`, `path` and `punch`", SEARCH);
     for (title, rows) in [
         ("`contact`", CONTACT),
         ("`path`", PATH),
         ("`slide`", SLIDE),
-        ("`wear`", WEAR),
         ("`punch`", PUNCH),
         ("`body`", BODY),
         ("`kappa-sweep`", SWEEP),
@@ -327,8 +310,7 @@ mod tests {
         let clocks = COLUMNS.iter().filter(|column| column.origin == Origin::Clock);
         let parts: Vec<(ResultKind, String)> = clocks
             .flat_map(|column| {
-                [(ResultKind::Contact, "loads"), (ResultKind::Path, "path"), (ResultKind::Wear, "wear")]
-                    .map(|(kind, group)| (kind, group, column))
+                [(ResultKind::Contact, "loads"), (ResultKind::Path, "path")].map(|(kind, group)| (kind, group, column))
             })
             .map(|(kind, group, column)| (kind, format!("/{group}/{}", column.name)))
             .collect();

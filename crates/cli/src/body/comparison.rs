@@ -179,7 +179,7 @@ fn archive(
         (0..found.len()).filter(|&level| depths.iter().any(|depth| is_near(*depth, found[level], depths))).collect();
     kept.dedup_by(|a, b| found[*a] == found[*b]);
     if kept.is_empty() {
-        return Err(format!("its depths are {found:?}; it must have those of this run"));
+        return Err(format!("its depths are {found:?}; it must have the depths of this run"));
     }
     let levels: Vec<f64> = kept.iter().map(|level| found[*level]).collect();
     let mut all = Vec::new();

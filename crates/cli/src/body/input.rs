@@ -406,7 +406,7 @@ impl Beside<'_> {
         let values: Vec<f64> = values.map_err(|error| error.to_string())?;
         match values.len() {
             found if found == nx * ny => Ok(Some(values)),
-            found => Err(format!("{path} has {found} points; it must have {nx} x {ny}, those of the displacement")),
+            found => Err(format!("{path} has {found} points; it must have {nx} x {ny}, as the displacement")),
         }
     }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use gfmd_record::{Table, lines, table_of};
 
 use super::Report;
-use crate::course::FLOW;
+use crate::path::FLOW;
 use crate::session::list_files;
 use gfmd_input::hardness::GivenHardness;
 

@@ -2,16 +2,17 @@
 
 use gfmd_contact::{Boundary, Hardness};
 use gfmd_interface::LimitingPressure;
-use gfmd_problem::AnyState;
+use gfmd_problem::{AnyState, WearBy};
 use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
 use std::path::PathBuf;
 
+use super::args::StepArgs;
+use super::course::leak;
 use super::{Args, memory};
 use crate::checking::{Checked, Checking};
-use crate::course::{StepArgs, leak};
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
 use gfmd_input::failure::Failure;
@@ -40,6 +41,7 @@ impl Checked for Args {
                 continue;
             }
             check.columns(index, comparison);
+            check.volume(index, comparison);
             let number = |name: &str| stored.number(name, index);
             comparison.number("/path/lateral_x", number("lateral_x"), drive.lateral[0], 0.0);
             comparison.number("/path/lateral_y", number("lateral_y"), drive.lateral[1], 0.0);
@@ -50,6 +52,7 @@ impl Checked for Args {
                 comparison.number("/path/distance", number("distance"), drive.distance, 0.0);
             }
             let Some(waypoint) = input.places.of(index) else { continue };
+            check.lost_by_wear(waypoint, index, comparison)?;
             // A state with shear, or of a body with a memory, does not follow from its fields alone.
             if prepared.prony.is_some() || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
@@ -118,10 +121,43 @@ impl StepCheck<'_> {
         }
     }
 
+    /// Returns the depth lost in a step divided by the pressure at its end: the wear coefficient times the sliding
+    /// distance. `None` if a point wears by another pressure or distance.
+    fn rate(&self, step: usize) -> Option<f64> {
+        let Prepared { facts, wear, .. } = self.stored.prepared;
+        let is_undivided = facts.friction.is_none() && self.stored.number("extra_solves", step) == 0.0;
+        let is_known = facts.wear == Some(WearBy::Distance) && !facts.has_law() && is_undivided;
+        let moved = self.stored.number("distance", step) - self.before("distance", step);
+        wear.filter(|_| is_known).map(|wear| wear.by_distance * moved)
+    }
+
+    /// Returns a number of the previous step; zero before the first one.
+    fn before(&self, name: &str, step: usize) -> f64 {
+        if step == 0 { 0.0 } else { self.stored.number(name, step - 1) }
+    }
+
+    /// Compares the volume lost with the pressure and the distance of the step.
+    fn volume(&self, step: usize, comparison: &mut Comparison) {
+        let Some(rate) = self.rate(step) else { return };
+        let found = self.before("wear_volume", step) + rate * self.stored.number("mean_pressure", step);
+        comparison.number("/path/wear_volume", self.stored.number("wear_volume", step), found, 0.0);
+    }
+
+    /// Compares the energy lost by wear with the pressure at a waypoint.
+    fn lost_by_wear(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
+        let Some(rate) = self.rate(step) else { return Ok(()) };
+        let field = self.stored.field("pressure", waypoint)?;
+        let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
+        let [all, part] = ["dissipated", "lost_wear"].map(|name| self.stored.number(name, step));
+        let (name, lost) = if part.is_nan() { ("dissipated", all) } else { ("lost_wear", part) };
+        comparison.number(&format!("/path/{name}"), lost, rate * squares, 0.0);
+        Ok(())
+    }
+
     /// Returns the balance of work and energy of a step.
     fn work(&self, step: usize) -> Work {
         let now = |name: &str| self.stored.number(name, step);
-        let before = |name: &str| if step == 0 { 0.0 } else { self.stored.number(name, step - 1) };
+        let before = |name: &str| self.before(name, step);
         let mut work = Work::default();
         for (force, coordinate) in
             [("mean_pressure", "approach"), ("mean_shear_x", "lateral_x"), ("mean_shear_y", "lateral_y")]
@@ -185,7 +221,7 @@ impl StepCheck<'_> {
             return;
         }
         let now = |name: &str| self.stored.number(name, step);
-        let before = |name: &str| if step == 0 { 0.0 } else { self.stored.number(name, step - 1) };
+        let before = |name: &str| self.before(name, step);
         let Work { missing, spread, floor } = self.work(step);
         let missing = missing - now("dissipated");
         let flows = facts.friction.is_some() || facts.hardness;

@@ -5,14 +5,14 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gfmd_measure::GridLimit;
-use gfmd_record::{Record, lines, with_limit};
-use gfmd_unit::DisplayUnit;
+use gfmd_record::{Record, Table, lines, table_of, with_limit};
+use gfmd_unit::{DisplayUnit, Units};
 use serde::Serialize;
 
-use crate::course::{error_of_losses, print_flow, print_steps};
 use crate::session::list_files;
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
+use gfmd_report::path::work_imbalance;
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::series::{Head, Places};
 
@@ -24,6 +24,10 @@ pub struct Report {
     pub head: Head,
     /// Unit vector of the lateral displacement; the table and the plots show lateral numbers along it.
     pub direction: [f64; 2],
+    /// Wear coefficient, 1/stress: depth lost per distance divided by the pressure. `None` without wear, as is
+    /// `wear_volume`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coefficient: Option<f64>,
     pub steps: Vec<Record>,
     /// Stiffness and friction of each leg with lateral motion.
     pub sliding: Vec<Sliding>,
@@ -31,9 +35,12 @@ pub struct Report {
     pub dissipated: Option<f64>,
     /// Sum of the errors of the steps; `None` if one is unknown.
     pub dissipated_error: Option<f64>,
-    /// Sum of the imbalances of the steps, for a relaxing body.
+    /// Sum of the imbalances of the steps, without a first step that loads the surfaces at once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub work_imbalance: Option<f64>,
+    /// Mean depth lost at the end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wear_volume: Option<f64>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
     /// With a finer grid: `X_limit`, `X_limit_error`, `X_grid_error` of the lost energy and the lowest mean pressure,
@@ -69,10 +76,12 @@ impl Report {
         let mut report = Self {
             head,
             direction,
+            coefficient: None,
             sliding: Vec::new(),
             dissipated: sum("dissipated"),
             dissipated_error: error_of_losses(&steps),
-            work_imbalance: sum("work_imbalance"),
+            work_imbalance: work_imbalance(|name| steps.iter().map(|step| step.number(name)).collect()),
+            wear_volume: steps.last().and_then(|step| step.value("wear_volume")),
             extra_solves: steps.iter().map(|step| step.number("extra_solves") as u64).sum(),
             lowest_mean_pressure: lowest(&steps, "mean_pressure"),
             limits: BTreeMap::new(),
@@ -151,6 +160,43 @@ fn lowest(steps: &[Record], name: &str) -> f64 {
     if numbers().any(f64::is_nan) { f64::NAN } else { numbers().fold(f64::INFINITY, f64::min) }
 }
 
+/// Returns the sum of the errors of all losses; `None` if one is unknown.
+fn error_of_losses(steps: &[Record]) -> Option<f64> {
+    let mut lost = steps.iter().filter(|step| step.value("dissipated").is_some()).peekable();
+    lost.peek()?;
+    lost.map(|step| step.value("dissipated_error")).sum()
+}
+
+/// Prints the table of the steps, one line per step.
+fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
+    let width = f.width().map(|width| width.saturating_sub(5));
+    for (index, line) in table_of(steps, &[Table::State, Table::Energy], units, width).iter().enumerate() {
+        let Some(step) = index.checked_sub(1) else {
+            writeln!(f, "{:>5}{line}", "")?;
+            continue;
+        };
+        let is = |name: &str| steps[step].is(name);
+        let jumped = if is("passed_instability") { "  passed an instability" } else { "" };
+        writeln!(f, "{step:>5}{line}{jumped}{}", if is("converged") { "" } else { "  NOT CONVERGED" })?;
+    }
+    Ok(())
+}
+
+/// Legend of the flow, with its conversion to device units.
+pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the \
+                               mean gap; in ml/s by Python: \
+                               1e6 * result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")";
+
+/// Prints the table of the flow, one line per step, if there is one.
+fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
+    let lines = table_of(steps, &[Table::Flow], units, None);
+    for (index, line) in lines.iter().enumerate() {
+        let step = index.checked_sub(1).map_or_else(|| "\n     ".to_owned(), |step| format!("{step:>5}"));
+        writeln!(f, "{step}{line}")?;
+    }
+    if lines.is_empty() { Ok(()) } else { writeln!(f, "{FLOW}") }
+}
+
 /// Columns of the table that may lack a value although others of their kind have one.
 const TABLE: [&str; 5] = ["approach", "elastic_energy", "dissipated", "dissipated_error", "passed_instability"];
 
@@ -164,6 +210,9 @@ impl fmt::Display for Report {
                 GivenHardness::Field(given) => given.to_string(),
             };
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth so far\n")?;
+        }
+        if let Some(coefficient) = self.coefficient {
+            writeln!(f, "wear coefficient {}; wear: mean depth lost so far\n", read(coefficient, "1/stress"))?;
         }
         print_steps(f, &self.steps, &self.head.units())?;
         if let Some(step) = self.parted_at {
@@ -182,6 +231,9 @@ impl fmt::Display for Report {
                 ),
                 leg.friction_coefficient
             )?;
+        }
+        if let Some(volume) = self.wear_volume {
+            writeln!(f, "\nwear volume {} per area", read(volume, "length"))?;
         }
         match (self.dissipated, self.dissipated_error) {
             (None, _) => write!(f, "\nno dissipated energy: the tractions have no energy")?,

@@ -9,7 +9,7 @@ use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_run::series::Places;
 
-use crate::course::{counted, legs, lengths};
+use super::legs::{counted, legs, lengths};
 use crate::loads::LoadArgs;
 use gfmd_problem::options::{Kinds, Options};
 

@@ -50,7 +50,7 @@ impl HeatArgs {
             ([k, alpha], _) => (thermal(*k, *alpha)?, None),
             ([k, alpha, k2, alpha2], _) => (thermal(*k, *alpha)?, Some(thermal(*k2, *alpha2)?)),
             (found, _) => {
-                let allowed = "two, or four with those of the rough surface";
+                let allowed = "two, or four with the two of the rough surface";
                 return Err(Failure::refused(words![
                     key("heat"),
                     format!(" has {} numbers; it must have {allowed}", found.len())

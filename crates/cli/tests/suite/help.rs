@@ -23,7 +23,6 @@ fn every_command_has_examples_under_the_name_of_the_program() {
         "green",
         "path",
         "slide",
-        "wear",
         "law",
         "theory",
         "report",
@@ -92,7 +91,7 @@ fn flags_have_groups_and_terms() {
         let part = text.split(&format!("\n{group}:\n")).nth(1).and_then(|rest| rest.split("\n\n").next());
         assert!(part.is_some_and(|part| part.contains(flag)), "{command} {group} {flag}: {text}");
     }
-    for command in ["path", "slide", "wear"] {
+    for command in ["path", "slide"] {
         assert!(help(&[command, "-h"]).contains("reduced pressure p/(E* g)"), "{command}");
     }
     assert!(help(&["kappa-sweep", "-h"]).contains("TFC      thermodynamic, fractal and continuum limit"));

@@ -307,7 +307,6 @@ from ._check import Quantity
 if TYPE_CHECKING:
     from ._body import Law
     from ._contact import Contact
-    from ._parts import Wear
     from ._surface import Surface
 ";
 
@@ -322,7 +321,7 @@ fn python_has_the_types_of_the_options() {
     };
     let contact = with(without(keys::<ContactArgs>(), &body, &["param", "law_table"]), &["stress_unit", "threads"]);
     let loads = ["pressure", "p_star", "approach", "lateral", "lateral_y", "friction", "shear_strength"];
-    let others = ["param", "law_table", "coefficient", "wear_by", "plots", "resume"];
+    let others = ["param", "law_table", "coefficient", "wear_by", "distance", "plots", "resume"];
     let path = without(all("path"), &body, &[&loads[..], &others].concat());
     let places = ["levels", "deepest", "slice", "quantities", "out", "threads"];
     let classes = [
@@ -336,10 +335,10 @@ fn python_has_the_types_of_the_options() {
         },
         Class {
             name: "PathOptions",
-            text: "Arguments of `path` beside those of `friction`.",
+            text: "Arguments of `path` beside those of `friction` and `wear`.",
             command: "path",
             keys: with(path, &["stress_unit", "threads"]),
-            further: &[("wear", "Optional[Wear]")],
+            further: &[],
             takes_none: false,
         },
         Class {

@@ -494,8 +494,8 @@ fn punches_bodies_and_slides_have_pages() {
     let shown = format!("Coefficient of friction {friction:.*}~", digits.max(0) as usize);
     assert!(page(folder, "v.html").contains(&shown), "{shown}");
     let reader = gfmd_files::Reader::open(folder.join("a.h5")).unwrap();
-    let deepest = reader.values::<f64>("/wear/max_wear").unwrap().into_iter().fold(0.0, f64::max);
-    assert!(page(folder, "a.html").contains(&format!("largest depth lost is {deepest:.7}")), "{deepest}");
+    let deepest = reader.values::<f64>("/path/max_wear").unwrap().into_iter().fold(0.0, f64::max);
+    assert!(page(folder, "a.html").contains(&format!("{deepest:.7} at most")), "{deepest}");
     let reader = gfmd_files::Reader::open(folder.join("s.h5")).unwrap();
     let stress = reader.values::<f64>("/fields/von_mises").unwrap().into_iter().fold(0.0, f64::max);
     assert!(page(folder, "s.html").contains(&format!("von Mises {stress:.5}")), "{stress}");

@@ -90,15 +90,15 @@ fn wear_is_written_checked_drawn_and_told() {
         let steps = report["steps"].as_array().unwrap();
         assert!(steps.len() == 7 && steps.iter().all(|step| step["converged"] == true), "{name}");
         let file = Reader::open(folder.path().join(format!("{name}.h5"))).unwrap();
-        let distances: Vec<f64> = file.values("/wear/distance").unwrap();
+        let distances: Vec<f64> = file.values("/path/distance").unwrap();
         assert_eq!((distances[2], distances[3], distances[6]), (1.0, 1.0, 21.0));
         assert_eq!(file.shape("/fields/wear_depth").unwrap(), [3, 24, points]);
-        let volumes: Vec<f64> = file.values("/wear/wear_volume").unwrap();
+        let volumes: Vec<f64> = file.values("/path/wear_volume").unwrap();
         let depth: Vec<f64> = file.slab("/fields/wear_depth", 2).unwrap();
         let mean = depth.iter().sum::<f64>() / depth.len() as f64;
         assert!((mean / volumes[6] - 1.0).abs() < 1e-12 && volumes[2] == volumes[3], "{name}");
         let checked = json(folder.path(), &["check", &format!("{name}.h5"), "--rerun", "--json"]);
-        assert_eq!((&checked["kind"], &checked["differing"]), (&"wear".into(), &0.into()), "{name}");
+        assert_eq!((&checked["kind"], &checked["differing"]), (&"path".into(), &0.into()), "{name}");
         let has = |figure: &str| folder.path().join(format!("{name}-{figure}.svg")).exists();
         assert!(has("wear"), "{name}");
         assert!(has("profile"), "{name}");
@@ -231,6 +231,28 @@ fn the_finer_grid_is_followed_too() {
     }
 }
 
+/// The first step loads at once, and the work of a growing contact is no trapezium.
+#[test]
+fn the_imbalance_of_a_path_leaves_out_loading_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let fretting = "--n 16 --eps-f-inv 4 --friction 0.3 --p-star 0.1 --steps 2 --json --out w.h5";
+    for (flags, first) in [
+        ("--coefficient 1 --wear-by slip --lateral 0,0.002", 1),
+        ("--coefficient 1 --lateral 0.001,0.002 --distance 0.1,0.1", 0),
+    ] {
+        let report = json(folder.path(), &words(&format!("path {fretting} {flags}")));
+        let steps = report["steps"].as_array().unwrap();
+        let imbalances: Vec<f64> = steps.iter().map(|step| step["work_imbalance"].as_f64().unwrap()).collect();
+        let sum: f64 = imbalances[first..].iter().sum();
+        assert_eq!(report["work_imbalance"].as_f64().unwrap(), sum, "{flags}");
+        assert!(imbalances[0] > 0.0 && sum > 0.0, "{flags}: {imbalances:?}");
+        assert!(gfmd(folder.path(), &["report", "w.h5"]).status.success());
+        let page = std::fs::read_to_string(folder.path().join("w.html")).unwrap();
+        let start = if first == 1 { "After the first step, work" } else { "Work" };
+        assert!(page.contains(&format!("{start} and energies balance to ")), "{flags}");
+    }
+}
+
 #[test]
 fn quantities_have_units() {
     let folder = tempfile::tempdir().unwrap();
@@ -274,11 +296,14 @@ fn unusable_input_is_refused_in_one_line() {
         ("--approach 1 --coefficient 1 --distance 0", "less than the mean clearance"),
         (&format!("{whole} --steps 0"), "--steps"),
         (&format!("{whole} --tolerance 0"), "--tolerance"),
-        (&format!("{whole} --prony 1:0.5"), "--prony"),
-        (&format!("{whole} --law exponential"), "--law"),
-        (&format!("{whole} --hardness 1"), "--hardness"),
+        (&format!("{whole} --prony 1:0.5"), "--time"),
+        (&format!("{whole} --law exponential"), "--param"),
         (&format!("{whole} --friction 0.3"), "--friction"),
         (&format!("{whole} --finite-slope"), "--finite-slope"),
+        (
+            "--pressure 0.01 --coefficient 1 --wear-by slip --lateral 0,0.001",
+            "--wear-by slip is given; it must be distance with neither --friction nor --shear-strength",
+        ),
         (&format!("{whole} --lower-seed 2 --height 0.2"), "--lower-seed"),
         (&format!("{whole} --base-displacement x.npy"), "--base-displacement"),
     ] {

@@ -207,7 +207,10 @@ fn what_cannot_be_done_is_refused() {
         assert!(matches!(bare.softened(field), Err(Refusal::Springs { .. })), "{bad}");
     }
     let refused = bare.softened(Array2::ones((16, 15))).unwrap_err();
-    assert_eq!(refused.to_string(), "the shape of the springs is [16, 15]; it must be [16, 16] as that of the heights");
+    assert_eq!(
+        refused.to_string(),
+        "the shape of the springs is [16, 15]; it must be [16, 16], the shape of the heights"
+    );
     let soft = bare.softened(Springs::from(stripes(16, 0.1))).unwrap();
     assert_eq!(soft.solvers(), Contact::FREE_SOLVERS);
     let error = soft.press(LOADS[0]).solver(Solver::Verlet).solve().unwrap_err();

@@ -158,12 +158,20 @@ fn without_friction_normal_contact_is_that_of_the_wall_alone() {
     let grid = Grid::new([33, 31], [1.0, 1.0]).unwrap();
     let body = Body::half_space(Material::from_young(1.0, 0.3).unwrap());
     let heights = Array2::from_shape_fn((33, 31), |(i, j)| 0.01 * ((i * i + 3 * j) as f64).sin());
-    let contact = periodic(&body, &grid, &heights, Limit::Coulomb(0.0));
     let wall = Interface::in_all_components(&body, &grid, &heights, gfmd_law::HardWall).unwrap();
-    for load in [Load::MeanPressure(0.02), Load::Approach(0.008)] {
-        let a = solve(&contact, load, None);
-        let b = wall.press(load).tolerance(1e-10).solve().unwrap();
-        assert!((&a.gap() - &b.gap).iter().all(|e| e.abs() < 1e-9) && (a.approach() - b.approach).abs() < 1e-9);
+    // A coefficient or a strength of zero is no friction.
+    let orowan = Limit::Orowan { coefficient: 0.3, strength: 0.0 };
+    for limit in [Limit::Coulomb(0.0), Limit::Tresca(0.0), orowan] {
+        let contact = periodic(&body, &grid, &heights, limit);
+        for load in [Load::MeanPressure(0.02), Load::Approach(0.008)] {
+            let a = solve(&contact, load, None);
+            let b = wall.press(load).tolerance(1e-10).solve().unwrap();
+            assert!((&a.gap() - &b.gap).iter().all(|e| e.abs() < 1e-9) && (a.approach() - b.approach).abs() < 1e-9);
+            let drive = Drive { lateral: [0.01, 0.02], ..load.into() };
+            let moved = contact.press(drive).tolerance(1e-10).starting_from(Some(&a)).solve().unwrap();
+            assert_eq!((moved.mean_shear, moved.losses.friction), ([0.0; 2], 0.0), "{limit:?}");
+            assert_eq!(moved.pressure().mean(), a.pressure().mean());
+        }
     }
 }
 

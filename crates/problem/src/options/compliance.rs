@@ -164,5 +164,8 @@ pub fn check_wavenumbers(body: &Body, grid: &Grid) -> Result<(), Unusable> {
     }
     let [from, to] = wanted;
     let found = format!("the table has the wavenumbers {low:.4e} to {high:.4e}");
-    Err(Unusable::input(key(TABLE), format!("{found}; it must have those of the grid, {from:.4e} to {to:.4e}")))
+    Err(Unusable::input(
+        key(TABLE),
+        format!("{found}; it must have the wavenumbers of the grid, {from:.4e} to {to:.4e}"),
+    ))
 }

@@ -13,11 +13,12 @@ use crate::{Friction, Unusable, WearBy, key};
 #[serde(default)]
 #[command(next_help_heading = "Contact")]
 pub struct FrictionArgs {
-    /// Coulomb friction with this coefficient; with a shear strength the limit of the shear is the smaller of both
+    /// Coulomb friction with this coefficient, 0 for none; with a shear strength the limit of the shear is the smaller
+    /// of both
     #[arg(long, value_name = "MU", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
-    /// Shear strength of the points in contact (Tresca), stress
+    /// Shear strength of the points in contact (Tresca), stress; 0 for none
     #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]

@@ -127,7 +127,6 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             relaxes: relaxing[digit(relaxing.len())],
             wear: wears[digit(wears.len())],
             // All fields, so that a new fact must be varied here. The following ones do not change the contact.
-            is_wear: false,
             layers: false,
             moved_base: None,
             statistics: false,

@@ -12,9 +12,7 @@ use gfmd_contact::{
 use gfmd_green::BaseKind;
 use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, StoredFields, Wear};
 use gfmd_law::LawKind;
-use gfmd_problem::{
-    Facts, Friction, Given, Lower, Part, RULES, Support, Task, WearBy, pose, rules_of, rules_of_wear, table,
-};
+use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, WearBy, pose, rules_of, table};
 use gfmd_relax::Budget;
 
 fn same(a: &impl Fields, b: &impl Fields) {
@@ -317,11 +315,9 @@ fn the_page_has_the_rules() {
          tests use one table of refused combinations. All other combinations are solved, and a test tries each on a \
          small grid.\n\
          `gfmd contact --help` and `gfmd path --help` print the same lists.\n\n\
-         ## `contact`\n\n{}\n## `path`\n\n{}\n## `wear`\n\n\
-         - as `path`; refused besides: {}\n\n## Reasons\n\n{}",
+         ## `contact`\n\n{}\n## `path`\n\n{}\n## Reasons\n\n{}",
         lines(Task::Loads),
         lines(Task::Path),
-        rules_of_wear().join(", "),
         table()
     );
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/together.md");

@@ -23,14 +23,13 @@ from ._kappa import KappaSweep, kappa_sweep
 from ._load import Residual
 from ._many import many
 from ._parts import Wear
-from ._path import Path, friction, path
+from ._path import Path, friction, path, wear
 from ._progress import progress
 from ._record import Record
 from ._result import Result
 from ._slide import Slide, slide
 from ._solve import contact, contacts
 from ._surface import Statistics, Surface, read, read_heights, self_affine
-from ._wear import WearPath, wear
 
 __all__ = [
     "Adhesion",
@@ -56,7 +55,6 @@ __all__ = [
     "Statistics",
     "Surface",
     "Wear",
-    "WearPath",
     "__version__",
     "cite",
     "contact",

@@ -576,15 +576,15 @@ class Steps(Record):
 
     @property
     def dissipated(self) -> Array:
-        """Stress * length [step]: energy lost in this step, per area; NaN if the law has no energy. In some
-        problems: work of the pressure on the depth lost in this step, per area, without the work of friction. In
-        some problems: energy lost in the dashpots in this step, per area. With `law` and `hardness` or `law` and
-        `friction` or `hardness` and `friction` or `law` and `prony` or `hardness` and `prony` or `friction` and
-        `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`: energy
-        lost in the dashpots and in jumps in this step, per area; in the first one without jumps. With `law` and
-        `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and
-        `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`: energy
-        lost in this step by all causes, per area: the sum of the columns lost_*.
+        """Stress * length [step]: energy lost in this step, per area; with a law at least minus its error; NaN if
+        the law has no energy. In some problems: work of the pressure on the depth lost in this step, per area,
+        without the work of friction. In some problems: energy lost in the dashpots in this step, per area. With
+        `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `law` and `prony` or `hardness`
+        and `prony` or `friction` and `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear`
+        or `prony` and `wear`: energy lost in the dashpots and in jumps in this step, per area; in the first one
+        without jumps. With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness`
+        and `prony` or `friction` and `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear`
+        or `prony` and `wear`: energy lost in this step by all causes, per area: the sum of the columns lost_*.
         """
 
     @property
@@ -615,8 +615,9 @@ class Steps(Record):
 
     @property
     def lost_jumps(self) -> Array:
-        """Stress * length [step]: part of dissipated that is lost in jumps in this step, per area. With `law` and
-        `hardness` or `law` and `friction` or `law` and `prony` or `law` and `wear` only.
+        """Stress * length [step]: part of dissipated that is lost in jumps in this step, per area: what the balance
+        of work and energy misses, and so below zero by no more than its error. With `law` and `hardness` or `law`
+        and `friction` or `law` and `prony` or `law` and `wear` only.
         """
 
     @property
@@ -634,9 +635,10 @@ class Steps(Record):
     @property
     def work_imbalance(self) -> Array:
         """Stress * length [step]: work of the rigid surface by the trapezoidal rule less the energies gained and
-        lost, in magnitude. With `law` and `prony`: work of the rigid surface by the trapezoidal rule less the
-        energies gained and lost, in magnitude; in a step with a jump the largest error of that rule; 0 in the first
-        step of no time. In some problems only.
+        lost, in magnitude; the sum of a path leaves out a first step of no time and no distance. With `law` and
+        `prony`: work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude;
+        in a step with a jump the largest error of that rule; 0 in the first step of no time; the sum of a path
+        leaves out a first step of no time. In some problems only.
         """
 
     @property
@@ -944,27 +946,6 @@ class StepFields(Record):
     @property
     def shear_y(self) -> Array:
         """Stress [waypoint, x, y]: shear traction on the elastic surface along y. In some problems only. Read-only."""
-
-class WearFields(Record):
-    """The fields of wear."""
-
-    @property
-    def pressure(self) -> Array:
-        """Stress [waypoint, x, y]: pressure on the elastic surface, compression positive; attraction is negative.
-        Read-only.
-        """
-
-    @property
-    def displacement_z(self) -> Array:
-        """Length [waypoint, x, y]: normal displacement of the elastic surface, negative downwards. Read-only."""
-
-    @property
-    def gap(self) -> Array:
-        """Length [waypoint, x, y]: distance between the surfaces. Read-only."""
-
-    @property
-    def wear_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth that both surfaces have lost so far. Read-only."""
 
 class Patches(Record):
     """The patches of points in contact, as `gfmd contact --statistics` measures them."""

@@ -508,7 +508,7 @@ class Contact(Result, Numbers, Fields):
                 )
                 if fields[name].shape != shape:
                     raise InputError(
-                        f"{name} has the shape {list(found.shape)}; it must be {list(shape)} as that of the contact"
+                        f"{name} has the shape {list(found.shape)}; it must be {list(shape)}, the shape of the contact"
                     )
         problem, state = self._posed()
         heights, load, modulus, error = problem.vjp(

@@ -63,7 +63,7 @@ class Leaks:
         """
         steps, surface = self.steps, self.surface  # type: ignore[attr-defined]
         if "flow_xx" not in steps:
-            raise InputError("the result has no flow; path and wear take flow=True")
+            raise InputError("the result has no flow; path takes flow=True")
         along = np.stack([steps.flow_xx, steps.flow_yy], axis=-1)
         is_open = np.stack([steps.flow_percolates_x, steps.flow_percolates_y], axis=-1).astype(bool)
         through = transmissivity(along, is_open, np.asarray(steps.mean_gap)[:, np.newaxis])

@@ -16,7 +16,6 @@ from ._check import Quantity
 if TYPE_CHECKING:
     from ._body import Law
     from ._contact import Contact
-    from ._parts import Wear
     from ._surface import Surface
 
 
@@ -62,7 +61,7 @@ class ContactOptions(TypedDict, total=False):
 
 
 class PathOptions(TypedDict, total=False):
-    """Arguments of `path` beside those of `friction`."""
+    """Arguments of `path` beside those of `friction` and `wear`."""
 
     stress_unit: Optional[str]
     law: Optional[Law | str]
@@ -72,7 +71,6 @@ class PathOptions(TypedDict, total=False):
     grid_error: Literal["none", "estimate", "refine"]
     flow: bool
     hardness: Optional[Quantity | npt.ArrayLike]
-    distance: Optional[Quantity | npt.ArrayLike]
     time: Optional[Quantity | npt.ArrayLike]
     direction: float
     steps: int
@@ -82,4 +80,3 @@ class PathOptions(TypedDict, total=False):
     energy_tolerance: float
     energy_solves: Optional[int]
     threads: Optional[int]
-    wear: Optional[Wear]

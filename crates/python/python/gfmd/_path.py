@@ -38,12 +38,15 @@ class Path(Leaks, Computed, StepFields):
         steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints
             that were not reached.
         hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
-        wear: the given wear, a `Wear`; with wear only.
+        wear: the given wear, a `Wear`; with wear only, as are
+        coefficient: its coefficient as a number, 1/stress, and
+        wear_volume: mean depth lost at the end, length; None if no step was solved.
         adhesion: numbers of the attraction on this grid before the solve, an `Adhesion`; with an attraction only.
         dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the step
             errors; None if unknown. The error is also None if one of its terms is unknown. If there are several causes,
             `steps` has the part of each: `lost_friction`, `lost_wear` and so on.
-        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; where `steps` has it.
+        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; where `steps` has it. A
+            first step that loads at once, in no time and no distance, is left out.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
         lowest_mean_pressure: lowest mean pressure, stress; negative if the surfaces were pulled.
@@ -66,6 +69,8 @@ class Path(Leaks, Computed, StepFields):
     steps: Steps
     hardness: Union[float, Array]
     wear: Wear
+    coefficient: float
+    wear_volume: Optional[float]
     adhesion: Adhesion
     dissipated: Optional[float]
     dissipated_error: Optional[float]
@@ -98,8 +103,10 @@ class Path(Leaks, Computed, StepFields):
         return residual_of(self.steps)
 
     def __repr__(self) -> str:
-        names = ("mean_pressure", "p_star", "approach", "lateral", "time", "area_fraction", "mean_gap", "wear_volume")
-        return self._answer("steps", names, ("dissipated", "lowest_mean_pressure", "sliding", "parted_at"))
+        drives = ("mean_pressure", "p_star", "approach", "lateral", "time", "distance")
+        names = (*drives, "area_fraction", "mean_gap", "wear_volume")
+        answers = ("wear_volume", "dissipated", "lowest_mean_pressure", "sliding", "parted_at")
+        return self._answer("steps", names, answers)
 
     def to_dataframe(self) -> Any:
         """Returns the numbers of the steps as a pandas.DataFrame with a row for each step; units in `attrs["units"]`.
@@ -398,6 +405,8 @@ def friction(
     p_star: Any = None,
     approach: Any = None,
     lateral: Any = (0.0,),
+    distance: Any = None,
+    wear: Optional[Wear] = None,
     **options: Unpack[PathOptions],
 ) -> Path:
     """Pushes a contact with friction sideways: a `path` with all components of displacement.
@@ -408,6 +417,7 @@ def friction(
         shear_strength: strength of the interface (Tresca), stress; or both, as in `path`.
         pressure, p_star, approach: waypoints, as in `path`.
         lateral: lateral displacements of the rigid surface at the waypoints, length, as in `path`.
+        distance, wear: sliding distances and wear, as in `path`.
         options: further arguments of `path`.
 
     Raises:
@@ -423,4 +433,43 @@ def friction(
     if coefficient is None and shear_strength is None:
         raise InputError("friction is missing; it must be given by coefficient, shear_strength or both")
     loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
-    return path(surface, body, friction=coefficient, shear_strength=shear_strength, lateral=lateral, **loads, **options)
+    further = {"distance": distance, "wear": wear, **options}
+    return path(surface, body, friction=coefficient, shear_strength=shear_strength, lateral=lateral, **loads, **further)
+
+
+@hinted
+def wear(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    coefficient: Quantity,
+    distance: Any,
+    pressure: Any = None,
+    p_star: Any = None,
+    approach: Any = None,
+    **options: Unpack[PathOptions],
+) -> Path:
+    """Wears two surfaces that slide by Archard's law: running-in, shape, volume. It is a `path` with a `Wear`.
+
+    Args:
+        surface, body: as in `path`.
+        coefficient: wear coefficient of both surfaces together, divided by the hardness, 1/stress, as in `Wear`.
+        distance: sliding distances of the legs, length: a number or a sequence. Each leg ends at a waypoint. The first
+            leg begins at first touch; a leg of zero distance is one step.
+        pressure, p_star, approach: waypoints, as in `path`.
+        options: further arguments of `path`.
+
+    Raises:
+        InputError: invalid arguments; nothing was computed.
+        NotConverged, Interrupted: `.state` is the Path so far.
+
+    Example:
+        >>> surface = gfmd.self_affine(n=32, eps_f_inv=4)
+        >>> worn = gfmd.wear(surface, gfmd.Body(), coefficient=1.0, distance=[0, 100.0], p_star=0.05, steps=20)
+        >>> float(worn.steps.area_fraction[0]) < 0.2, float(worn.steps.area_fraction[-1])
+        (True, 1.0)
+        >>> worn.steps.distance.shape, worn.wear_depth.shape
+        ((21,), (2, 32, 32))
+    """
+    loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
+    return path(surface, body, wear=Wear(coefficient), distance=distance, **loads, **options)

@@ -109,10 +109,10 @@ class Slide(Computed, StateFields):
 def _thermal(heat: Any) -> list[Any]:
     """Checks conductivity and diffusivity of one or two bodies."""
     if isinstance(heat, str) or not isinstance(heat, Iterable):
-        raise InputError(f"heat is {shown(heat)}; it must be two numbers, or four with those of the surface")
+        raise InputError(f"heat is {shown(heat)}; it must be two numbers, or four with the two of the surface")
     entries = list(heat)
     if len(entries) not in (2, 4):
-        raise InputError(f"heat has {len(entries)} numbers; it must have two, or four with those of the surface")
+        raise InputError(f"heat has {len(entries)} numbers; it must have two, or four with the two of the surface")
     kinds = ("stress*length^2/time*temperature", "length^2/time") * 2
     return [quantity("heat", entry, kind) for entry, kind in zip(entries, kinds)]
 

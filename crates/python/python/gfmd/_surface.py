@@ -615,7 +615,7 @@ def as_lower(value: Any, surface: Surface) -> Optional[Surface]:
         ("unit", lower.unit, surface.unit),
     ):
         if found != wanted and not (name == "unit" and None in (found, wanted)):
-            raise InputError(f"{name} of lower_surface is {found}; it must be {wanted}, that of the upper surface")
+            raise InputError(f"{name} of lower_surface is {found}; it must be {wanted}, as for the upper surface")
     return lower
 
 

@@ -53,7 +53,10 @@ pub(super) const COLUMNS: &[Column] = &[
             ),
             (relaxing, "energy lost in the dashpots in this step, per area"),
             (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
-            (any, "energy lost in this step, per area; NaN if the law has no energy"),
+            (
+                any,
+                "energy lost in this step, per area; with a law at least minus its error; NaN if the law has no energy",
+            ),
         ],
         |at| lost(at, false),
     )
@@ -97,7 +100,11 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_jumps",
         "stress*length",
-        &[(any, "part of dissipated that is lost in jumps in this step, per area")],
+        &[(
+            any,
+            "part of dissipated that is lost in jumps in this step, per area: what the balance of work and energy \
+             misses, and so below zero by no more than its error",
+        )],
         |at| by_cause(at, |losses| losses.jumps),
     )
     .with(|facts| several_causes(facts) && law(facts))
@@ -131,9 +138,14 @@ pub(super) const COLUMNS: &[Column] = &[
             (
                 |facts| relaxing(facts) && law(facts),
                 "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; in \
-                 a step with a jump the largest error of that rule; 0 in the first step of no time",
+                 a step with a jump the largest error of that rule; 0 in the first step of no time; the sum of a path \
+                 leaves out a first step of no time",
             ),
-            (any, "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude"),
+            (
+                any,
+                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; \
+                 the sum of a path leaves out a first step of no time and no distance",
+            ),
         ],
         imbalance,
     )

@@ -1,7 +1,7 @@
 //! Python classes with the numbers and fields of states as attributes, generated from their tables.
 //! `GFMD_DOCS=write cargo test -p gfmd-record` writes them.
 
-use gfmd_problem::{Facts, Part, Task, WearBy};
+use gfmd_problem::{Facts, Part, Task};
 use gfmd_record::{
     ARRAYS, COLUMNS, Column, Number, Punch, PunchFacts, SLIDING_FIELDS, STATISTICS, Sliding, SlidingFacts, State,
     Subject, Surface, SurfaceFacts,
@@ -33,7 +33,7 @@ fn condition(facts: &[Facts], holds: Holds<Facts>) -> Option<String> {
         return None;
     }
     // Parts that are no option of Python: a path is a function, and the others are absent or wider ones.
-    let no_options = [Part::Path, Part::SlipAlone, Part::WearByDistance, Part::StillFriction];
+    let no_options = [Part::Path, Part::WearBySlip, Part::Frictionless, Part::WearByDistance, Part::StillFriction];
     let parts: Vec<Part> = Part::ALL.iter().copied().filter(|part| !no_options.contains(part)).collect();
     let alone = parts.iter().map(|part| vec![*part]).collect();
     let both = |(place, part): (usize, &Part)| parts[..place].iter().map(|other| vec![*other, *part]).collect();
@@ -212,14 +212,6 @@ fn the_classes_of_python_have_the_columns() {
         .collect();
     let of = |task: Task| -> Vec<Facts> { all.iter().copied().filter(|facts| facts.task == task).collect() };
     let [loads, path] = [of(Task::Loads), of(Task::Path)];
-    // The command `wear` is a path of surfaces that wear by distance, without a further part.
-    let has = |facts: &Facts, part: Part| part.is_in(facts);
-    let others = [Part::Law, Part::Hardness, Part::Friction, Part::Prony, Part::Lateral];
-    let is_worn = |facts: &Facts| {
-        facts.wear == Some(WearBy::Distance) && !others.iter().any(|part| has(facts, *part)) && facts.check().is_ok()
-    };
-    let worn: Vec<Facts> = path.iter().map(|facts| Facts { is_wear: true, ..*facts }).filter(is_worn).collect();
-    let steps = [&path[..], &worn].concat();
     let parts = [
         ("residual", "Residual", "Residuals, recomputed from the final fields; `float(...)` is the largest"),
         ("lower", "LowerFace", "Numbers of the lower face"),
@@ -243,9 +235,8 @@ fn the_classes_of_python_have_the_columns() {
             held_in: Some("_fields"),
             properties: fields(&loads, points, true),
         },
-        Class::record("Steps", "The numbers of the steps of a path.", numbers(&steps, &OF_STEPS, of_step, &[])),
+        Class::record("Steps", "The numbers of the steps of a path.", numbers(&path, &OF_STEPS, of_step, &[])),
         Class::record("StepFields", "The fields of a path.", fields(&path, waypoints, false)),
-        Class::record("WearFields", "The fields of wear.", fields(&worn, waypoints, false)),
         Class::record(
             "Patches",
             "The patches of points in contact, as `gfmd contact --statistics` measures them.",

@@ -205,7 +205,9 @@ impl StoredSurface {
         let shape = reader.shape(&path).map_err(|_| format!("the file has no field {name}"))?;
         // Compare the shape before reading that much data.
         if shape.get(1..) != Some(&self.grid.points()[..]) {
-            return Err(format!("{path} has the shape {shape:?}; its last two lengths must be those of the surface"));
+            return Err(format!(
+                "{path} has the shape {shape:?}; its last two lengths must be the lengths of the surface"
+            ));
         }
         let values: Vec<f64> = reader.slab(&path, index).map_err(|error| error.to_string())?;
         let computed = values.iter().all(|value| value.is_finite());

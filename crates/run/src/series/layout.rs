@@ -21,7 +21,6 @@ impl SeriesLayout {
     pub fn of(facts: &Facts) -> &'static Self {
         match facts.task {
             Task::Loads => &LOADS,
-            Task::Path if facts.is_wear => &DISTANCES,
             Task::Path => &STEPS,
         }
     }
@@ -42,5 +41,3 @@ const STEPS: SeriesLayout = SeriesLayout {
     meaning: "step of the path",
     stored: ("waypoint", "waypoint of the path"),
 };
-
-const DISTANCES: SeriesLayout = SeriesLayout { group: "/wear", ..STEPS };

@@ -209,9 +209,8 @@ fn run(history: &History, folder: &Path, found: &mut Found) -> (End, String) {
 fn states(found: &mut Found, history: &History, records: &[Value], file: &Reader) {
     let case = &history.case;
     let group = match history.kind {
-        Kind::Relaxing => "/path",
+        Kind::Relaxing | Kind::Wear => "/path",
         Kind::Sliding | Kind::Heat => "/states",
-        Kind::Wear => "/wear",
     };
     let stored = file.shape("/fields/pressure").unwrap()[0];
     for (name, key) in [("mean_pressure", "mean_pressure"), ("max_pressure", "max_pressure")] {

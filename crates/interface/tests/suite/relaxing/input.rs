@@ -14,10 +14,13 @@ fn times_that_run_backwards_are_refused() {
     let contact = relaxing(&Body::half_space(material(0.3)), &grid, &rough(&grid, 1), &one(), Relaxes::Both);
     let load = Drive::from(Load::MeanPressure(0.01));
     let refused = |drive: Drive, start| contact.press(drive).starting_from(start).solve().unwrap_err().to_string();
-    assert_eq!(refused(load.at(-1.0), None), "the time is -1; it must be at least 0, that of the state before");
+    assert_eq!(refused(load.at(-1.0), None), "the time is -1; it must be at least 0, the time of the state before");
     assert_eq!(refused(load.at(f64::NAN), None), "the time is NaN; it must be finite");
     let state = contact.press(load.at(2.0)).solve().unwrap();
-    assert_eq!(refused(load.at(1.0), Some(&state)), "the time is 1; it must be at least 2, that of the state before");
+    assert_eq!(
+        refused(load.at(1.0), Some(&state)),
+        "the time is 1; it must be at least 2, the time of the state before"
+    );
 }
 
 #[test]

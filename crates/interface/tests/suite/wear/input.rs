@@ -32,11 +32,14 @@ fn distances_and_loads_are_refused() {
     let contact = wearing(&Body::half_space(material(0.3)), &grid, &rough(&grid, 1), 0.1);
     let load = Drive::from(Load::MeanPressure(0.01));
     let refused = |drive: Drive, start| contact.press(drive).starting_from(start).solve().unwrap_err().to_string();
-    assert_eq!(refused(load.after(-1.0), None), "the distance is -1; it must be at least 0, that of the state before");
+    assert_eq!(
+        refused(load.after(-1.0), None),
+        "the distance is -1; it must be at least 0, the distance of the state before"
+    );
     assert_eq!(refused(load.after(f64::NAN), None), "the distance is NaN; it must be finite");
     let state = contact.press(load.after(2.0)).solve().unwrap();
     let back = refused(load.after(1.0), Some(&state));
-    assert_eq!(back, "the distance is 1; it must be at least 2, that of the state before");
+    assert_eq!(back, "the distance is 1; it must be at least 2, the distance of the state before");
     assert_eq!(
         refused(Load::MeanPressure(-0.1).into(), None),
         "the mean pressure is -0.1; it must be positive and finite"

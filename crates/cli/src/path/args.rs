@@ -1,4 +1,4 @@
-//! Flags of all paths.
+//! Flags of the surroundings and the steps of a path.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use gfmd_problem::options::SearchArgs;
 /// Flags of the surroundings of a path, and of the numbers of its steps.
 #[derive(ClapArgs, Options, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct PathOptions {
+pub(super) struct PathOptions {
     /// The surroundings of the surface; free: a patch that does not repeat
     #[arg(
         long,
@@ -25,7 +25,7 @@ pub(crate) struct PathOptions {
         help_heading = "Contact"
     )]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
-    pub(crate) boundary: Boundary,
+    pub(super) boundary: Boundary,
     /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
     /// too
     #[arg(
@@ -48,7 +48,7 @@ fn is_periodic(boundary: &Boundary) -> bool {
 
 impl PathOptions {
     /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
-    pub(crate) fn of(self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
+    pub(super) fn of(self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
         let Self { boundary, grid_error, flow } = self;
         Facts { task: Task::Path, boundary, flow, resume, grid_error, ..body }
     }
@@ -57,7 +57,7 @@ impl PathOptions {
 /// Flags of the steps of a path, of the search for each, and of the file.
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct StepArgs {
+pub(super) struct StepArgs {
     /// Steps from one waypoint to the next
     #[arg(
         long,
@@ -67,15 +67,15 @@ pub(crate) struct StepArgs {
         help_heading = "Waypoints"
     )]
     #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
-    pub(crate) steps: u32,
+    pub(super) steps: u32,
     #[command(flatten)]
     #[serde(flatten)]
-    pub(crate) search: SearchArgs,
+    pub(super) search: SearchArgs,
     #[command(flatten)]
     #[serde(skip)]
-    pub(crate) resume: ResumeArgs,
+    pub(super) resume: ResumeArgs,
     /// Write the path, and the fields at its waypoints, to this HDF5 file
     #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
-    pub(crate) out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
 }

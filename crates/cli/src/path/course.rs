@@ -1,18 +1,13 @@
-//! Path of drives, followed step by step and kept: the common part of `path` and `wear`.
-
-mod args;
-mod waypoints;
+//! Path of drives, followed step by step and kept.
 
 use gfmd_contact::{Budget, Drive, Fields as _, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Flow;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_problem::{AnyState, Posed};
-use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext, Table, table_of};
-use gfmd_unit::Units;
-use std::fmt;
-use std::path::PathBuf;
+use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext};
 
+use super::report::Report;
 use crate::progress::Progress;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
@@ -24,51 +19,47 @@ use gfmd_run::series::{
     beside, on_finer_grids, resolved, run_with_journal,
 };
 
-pub(crate) use self::args::{PathOptions, StepArgs};
-pub(crate) use self::waypoints::{counted, legs, lengths};
-
 /// Input of a path, checked before the first solve.
-pub(crate) struct PathInput {
-    pub(crate) prepared: Prepared,
-    pub(crate) drives: Vec<Drive>,
-    pub(crate) places: Places,
-    pub(crate) output: Option<Output>,
+pub(super) struct PathInput {
+    pub(super) prepared: Prepared,
+    pub(super) drives: Vec<Drive>,
+    pub(super) places: Places,
+    pub(super) output: Option<Output>,
 }
 
 /// Settings for following a path.
-pub(crate) struct PathSettings<'a> {
-    pub(crate) asked: Asked<'a>,
+pub(super) struct PathSettings<'a> {
+    pub(super) asked: Asked<'a>,
     /// Flag of its loads or approaches.
-    pub(crate) option: &'static str,
-    pub(crate) resume: ResumeArgs,
-    pub(crate) refinement: Refinement,
+    pub(super) option: &'static str,
+    pub(super) resume: ResumeArgs,
+    pub(super) refinement: Refinement,
     /// Configuration stored in the file.
-    pub(crate) config: String,
+    pub(super) config: String,
 }
 
 /// Path after it was followed as far as possible.
-pub(crate) struct Followed<'a> {
-    pub(crate) contact: &'a Posed,
+pub(super) struct Followed<'a> {
+    pub(super) contact: &'a Posed,
     /// Path at its last state.
-    pub(crate) path: Path<'a, Posed>,
-    pub(crate) outcome: SeriesOutcome,
+    pub(super) path: Path<'a, Posed>,
+    pub(super) outcome: SeriesOutcome,
     /// File without its scalars. An interrupted run with a kept state has none.
-    pub(crate) file: Option<StateFile<'a>>,
+    pub(super) file: Option<StateFile<'a>>,
     /// Fields of the step with the largest contact.
-    pub(crate) widest: Option<SceneFields>,
+    pub(super) widest: Option<SceneFields>,
     /// Steps that further increments would change.
-    pub(crate) unsettled: Vec<(usize, Step)>,
+    pub(super) unsettled: Vec<(usize, Step)>,
 }
 
 impl PathInput {
-    /// Follows the path and passes it to `end`, which makes a report; `out` returns the output file of the report.
-    pub(crate) fn run<R>(
+    /// Follows the path and passes it to `end`, which makes the report.
+    pub(super) fn run(
         &self,
         settings: &PathSettings,
         session: &Session,
-        end: impl FnOnce(Followed) -> Result<Outcome<R>, Failure>,
-        out: impl FnOnce(&R) -> Option<&PathBuf>,
-    ) -> Result<Outcome<R>, Failure> {
+        end: impl FnOnce(Followed) -> Result<Outcome<Report>, Failure>,
+    ) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
         let (budget, option) = (settings.asked.budget, settings.option);
         let contact = prepared.pose_with_warnings(&settings.asked, session)?;
@@ -84,7 +75,11 @@ impl PathInput {
             )?),
             _ => None,
         };
-        run_with_journal(kept, |kept| end(self.follow(&contact, settings, kept, session)?), out)
+        run_with_journal(
+            kept,
+            |kept| end(self.follow(&contact, settings, kept, session)?),
+            |report| report.out.as_ref(),
+        )
     }
 
     /// Computes the steps that are not kept.
@@ -177,7 +172,7 @@ impl Beside<'_> {
 }
 
 /// Computes the flow through the gap of a state, if requested.
-pub(crate) fn leak(
+pub(super) fn leak(
     prepared: &Prepared,
     state: &AnyState,
     at: &StateContext,
@@ -189,43 +184,6 @@ pub(crate) fn leak(
     prepared.facts.flow.then(flow).transpose()
 }
 
-/// Returns the sum of the errors of all losses; `None` if one is unknown.
-pub(crate) fn error_of_losses(steps: &[Record]) -> Option<f64> {
-    let mut lost = steps.iter().filter(|step| step.value("dissipated").is_some()).peekable();
-    lost.peek()?;
-    lost.map(|step| step.value("dissipated_error")).sum()
-}
-
-/// Prints the table of the steps, one line per step.
-pub(crate) fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
-    let width = f.width().map(|width| width.saturating_sub(5));
-    for (index, line) in table_of(steps, &[Table::State, Table::Energy], units, width).iter().enumerate() {
-        let Some(step) = index.checked_sub(1) else {
-            writeln!(f, "{:>5}{line}", "")?;
-            continue;
-        };
-        let is = |name: &str| steps[step].is(name);
-        let jumped = if is("passed_instability") { "  passed an instability" } else { "" };
-        writeln!(f, "{step:>5}{line}{jumped}{}", if is("converged") { "" } else { "  NOT CONVERGED" })?;
-    }
-    Ok(())
-}
-
-/// Legend of the flow, with its conversion to device units.
-pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the \
-                               mean gap; in ml/s by Python: \
-                               1e6 * result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")";
-
-/// Prints the table of the flow, one line per step, if there is one.
-pub(crate) fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
-    let lines = table_of(steps, &[Table::Flow], units, None);
-    for (index, line) in lines.iter().enumerate() {
-        let step = index.checked_sub(1).map_or_else(|| "\n     ".to_owned(), |step| format!("{step:>5}"));
-        writeln!(f, "{step}{line}")?;
-    }
-    if lines.is_empty() { Ok(()) } else { writeln!(f, "{FLOW}") }
-}
-
 /// State handler of a path: its records, its widest contact, its unsettled steps.
 struct Log<'a> {
     contact: &'a Posed,
@@ -235,7 +193,7 @@ struct Log<'a> {
     tolerance: f64,
     session: &'a Session,
     prepared: &'a Prepared,
-    /// Largest contact area, and its fields.
+    /// Largest contact area, and its fields; the last of several, as on the page.
     widest: Option<(f64, SceneFields)>,
     /// Steps that further increments would change.
     unsettled: Vec<(usize, Step)>,
@@ -260,7 +218,7 @@ impl StateHandler for Log<'_> {
             self.unsettled.push((index, *step));
         }
         let area = record.number("area_fraction");
-        if self.widest.as_ref().is_none_or(|(most, _)| area > *most) {
+        if self.widest.as_ref().is_none_or(|(most, _)| area >= *most) {
             self.widest = Some((area, SceneFields::of(state, None, state.plastic_depth())));
         }
         Ok(record)

@@ -17,7 +17,7 @@ const STEP_BYTES: u64 = 4096;
 ///
 /// # Errors
 /// Returns an error if a length is negative or not finite.
-pub(crate) fn lengths(option: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure> {
+pub(super) fn lengths(option: &str, entries: &[Entry]) -> Result<Vec<f64>, Failure> {
     let lengths: Vec<f64> = numbers(entries).collect();
     match lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
         Some(bad) => Err(Failure::value(key(option), bad, "finite and not negative")),
@@ -30,7 +30,7 @@ pub(crate) fn lengths(option: &str, entries: &[Entry]) -> Result<Vec<f64>, Failu
 ///
 /// # Errors
 /// Returns an error if a list has another length, or if there are too many steps.
-pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) -> usize) -> Result<usize, Failure> {
+pub(super) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) -> usize) -> Result<usize, Failure> {
     let count = lists.iter().map(|(_, length)| *length).max().unwrap_or(0);
     if let Some((option, length)) = lists.iter().find(|(_, length)| *length != 1 && *length != count) {
         return Err(Failure::refused(words![
@@ -50,7 +50,7 @@ pub(crate) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) 
 /// Returns the steps of `count` legs, starting from zero. A leg ends at its `levels`, after its `lengths`; a list of
 /// one value holds for all legs. A leg of zero lengths is one step. `drive` maps the levels and the lengths so far to a
 /// drive.
-pub(crate) fn legs<const L: usize, const M: usize>(
+pub(super) fn legs<const L: usize, const M: usize>(
     levels: [&[f64]; L],
     lengths: [&[f64]; M],
     count: usize,
