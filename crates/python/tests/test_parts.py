@@ -214,7 +214,7 @@ RUBBER = gfmd.Body(poisson=0.3, prony=[(0.1, 0.3)], relaxes="shear")
         (
             None,
             dict(wear=SLIP, p_star=0.05),
-            'by="slip" is given; it must be "distance" with neither friction nor shear_strength',
+            'by="slip" is given; it must be distance with neither friction nor shear_strength',
         ),
         (None, dict(friction=-0.3, **SHEARED), "friction: mu is -0.3"),
         (None, dict(shear_strength=-0.1, **SHEARED), "shear_strength: "),

@@ -61,7 +61,7 @@ def test_quantities_may_have_units():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (dict(coefficient=0.0), "coefficient is 0; it must be positive and finite"),
+        (dict(coefficient=0.0), "coefficient is 0.0; it must be positive and finite"),
         (dict(coefficient=float("nan")), "coefficient is"),
         (dict(distance=-1.0), "distance is -1; it must be finite and not negative"),
         (dict(distance=[]), "distance"),
@@ -78,7 +78,9 @@ def test_unusable_arguments_are_refused(given, words):
     assert words in str(error.value), error.value
 
 
-def test_a_body_that_relaxes_does_not_wear():
-    with pytest.raises(gfmd.InputError, match="body is viscoelastic; it must be elastic here"):
-        rubber = gfmd.Body(prony=[(1.0, 0.5)])
-        gfmd.wear(gfmd.self_affine(n=16, eps_f_inv=4), rubber, coefficient=1.0, distance=1.0, p_star=0.05)
+def test_other_parts_of_a_path_may_be_given():
+    rubber = gfmd.Body(prony=[(1.0, 0.5)])
+    given = dict(coefficient=1.0, distance=[0, 1.0], time=[0, 1.0], p_star=0.05, steps=1)
+    worn = gfmd.wear(gfmd.self_affine(n=16, eps_f_inv=4), rubber, **given)
+    assert isinstance(worn, gfmd.Path) and worn.wear == gfmd.Wear(1.0)
+    assert worn.wear_volume > 0.0 and worn.steps.lost_relaxation[-1] > 0.0

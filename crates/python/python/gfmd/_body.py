@@ -486,7 +486,9 @@ def _tabulated(gap: Any, traction: Any, units: Optional[tuple[str, str]]) -> Law
         raise InputError(f"gap has the shape {list(gaps.shape)}; it must have one dimension")
     found = _sampled(traction, gaps) if callable(traction) else array("traction", traction)
     if found.shape != gaps.shape:
-        raise InputError(f"traction has the shape {list(found.shape)}; it must be {list(gaps.shape)}, the shape of the gaps")
+        raise InputError(
+            f"traction has the shape {list(found.shape)}; it must be {list(gaps.shape)}, the shape of the gaps"
+        )
     rows: list[tuple[Quantity, Quantity]] = list(zip(gaps.tolist(), found.tolist()))
     plain = Law("table", {}, rows)
     if callable(traction):
