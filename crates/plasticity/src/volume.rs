@@ -1,0 +1,481 @@
+//! The volume below the surface: from plastic strain and pressure to strain and displacement of the surface.
+
+use std::sync::Arc;
+
+use gfmd_field::{Grid, Mode, Transform, Workspace};
+use gfmd_green::{Blocks, Body, Ground};
+use num_complex::Complex;
+use rayon::prelude::*;
+
+use crate::cells::{Below, Cell, Mesh};
+use crate::pack::{Pack, WIDTH};
+use crate::sweep::{self, Memory, Support, Waves};
+
+pub(crate) use gfmd_field::Real;
+
+/// Number of components of a deviatoric strain.
+pub(crate) const COMPONENTS: usize = 5;
+
+/// Volume of a body on a grid, described by its cells and by the stiffness of what lies below them. Shared by all
+/// operators on it.
+#[derive(Debug)]
+pub(crate) struct Volume {
+    pub(crate) mesh: Arc<Mesh>,
+    /// Packs of wave vectors, lane after lane of the half spectrum.
+    packs: Vec<WavePack>,
+    /// Places of the components that do not vanish: all, or those of plane strain.
+    pub(crate) components: Vec<usize>,
+    /// Number of the level of each cell.
+    levels: Vec<usize>,
+    /// Coarsening of each level.
+    coarsenings: Vec<usize>,
+}
+
+/// Neighbouring wave vectors of a lane.
+#[derive(Clone, Debug)]
+struct WavePack {
+    /// Number of cells, from the surface, with a grid that has one of these waves.
+    depth: usize,
+    /// Stiffness below these cells.
+    support: Support,
+}
+
+/// Stiffness of a rigid ground divided by the stiffness of a cell above it: so large that the displacement of the
+/// ground vanishes in double precision.
+const RIGID: f64 = 1e40;
+
+/// Returns the wave vectors of a pack. Places beyond the lane repeat its last mode; the uniform mode gets a wavenumber
+/// of one, since its strain is computed apart.
+fn waves(grid: &Grid, lane: usize, pack: usize, flip: [bool; 2]) -> Waves {
+    let [_, positions] = grid.spectrum_shape();
+    let mut waves = Waves { wavenumber: Pack::all(1.0), direction: [Pack::all(1.0), Pack::ZERO] };
+    for k in 0..WIDTH {
+        let mode = grid.mode(lane, (pack * WIDTH + k).min(positions - 1));
+        if mode.is_uniform() {
+            continue;
+        }
+        let q = mode.wavenumber();
+        waves.wavenumber.0[k] = q;
+        for axis in 0..2 {
+            let sign = if flip[axis] && mode.nyquist[axis] { -1.0 } else { 1.0 };
+            waves.direction[axis].0[k] = sign * mode.wavevector[axis] / q;
+        }
+    }
+    waves
+}
+
+/// Returns true if the grid of a cell has the mode. A coarser grid has no Nyquist modes.
+fn has(cell: &Cell, points: [usize; 2], mode: &Mode) -> bool {
+    cell.coarsening == 1
+        || (0..2).all(|axis| {
+            let coarse = points[axis].div_ceil(cell.coarsening) as u64;
+            points[axis] == 1 || 2 * mode.number[axis].unsigned_abs() < coarse
+        })
+}
+
+fn support_of(blocks: &Blocks) -> [f64; 4] {
+    [blocks.longitudinal, blocks.coupling[0], blocks.normal, blocks.transverse]
+}
+
+fn ground_support(ground: Ground, lowest: &Cell) -> [f64; 4] {
+    let rigid = RIGID * lowest.p_wave_modulus / lowest.thickness;
+    let of = |condition| if condition == gfmd_green::Condition::Fixed { rigid } else { 0.0 };
+    [of(ground.lateral), 0.0, of(ground.normal), of(ground.lateral)]
+}
+
+impl Volume {
+    pub(crate) fn new(mesh: Mesh) -> Self {
+        let (grid, cells) = (mesh.grid, &mesh.cells);
+        let [lanes, positions] = grid.spectrum_shape();
+        let per_lane = positions.div_ceil(WIDTH);
+        let of_pack = |index: usize| {
+            let (lane, pack) = (index / per_lane, index % per_lane);
+            let modes: Vec<Mode> = (pack * WIDTH..((pack + 1) * WIDTH).min(positions))
+                .map(|position| grid.mode(lane, position))
+                .collect();
+            let held = |cell: &Cell| modes.iter().any(|mode| has(cell, grid.points(), mode));
+            let depth = cells.iter().rposition(held).map_or(0, |last| last + 1);
+            let waves = waves(&grid, lane, pack, [false; 2]);
+            let mut support = [Pack::ZERO; 4];
+            for k in 0..WIDTH {
+                let entries = match &mesh.below {
+                    Below::Body(body) => support_of(&Body::stiffness_blocks(body, waves.wavenumber.0[k])),
+                    Below::Ground(ground) => ground_support(*ground, &cells[cells.len() - 1]),
+                };
+                support.iter_mut().zip(entries).for_each(|(pack, entry)| pack.0[k] = entry);
+            }
+            let support = sweep::stiffness(&cells[depth..], waves.wavenumber, &support);
+            WavePack { depth, support }
+        };
+        let packs = (0..lanes * per_lane).into_par_iter().with_min_len(16).map(of_pack).collect();
+        let mut coarsenings: Vec<usize> = vec![1];
+        let levels = cells
+            .iter()
+            .map(|cell| {
+                coarsenings.iter().position(|known| *known == cell.coarsening).unwrap_or_else(|| {
+                    coarsenings.push(cell.coarsening);
+                    coarsenings.len() - 1
+                })
+            })
+            .collect();
+        let components = match grid.points() {
+            [_, 1] => vec![0, 1, 3],
+            [1, _] => vec![0, 1, 4],
+            _ => (0..COMPONENTS).collect(),
+        };
+        Self { mesh: Arc::new(mesh), packs, components, levels, coarsenings }
+    }
+
+    /// Returns the number of strain components in all cells, each with its own number of points.
+    pub(crate) fn offsets(&self) -> Vec<usize> {
+        let mut sum = 0;
+        let mut offsets = vec![0];
+        for cell in &self.mesh.cells {
+            sum += COMPONENTS * cell.grid(&self.mesh.grid).len();
+            offsets.push(sum);
+        }
+        offsets
+    }
+}
+
+/// Transforms of one level.
+struct Level<T: Real> {
+    transform: Transform<T>,
+    workspace: Workspace<T>,
+    /// Cost of a transform, in transforms of the full grid.
+    cost: f64,
+}
+
+/// Operators of one [`Volume`] in one precision, with their memory.
+pub(crate) struct Operator<T: Real> {
+    pub(crate) volume: Arc<Volume>,
+    levels: Vec<Level<T>>,
+    /// Spectra of the components of each cell, one after the other: plastic strain, then strain.
+    pub(crate) spectra: Vec<Vec<Complex<T>>>,
+    surface: Vec<Complex<T>>,
+    buffer: Vec<T>,
+    /// Number of single transforms, in transforms of the full grid.
+    singles: f64,
+}
+
+/// What a pass over the waves computes.
+#[derive(Clone, Copy, PartialEq)]
+enum Direction {
+    /// Displacement of the surface, from plastic strain.
+    Up,
+    /// Strain, from plastic strain and the traction on the surface.
+    Down,
+}
+
+/// Cells whose plastic strain is not zero, and cells whose strain is wanted.
+#[derive(Clone, Debug)]
+pub(crate) struct Selection {
+    pub(crate) plastic: Vec<bool>,
+    pub(crate) strain: Vec<bool>,
+}
+
+impl<T: Real> Operator<T> {
+    pub(crate) fn new(volume: &Arc<Volume>) -> Self {
+        let grid = volume.mesh.grid;
+        let level = |coarsening: &usize| {
+            let points = grid.points().map(|points| points.div_ceil(*coarsening));
+            let coarse = Grid::new(points, grid.lengths()).expect("a grid with fewer points is a grid");
+            let transform = Transform::new(coarse);
+            let workspace = transform.workspace();
+            Level { transform, workspace, cost: coarse.len() as f64 / grid.len() as f64 }
+        };
+        let levels: Vec<Level<T>> = volume.coarsenings.iter().map(level).collect();
+        let spectra = volume
+            .levels
+            .iter()
+            .map(|level| vec![Complex::default(); volume.components.len() * levels[*level].transform.grid().spectrum_len()])
+            .collect();
+        Self {
+            volume: Arc::clone(volume),
+            levels,
+            spectra,
+            surface: vec![Complex::default(); grid.spectrum_len()],
+            buffer: vec![T::default(); grid.len()],
+            singles: 0.0,
+        }
+    }
+
+    /// Returns the number of transforms so far, in pairs of the full grid.
+    pub(crate) fn pairs(&self) -> f64 {
+        0.5 * self.singles
+    }
+
+    /// Transforms the components of the plastic strain of a cell; `fill(component, field)` writes them into a field of
+    /// zeros.
+    pub(crate) fn analyse(&mut self, cell: usize, mut fill: impl FnMut(usize, &mut [T])) {
+        let Self { volume, levels, spectra, buffer, singles, .. } = self;
+        let Level { transform, workspace, cost } = &mut levels[volume.levels[cell]];
+        let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
+        for (spectrum, component) in spectra[cell].chunks_exact_mut(modes).zip(&volume.components) {
+            let field = &mut buffer[..points];
+            field.fill(T::default());
+            fill(*component, field);
+            transform.forward(field, spectrum, workspace).expect("fields and spectra have the sizes of the grid");
+            *singles += *cost;
+        }
+    }
+
+    /// Computes the normal displacement of the surface, without traction on it.
+    pub(crate) fn surface_displacement(&mut self, plastic: &[bool], displacement: &mut [T]) {
+        self.pass(Direction::Up, &Selection { plastic: plastic.to_vec(), strain: vec![false; plastic.len()] });
+        let Self { levels, surface, singles, .. } = self;
+        let Level { transform, workspace, .. } = &mut levels[0];
+        transform.inverse(surface, displacement, workspace).expect("fields and spectra have the sizes of the grid");
+        *singles += 1.0;
+    }
+
+    /// Computes the spectra of the strain of selected cells, under a pressure on the surface.
+    pub(crate) fn strain(&mut self, pressure: &[T], selection: &Selection) {
+        let Self { levels, surface, singles, .. } = self;
+        let Level { transform, workspace, .. } = &mut levels[0];
+        transform.forward(pressure, surface, workspace).expect("fields and spectra have the sizes of the grid");
+        *singles += 1.0;
+        self.pass(Direction::Down, selection);
+    }
+
+    /// Passes the components of the strain of a cell to `take(component, field)`, transformed back.
+    pub(crate) fn synthesise(&mut self, cell: usize, take: impl FnMut(usize, &[T])) {
+        let spectrum = std::mem::take(&mut self.spectra[cell]);
+        self.synthesise_from(cell, &spectrum, take);
+        self.spectra[cell] = spectrum;
+    }
+
+    /// Passes the components of a spectrum on the grid of a cell to `take(component, field)`, transformed back.
+    pub(crate) fn synthesise_from(
+        &mut self,
+        cell: usize,
+        spectra: &[Complex<T>],
+        mut take: impl FnMut(usize, &[T]),
+    ) {
+        let Self { volume, levels, buffer, singles, .. } = self;
+        let Level { transform, workspace, cost } = &mut levels[volume.levels[cell]];
+        let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
+        for (spectrum, component) in spectra.chunks_exact(modes).zip(&volume.components) {
+            let field = &mut buffer[..points];
+            transform.inverse(spectrum, field, workspace).expect("fields and spectra have the sizes of the grid");
+            take(*component, field);
+            *singles += *cost;
+        }
+    }
+
+    /// Passes once over all waves, lane by lane.
+    fn pass(&mut self, direction: Direction, selection: &Selection) {
+        let Self { volume, levels, spectra, surface, .. } = self;
+        let volume = &**volume;
+        let [_, positions] = volume.mesh.grid.spectrum_shape();
+        let count = volume.components.len();
+        // The rows of all spectra in one lane, in the order of cells and components.
+        let mut rows: Vec<_> = spectra
+            .iter_mut()
+            .zip(&volume.levels)
+            .flat_map(|(spectrum, level)| {
+                let coarse = levels[*level].transform.grid();
+                let [_, positions] = coarse.spectrum_shape();
+                spectrum.chunks_exact_mut(coarse.spectrum_len()).map(move |part| part.chunks_exact_mut(positions))
+            })
+            .collect();
+        let lanes = surface.chunks_exact_mut(positions).enumerate().map(|(lane, surface)| {
+            let rows: Vec<Option<&mut [Complex<T>]>> = rows.iter_mut().map(Iterator::next).collect();
+            Lane { volume, selection, lane, surface, rows, count }
+        });
+        let work = |memory: &mut Memory, mut lane: Lane<T>| lane.solve(direction, memory);
+        let cells = volume.mesh.cells.len();
+        if rayon::current_num_threads() == 1 {
+            let mut memory = Memory::new(cells);
+            lanes.for_each(|lane| work(&mut memory, lane));
+        } else {
+            // Each lane owns the memory that it writes, so that the result does not depend on the threads.
+            let lanes: Vec<Lane<T>> = lanes.collect();
+            lanes.into_par_iter().with_min_len(4).for_each_init(|| Memory::new(cells), work);
+        }
+    }
+}
+
+/// One lane of the half spectrum: waves with one number along the halved axis.
+struct Lane<'a, T: Real> {
+    volume: &'a Volume,
+    selection: &'a Selection,
+    lane: usize,
+    /// Traction or displacement of the surface.
+    surface: &'a mut [Complex<T>],
+    /// Rows of cells and components; none if the grid of a cell ends before.
+    rows: Vec<Option<&'a mut [Complex<T>]>>,
+    /// Number of components of a cell.
+    count: usize,
+}
+
+impl<T: Real> Lane<'_, T> {
+    fn solve(&mut self, direction: Direction, memory: &mut Memory) {
+        let grid = self.volume.mesh.grid;
+        let [_, positions] = grid.spectrum_shape();
+        let per_lane = positions.div_ceil(WIDTH);
+        self.drop_nyquist();
+        for pack in 0..per_lane {
+            let WavePack { depth, support } = &self.volume.packs[self.lane * per_lane + pack];
+            let cells = &self.volume.mesh.cells[..*depth];
+            self.load(pack, *depth, memory);
+            let traction = self.traction(pack);
+            let has_nyquist = |axis: usize| {
+                (pack * WIDTH..((pack + 1) * WIDTH).min(positions)).any(|k| grid.mode(self.lane, k).nyquist[axis])
+            };
+            let flips = |axis| if has_nyquist(axis) { &[false, true][..] } else { &[false][..] };
+            let (along_x, along_y) = (flips(0), flips(1));
+            let share = 1.0 / (along_x.len() * along_y.len()) as f64;
+            memory.strain[..*depth].fill([[Pack::ZERO; 2]; COMPONENTS]);
+            let mut displacement = [Pack::ZERO; 2];
+            // The mean over the waves that the grid cannot distinguish.
+            for x in along_x {
+                for y in along_y {
+                    let waves = waves(&grid, self.lane, pack, [*x, *y]);
+                    let forces = sweep::up(cells, &waves, support, memory);
+                    if direction == Direction::Up {
+                        let one = sweep::normal_displacement(&forces.0, &forces.1);
+                        displacement.iter_mut().zip(one).for_each(|(sum, one)| *sum += one * share);
+                    } else {
+                        sweep::down(cells, &waves, &forces, &traction, share, memory);
+                    }
+                }
+            }
+            let is_uniform = self.lane == 0 && pack == 0;
+            match direction {
+                Direction::Up => {
+                    let first = pack * WIDTH;
+                    for (k, value) in self.surface[first..].iter_mut().take(WIDTH).enumerate() {
+                        *value = Complex::new(T::nearest(displacement[0].0[k]), T::nearest(displacement[1].0[k]));
+                    }
+                    if is_uniform {
+                        self.surface[0] = Complex::new(T::nearest(self.uniform_displacement(memory)), T::default());
+                    }
+                }
+                Direction::Down => {
+                    if is_uniform {
+                        self.set_uniform_strain(traction[0].0[0], memory);
+                    }
+                    self.store(pack, *depth, memory);
+                }
+            }
+        }
+    }
+
+    /// Sets the Nyquist modes of coarser grids to zero.
+    fn drop_nyquist(&mut self) {
+        let Mesh { grid, cells, .. } = &*self.volume.mesh;
+        for (cell, rows) in cells.iter().zip(self.rows.chunks_exact_mut(self.count)) {
+            if cell.coarsening == 1 {
+                continue;
+            }
+            let coarse = cell.grid(grid);
+            for row in rows.iter_mut().flatten() {
+                for (position, value) in row.iter_mut().enumerate() {
+                    if coarse.mode(self.lane, position).nyquist.contains(&true) {
+                        *value = Complex::default();
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns Σ h τ_zz/C11 of the uniform mode.
+    fn uniform_displacement(&self, memory: &Memory) -> f64 {
+        let cells = self.volume.mesh.cells.iter().zip(&memory.plastic);
+        cells.map(|(cell, plastic)| cell.thickness * normal_strain(cell, plastic[0][0].0[0], 0.0)).sum()
+    }
+
+    /// Sets the strain of the uniform mode, which has no lateral part: ε_zz = (t_z + τ_zz)/C11, γ_xz = τ_xz/μ.
+    fn set_uniform_strain(&self, traction: f64, memory: &mut Memory) {
+        let cells = self.volume.mesh.cells.iter().zip(&memory.plastic).zip(&mut memory.strain);
+        for ((cell, plastic), strain) in cells {
+            let components = [
+                (2.0_f64 / 3.0).sqrt() * normal_strain(cell, plastic[0][0].0[0], traction),
+                0.0,
+                0.0,
+                plastic[3][0].0[0],
+                plastic[4][0].0[0],
+            ];
+            for (strain, component) in strain.iter_mut().zip(components) {
+                strain[0].0[0] = component;
+                strain[1].0[0] = 0.0;
+            }
+        }
+    }
+
+    /// Returns −p of a pack.
+    fn traction(&self, pack: usize) -> [Pack; 2] {
+        let mut traction = [Pack::ZERO; 2];
+        for (k, value) in self.surface[pack * WIDTH..].iter().take(WIDTH).enumerate() {
+            traction[0].0[k] = -value.re.widened();
+            traction[1].0[k] = -value.im.widened();
+        }
+        traction
+    }
+
+    /// Returns the places of the pack in the row of a cell, as a function of the place in the pack.
+    fn place(&self, cell: usize, pack: usize, k: usize) -> Option<usize> {
+        let mesh = &self.volume.mesh;
+        let [_, positions] = mesh.grid.spectrum_shape();
+        let position = pack * WIDTH + k;
+        if position >= positions {
+            return None;
+        }
+        let coarsening = mesh.cells[cell].coarsening;
+        if coarsening == 1 {
+            return Some(position);
+        }
+        let mode = mesh.grid.mode(self.lane, position);
+        if !has(&mesh.cells[cell], mesh.grid.points(), &mode) {
+            return None;
+        }
+        if mesh.grid.is_line() {
+            return Some(position);
+        }
+        let coarse = mesh.grid.points()[0].div_ceil(coarsening) as i64;
+        Some(mode.number[0].rem_euclid(coarse) as usize)
+    }
+
+    /// Loads the plastic strain of the cells above `depth`.
+    fn load(&self, pack: usize, depth: usize, memory: &mut Memory) {
+        for cell in 0..depth {
+            let plastic = &mut memory.plastic[cell];
+            *plastic = [[Pack::ZERO; 2]; COMPONENTS];
+            if !self.selection.plastic[cell] {
+                continue;
+            }
+            let places: [Option<usize>; WIDTH] = std::array::from_fn(|k| self.place(cell, pack, k));
+            for (index, component) in self.volume.components.iter().enumerate() {
+                let Some(row) = &self.rows[cell * self.count + index] else { continue };
+                for (k, place) in places.iter().enumerate() {
+                    if let Some(value) = place.and_then(|place| row.get(place)) {
+                        plastic[*component][0].0[k] = value.re.widened();
+                        plastic[*component][1].0[k] = value.im.widened();
+                    }
+                }
+            }
+        }
+    }
+
+    /// Stores the strain of the cells above `depth`. Modes that the grid of a cell does not have are zero.
+    fn store(&mut self, pack: usize, depth: usize, memory: &Memory) {
+        for cell in (0..depth).filter(|cell| self.selection.strain[*cell]) {
+            let places: [Option<usize>; WIDTH] = std::array::from_fn(|k| self.place(cell, pack, k));
+            for (index, component) in self.volume.components.iter().enumerate() {
+                let Some(row) = &mut self.rows[cell * self.count + index] else { continue };
+                let strain = &memory.strain[cell][*component];
+                for (k, place) in places.iter().enumerate() {
+                    if let Some(value) = place.and_then(|place| row.get_mut(place)) {
+                        *value = Complex::new(T::nearest(strain[0].0[k]), T::nearest(strain[1].0[k]));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Returns ε_zz = (t_z + τ_zz)/C11 of a cell without lateral strain, from the first component of its plastic strain.
+fn normal_strain(cell: &Cell, plastic: f64, traction: f64) -> f64 {
+    (traction + 2.0 * cell.shear_modulus * (2.0_f64 / 3.0).sqrt() * plastic) / cell.p_wave_modulus
+}

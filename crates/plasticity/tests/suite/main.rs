@@ -1,0 +1,3 @@
+//! Tests of `gfmd-plasticity` as one program. `cargo test -p gfmd-plasticity --test suite FILE::` runs one file.
+
+mod reference;
