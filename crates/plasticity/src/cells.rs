@@ -347,8 +347,7 @@ mod tests {
     #[test]
     fn unusable_cells_are_refused_with_what_was_found() {
         let list = |thicknesses: &[f64], coarsenings: &[usize]| {
-            let cells =
-                Cells::List { thicknesses: thicknesses.to_vec(), coarsenings: coarsenings.to_vec() };
+            let cells = Cells::List { thicknesses: thicknesses.to_vec(), coarsenings: coarsenings.to_vec() };
             mesh(&cells, 32).map(|_| ()).unwrap_err().to_string()
         };
         assert_eq!(list(&[], &[]), "there are no cells; there must be at least one");

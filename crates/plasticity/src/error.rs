@@ -78,7 +78,9 @@ pub enum PlasticityError {
         limit: f64,
     },
     /// The body is given by a table of compliances.
-    #[error("the body is a table of compliances; it must have layers with moduli, since strains below the surface count")]
+    #[error(
+        "the body is a table of compliances; it must have layers with moduli, since strains below the surface count"
+    )]
     Tabulated,
     /// A cell is not positive in thickness.
     #[error("the thickness of cell {index} is {found}; it must be positive and finite")]
@@ -130,8 +132,10 @@ pub enum PlasticityError {
         cells: usize,
     },
     /// A coarsening is not a power of two, or leaves too few points.
-    #[error("the coarsening of cell {index} is {found}; it must be a power of two that divides {points:?} points and \
-             leaves at least {least}")]
+    #[error(
+        "the coarsening of cell {index} is {found}; it must be a power of two that divides {points:?} points and \
+             leaves at least {least}"
+    )]
     Coarsening {
         /// Number of the cell, from the surface.
         index: usize,

@@ -405,8 +405,7 @@ impl Trial<'_> {
                     place += usize::from(has);
                     let flows = tangents.get(next).is_some_and(|tangent| tangent.point as usize == i);
                     next += usize::from(flows);
-                    let found: [f64; COMPONENTS] =
-                        std::array::from_fn(|c| strain[offsets[number] + c * points + i]);
+                    let found: [f64; COMPONENTS] = std::array::from_fn(|c| strain[offsets[number] + c * points + i]);
                     let driving = hardening.driving_stress(cell.shear_modulus, &found, &plastic);
                     let stays = hardening.overstress(&driving, equivalent) <= 0.0;
                     if flows || !stays {

@@ -123,12 +123,7 @@ pub(crate) fn stiffness(cells: &[Cell], wavenumber: Pack, support: &Support) -> 
 /// Solves the chain from below, and keeps what [`down`] needs. Returns the nodal force on the surface, real and
 /// imaginary part, and the stiffness of the surface.
 #[multiversion(targets = "simd")]
-pub(crate) fn up(
-    cells: &[Cell],
-    waves: &Waves,
-    support: &Support,
-    memory: &mut Memory,
-) -> ([[Pack; 3]; 2], Support) {
+pub(crate) fn up(cells: &[Cell], waves: &Waves, support: &Support, memory: &mut Memory) -> ([[Pack; 3]; 2], Support) {
     let Waves { wavenumber: q, direction: [nx, ny] } = *waves;
     let (double, twice) = (nx * nx - ny * ny, nx * ny * 2.0);
     let mut support = *support;
@@ -156,14 +151,10 @@ pub(crate) fn up(
             let top = [long_z - half * long, normal + pulls[0], across_z + pulls[1]];
             let bottom = [-long_z - half * long, pulls[0] - normal, pulls[1] - across_z];
             let [u, v, t] = [0, 1, 2].map(|k| force[part][k] + bottom[k]);
-            let rest =
-                [inverse[0] * u + inverse[1] * v, inverse[1] * u + inverse[2] * v, inverse[3] * t];
+            let rest = [inverse[0] * u + inverse[1] * v, inverse[1] * u + inverse[2] * v, inverse[3] * t];
             let [p, x, z, s] = element.through;
-            force[part] = [
-                top[0] - (p * rest[0] + x * rest[1]),
-                top[1] - (z * rest[1] - x * rest[0]),
-                top[2] - s * rest[2],
-            ];
+            force[part] =
+                [top[0] - (p * rest[0] + x * rest[1]), top[1] - (z * rest[1] - x * rest[0]), top[2] - s * rest[2]];
             link.rest[part] = rest;
         }
         link.inverse = inverse;
@@ -196,7 +187,7 @@ pub(crate) fn down(
     waves: &Waves,
     forces: &([[Pack; 3]; 2], Support),
     traction: &[Pack; 2],
-    share: f64,
+    share: &Pack,
     memory: &mut Memory,
 ) {
     let Waves { wavenumber: q, direction: [nx, ny] } = *waves;
@@ -236,7 +227,7 @@ pub(crate) fn down(
                 ny * long_z + nx * across_z,
             ];
             for (strain, component) in strain.iter_mut().zip(components) {
-                strain[part] += component * share;
+                strain[part] += component * *share;
             }
         }
     }

@@ -44,9 +44,30 @@ struct WavePack {
 /// ground vanishes in double precision.
 const RIGID: f64 = 1e40;
 
-/// Returns the wave vectors of a pack. Places beyond the lane repeat its last mode; the uniform mode gets a wavenumber
-/// of one, since its strain is computed apart.
-fn waves(grid: &Grid, lane: usize, pack: usize, flip: [bool; 2]) -> Waves {
+/// Share of the stored wave vector in the mean over the waves that the grid cannot distinguish, for a mode that is
+/// Nyquist along one axis, and along both. A wave with both components reversed is the same wave, so that two remain.
+/// In the corner the mean is taken along x first, then along y, where the reversed wave counts as well.
+const STORED: [f64; 2] = [0.5, 0.75];
+
+/// Returns the share of each wave of a pack in the mean over the waves that the grid cannot distinguish, and the share
+/// of the wave with one Nyquist component reversed; `None` if the pack has no Nyquist mode.
+fn shares(grid: &Grid, lane: usize, pack: usize) -> (Pack, Option<Pack>) {
+    let [_, positions] = grid.spectrum_shape();
+    let (mut first, mut second, mut any) = (Pack::all(1.0), Pack::ZERO, false);
+    for k in 0..WIDTH.min(positions - pack * WIDTH) {
+        let nyquist = grid.mode(lane, pack * WIDTH + k).nyquist;
+        if let Some(last) = nyquist.iter().filter(|nyquist| **nyquist).count().checked_sub(1) {
+            first.0[k] = STORED[last];
+            second.0[k] = 1.0 - STORED[last];
+            any = true;
+        }
+    }
+    (first, any.then_some(second))
+}
+
+/// Returns the wave vectors of a pack, or those with one Nyquist component `flipped`. Places beyond the lane repeat its
+/// last mode; the uniform mode gets a wavenumber of one, since its strain is computed apart.
+fn waves(grid: &Grid, lane: usize, pack: usize, flipped: bool) -> Waves {
     let [_, positions] = grid.spectrum_shape();
     let mut waves = Waves { wavenumber: Pack::all(1.0), direction: [Pack::all(1.0), Pack::ZERO] };
     for k in 0..WIDTH {
@@ -56,8 +77,9 @@ fn waves(grid: &Grid, lane: usize, pack: usize, flip: [bool; 2]) -> Waves {
         }
         let q = mode.wavenumber();
         waves.wavenumber.0[k] = q;
+        let flips = [mode.nyquist[0] && !mode.nyquist[1], mode.nyquist[1]];
         for axis in 0..2 {
-            let sign = if flip[axis] && mode.nyquist[axis] { -1.0 } else { 1.0 };
+            let sign = if flipped && flips[axis] { -1.0 } else { 1.0 };
             waves.direction[axis].0[k] = sign * mode.wavevector[axis] / q;
         }
     }
@@ -90,12 +112,11 @@ impl Volume {
         let per_lane = positions.div_ceil(WIDTH);
         let of_pack = |index: usize| {
             let (lane, pack) = (index / per_lane, index % per_lane);
-            let modes: Vec<Mode> = (pack * WIDTH..((pack + 1) * WIDTH).min(positions))
-                .map(|position| grid.mode(lane, position))
-                .collect();
+            let modes: Vec<Mode> =
+                (pack * WIDTH..((pack + 1) * WIDTH).min(positions)).map(|position| grid.mode(lane, position)).collect();
             let held = |cell: &Cell| modes.iter().any(|mode| has(cell, grid.points(), mode));
             let depth = cells.iter().rposition(held).map_or(0, |last| last + 1);
-            let waves = waves(&grid, lane, pack, [false; 2]);
+            let waves = waves(&grid, lane, pack, false);
             let mut support = [Pack::ZERO; 4];
             for k in 0..WIDTH {
                 let entries = match &mesh.below {
@@ -188,7 +209,9 @@ impl<T: Real> Operator<T> {
         let spectra = volume
             .levels
             .iter()
-            .map(|level| vec![Complex::default(); volume.components.len() * levels[*level].transform.grid().spectrum_len()])
+            .map(|level| {
+                vec![Complex::default(); volume.components.len() * levels[*level].transform.grid().spectrum_len()]
+            })
             .collect();
         Self {
             volume: Arc::clone(volume),
@@ -246,12 +269,7 @@ impl<T: Real> Operator<T> {
     }
 
     /// Passes the components of a spectrum on the grid of a cell to `take(component, field)`, transformed back.
-    pub(crate) fn synthesise_from(
-        &mut self,
-        cell: usize,
-        spectra: &[Complex<T>],
-        mut take: impl FnMut(usize, &[T]),
-    ) {
+    pub(crate) fn synthesise_from(&mut self, cell: usize, spectra: &[Complex<T>], mut take: impl FnMut(usize, &[T])) {
         let Self { volume, levels, buffer, singles, .. } = self;
         let Level { transform, workspace, cost } = &mut levels[volume.levels[cell]];
         let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
@@ -320,25 +338,18 @@ impl<T: Real> Lane<'_, T> {
             let cells = &self.volume.mesh.cells[..*depth];
             self.load(pack, *depth, memory);
             let traction = self.traction(pack);
-            let has_nyquist = |axis: usize| {
-                (pack * WIDTH..((pack + 1) * WIDTH).min(positions)).any(|k| grid.mode(self.lane, k).nyquist[axis])
-            };
-            let flips = |axis| if has_nyquist(axis) { &[false, true][..] } else { &[false][..] };
-            let (along_x, along_y) = (flips(0), flips(1));
-            let share = 1.0 / (along_x.len() * along_y.len()) as f64;
+            let (first, second) = shares(&grid, self.lane, pack);
             memory.strain[..*depth].fill([[Pack::ZERO; 2]; COMPONENTS]);
             let mut displacement = [Pack::ZERO; 2];
-            // The mean over the waves that the grid cannot distinguish.
-            for x in along_x {
-                for y in along_y {
-                    let waves = waves(&grid, self.lane, pack, [*x, *y]);
-                    let forces = sweep::up(cells, &waves, support, memory);
-                    if direction == Direction::Up {
-                        let one = sweep::normal_displacement(&forces.0, &forces.1);
-                        displacement.iter_mut().zip(one).for_each(|(sum, one)| *sum += one * share);
-                    } else {
-                        sweep::down(cells, &waves, &forces, &traction, share, memory);
-                    }
+            for (flipped, share) in [(false, Some(first)), (true, second)] {
+                let Some(share) = share else { continue };
+                let waves = waves(&grid, self.lane, pack, flipped);
+                let forces = sweep::up(cells, &waves, support, memory);
+                if direction == Direction::Up {
+                    let one = sweep::normal_displacement(&forces.0, &forces.1);
+                    displacement.iter_mut().zip(one).for_each(|(sum, one)| *sum += one * share);
+                } else {
+                    sweep::down(cells, &waves, &forces, &traction, &share, memory);
                 }
             }
             let is_uniform = self.lane == 0 && pack == 0;

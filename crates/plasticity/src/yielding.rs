@@ -120,11 +120,7 @@ impl YieldingContact {
     ///
     /// # Errors
     /// Fields that differ in number or shape from the cells, or are not finite; a negative κ.
-    pub fn plastic_strain(
-        &self,
-        strain: &[Array3<f64>],
-        equivalent: &[Array2<f64>],
-    ) -> Result<PlasticStrain, Refusal> {
+    pub fn plastic_strain(&self, strain: &[Array3<f64>], equivalent: &[Array2<f64>]) -> Result<PlasticStrain, Refusal> {
         PlasticStrain::of_fields(&self.volume.mesh, strain, equivalent)
     }
 
@@ -137,9 +133,11 @@ impl YieldingContact {
         self.contact.check(drive)?;
         self.contact.check_resolution(drive, tolerance)?;
         match (load, self.limit) {
-            (Load::MeanPressure(found), Some(limit)) if found >= limit => {
-                Err(Refusal::BeyondHardness { found, what: "pressure at which the whole body yields,", hardness: limit })
-            }
+            (Load::MeanPressure(found), Some(limit)) if found >= limit => Err(Refusal::BeyondHardness {
+                found,
+                what: "pressure at which the whole body yields,",
+                hardness: limit,
+            }),
             _ => Ok(()),
         }
     }
@@ -275,7 +273,12 @@ impl YieldingContact {
     }
 
     /// Computes the residuals of yield condition and flow.
-    pub(crate) fn flow_residual(&self, strain: &[f64], plastic: &PlasticStrain, before: &PlasticStrain) -> FlowResidual {
+    pub(crate) fn flow_residual(
+        &self,
+        strain: &[f64],
+        plastic: &PlasticStrain,
+        before: &PlasticStrain,
+    ) -> FlowResidual {
         let largest = plastic.cells.iter().flat_map(|cell| &cell.equivalent).fold(0.0_f64, |most, k| k.max(most));
         let per = if largest > 0.0 { 1.0 / largest } else { 1.0 };
         let none = [0.0; 3];

@@ -3,9 +3,7 @@
 use std::f64::consts::TAU;
 
 use gfmd_plasticity::ndarray::Array2;
-use gfmd_plasticity::{
-    Body, Budget, Cells, Fields, Grid, Hardening, Load, Material, PlasticState, YieldingContact,
-};
+use gfmd_plasticity::{Body, Budget, Cells, Fields, Grid, Hardening, Load, Material, PlasticState, YieldingContact};
 use serde_json::Value;
 
 /// Problems of the reference.
@@ -47,7 +45,8 @@ pub(crate) fn contact(problem: &Value) -> YieldingContact {
     let n = numbers(&problem["n"]);
     let points = [n[0] as usize, n[1] as usize];
     let length = numbers(&problem["length"]);
-    let grid = if points[1] == 1 { Grid::line(points[0], length[0]) } else { Grid::new(points, [length[0], length[1]]) };
+    let grid =
+        if points[1] == 1 { Grid::line(points[0], length[0]) } else { Grid::new(points, [length[0], length[1]]) };
     let grid = grid.unwrap();
     let material = |young: &Value, poisson: &Value| Material::from_young(number(young), number(poisson)).unwrap();
     let top = material(&problem["young"], &problem["poisson"]);
