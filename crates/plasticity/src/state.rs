@@ -45,21 +45,12 @@ pub struct FlowResidual {
     pub flow: f64,
     /// Largest Δκ (R − q) divided by the yield stress and by the largest κ.
     pub flow_complementarity: f64,
-    /// Largest imbalance of forces at the surface and at the nodes between cells, divided by the largest pressure.
-    /// Zero in states of [`step`](crate::YieldingContact::step), which leaves it to
-    /// [`certify`](crate::YieldingContact::certify).
-    pub equilibrium: f64,
 }
 
 impl FlowResidual {
     /// Returns the residuals with their names.
-    pub fn parts(&self) -> [(&'static str, f64); 4] {
-        [
-            ("yielding", self.yielding),
-            ("flow", self.flow),
-            ("flow_complementarity", self.flow_complementarity),
-            ("equilibrium", self.equilibrium),
-        ]
+    pub fn parts(&self) -> [(&'static str, f64); 3] {
+        [("yielding", self.yielding), ("flow", self.flow), ("flow_complementarity", self.flow_complementarity)]
     }
 }
 

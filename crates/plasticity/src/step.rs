@@ -153,8 +153,9 @@ impl Search<'_> {
         loop {
             let now = self.evaluate(&plastic, &last.solution.pressure, std::mem::take(&mut spare))?;
             let energy = self.energy(&now, &plastic);
-            let noise = ROUNDING_OF_ENERGY * energy.abs() + self.noise(&now);
-            if may_fall_back && !(energy <= least + noise) {
+            let noise = ROUNDING_OF_ENERGY * energy.abs() + self.noise(&last) + self.noise(&now);
+            let falls = energy <= least + noise;
+            if may_fall_back && !falls {
                 // Shorter Newton steps, then the safe step to the strain of the last evaluation, which lowers the
                 // energy.
                 shortened += 1;
@@ -162,7 +163,11 @@ impl Search<'_> {
                 self.part = if may_fall_back { 0.25 * self.part } else { 0.0 };
                 spare = now.strain;
                 if let Some(ending) = self.ends() {
-                    return Ok(self.end_at(&last, plastic, ending));
+                    // The plastic strain of the safe step, and the contact that belongs to it.
+                    self.part = 0.0;
+                    (plastic, _) = self.trial(&last.strain).map();
+                    let at = self.evaluate(&plastic, &last.solution.pressure, spare)?;
+                    return Ok(self.end(&at, plastic, ending));
                 }
                 (plastic, flowing) = self.trial(&last.strain).map();
                 continue;
@@ -192,10 +197,6 @@ impl Search<'_> {
 
     fn ends(&self) -> Option<Ending> {
         (self.operators >= self.budget.max_iterations).then_some(Ending::GaveUp(Why::Iterations))
-    }
-
-    fn end_at(self, at: &Evaluation, plastic: PlasticStrain, ending: Ending) -> (PlasticState, Ending) {
-        self.end(at, plastic, ending)
     }
 
     fn end(self, at: &Evaluation, plastic: PlasticStrain, ending: Ending) -> (PlasticState, Ending) {

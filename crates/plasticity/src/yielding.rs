@@ -320,7 +320,7 @@ impl YieldingContact {
             };
             all = worst(all, gfmd_vector::reduce(points, &of_range, &worst));
         }
-        FlowResidual { yielding: all[0], flow: all[1], flow_complementarity: all[2], equilibrium: 0.0 }
+        FlowResidual { yielding: all[0], flow: all[1], flow_complementarity: all[2] }
     }
 
     /// Makes the state of an evaluation.
