@@ -201,3 +201,92 @@ impl Hardening {
 fn modulus_of(what: &'static str, found: f64) -> Result<f64, PlasticityError> {
     if found.is_finite() && found >= 0.0 { Ok(found) } else { Err(PlasticityError::Modulus { what, found }) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve() -> Hardening {
+        Hardening::from_curve(&[[0.0, 0.03], [0.005, 0.036], [0.02, 0.045], [0.1, 0.05]]).unwrap()
+    }
+
+    #[test]
+    fn uniaxial_cycles_have_their_closed_form() {
+        // Uniaxial strain: the deviatoric strain is √(2/3) ε along one direction, q = 2μ |ε − (3/2) ε^p_zz|.
+        let shear = 0.4;
+        for (isotropic, kinematic) in [(0.0, 0.0), (0.1, 0.0), (0.0, 0.1), (0.05, 0.02)] {
+            let material = Hardening::new(0.02).unwrap().isotropic(isotropic).unwrap().kinematic(kinematic).unwrap();
+            let (mut state, mut equivalent) = ([0.0; 5], 0.0);
+            let (mut plastic, mut hardened) = (0.0_f64, 0.0_f64);
+            for strain in [0.01, 0.05, 0.2, 0.1, -0.3, 0.4, 0.39] {
+                let strain: f64 = strain;
+                let given = [(2.0_f64 / 3.0).sqrt() * strain, 0.0, 0.0, 0.0, 0.0];
+                if let Some(flow) = material.flow(shear, &given, (&state, equivalent)) {
+                    (state, equivalent) = (flow.strain, flow.equivalent);
+                }
+                let trial = 2.0 * shear * strain - (3.0 * shear + kinematic) * plastic;
+                let over = trial.abs() - 0.02 - isotropic * hardened;
+                if over > 0.0 {
+                    let increment = over / (3.0 * shear + kinematic + isotropic);
+                    plastic += increment * trial.signum();
+                    hardened += increment;
+                }
+                assert!((equivalent - hardened).abs() < 2e-16 + 4e-16 * hardened, "{equivalent} {hardened}");
+                assert!((state[0] - 1.5_f64.sqrt() * plastic).abs() < 1e-15, "{} {plastic}", state[0]);
+            }
+        }
+    }
+
+    #[test]
+    fn flow_ends_on_the_curve_and_its_tangent_is_the_slope_of_the_map() {
+        let material = curve().kinematic(0.02).unwrap();
+        let (before, shear) = ([0.001, -0.002, 0.0005, 0.0, 0.001], 0.4);
+        for size in [0.05, 0.08, 0.2] {
+            let strain = [0.7, -0.4, 0.3, 0.2, -0.5].map(|e: f64| e * size);
+            let flow = material.flow(shear, &strain, (&before, 0.003)).unwrap();
+            let driving = material.driving_stress(shear, &strain, &flow.strain);
+            assert!(material.overstress(&driving, flow.equivalent).abs() < 1e-16);
+            let push = [0.3, 0.1, -0.6, 0.4, 0.2];
+            let step = 1e-6;
+            let at = |sign: f64| {
+                let moved = std::array::from_fn(|c| strain[c] + sign * step * push[c]);
+                material.flow(shear, &moved, (&before, 0.003)).unwrap().strain
+            };
+            let (above, below) = (at(1.0), at(-1.0));
+            let along: f64 = flow.direction.iter().zip(push).map(|(n, e)| n * e).sum();
+            let [first, second] = flow.tangent;
+            for c in 0..5 {
+                let slope = (above[c] - below[c]) / (2.0 * step);
+                let expected = (first - second) * along * flow.direction[c] + second * push[c];
+                assert!((slope - expected).abs() < 1e-8, "{slope} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_stored_energy_is_the_integral_of_the_curve() {
+        let material = curve().isotropic(0.01).unwrap();
+        for end in [0.002, 0.01, 0.1, 0.5] {
+            let n = 100_000;
+            let at = |k: i32| material.resistance(end * (f64::from(k) + 0.5) / f64::from(n)) - 0.03;
+            let sum: f64 = (0..n).map(at).sum::<f64>() * end / f64::from(n);
+            approx::assert_relative_eq!(material.stored(end), sum, max_relative = 1e-8);
+        }
+        assert_eq!(material.with_yield_stress(0.04).unwrap().resistance(0.005), 0.046);
+    }
+
+    #[test]
+    fn unusable_hardening_is_refused_with_what_was_found() {
+        for yield_stress in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(Hardening::new(yield_stress), Err(PlasticityError::YieldStress { .. })));
+        }
+        let steel = || Hardening::new(1.0).unwrap();
+        assert!(steel().isotropic(-1.0).unwrap_err().to_string().starts_with("the isotropic hardening is -1"));
+        assert!(steel().kinematic(f64::NAN).unwrap_err().to_string().starts_with("the kinematic hardening is NaN"));
+        let message = |points: &[[f64; 2]]| Hardening::from_curve(points).unwrap_err().to_string();
+        assert_eq!(message(&[[0.0, 1.0]]), "the hardening curve has 1 points; it must have at least 2");
+        assert!(message(&[[0.1, 1.0], [0.2, 2.0]]).contains("is 0.1; it must be 0"));
+        assert!(message(&[[0.0, 1.0], [0.0, 2.0]]).contains("must exceed 0"));
+        assert!(message(&[[0.0, 1.0], [0.1, 0.9]]).contains("must be at least 1"));
+    }
+}

@@ -490,3 +490,155 @@ impl<T: Real> Lane<'_, T> {
 fn normal_strain(cell: &Cell, plastic: f64, traction: f64) -> f64 {
     (traction + 2.0 * cell.shear_modulus * (2.0_f64 / 3.0).sqrt() * plastic) / cell.p_wave_modulus
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use gfmd_green::{Base, Material};
+
+    use super::*;
+    use crate::{Cells, Hardening};
+
+    fn material(young: f64, poisson: f64) -> Material {
+        Material::from_young(young, poisson).unwrap()
+    }
+
+    /// Bodies with half-space, slab, sliding and free base, and layers below the cells; the cells fill the second slab.
+    fn bodies() -> Vec<Body> {
+        let slab = |height| Body::slab(material(1.0, 0.3), height).unwrap();
+        vec![
+            Body::half_space(material(1.0, 0.3)),
+            slab(0.7),
+            slab(0.3),
+            slab(0.3).on(Base::SLIDING).unwrap(),
+            slab(0.5).on(Base::FREE).unwrap(),
+            slab(0.3).bonded_to(Body::slab(material(3.0, 0.2), 0.4).unwrap()).unwrap(),
+            slab(0.4).bonded_to(Body::half_space(material(0.5, 0.45))).unwrap(),
+        ]
+    }
+
+    fn volume(body: &Body, grid: Grid, thicknesses: Vec<f64>, coarsenings: Vec<usize>) -> Arc<Volume> {
+        let below = matches!(body.base(), Base::Elastic(_));
+        let steel = Some(Hardening::new(0.01).unwrap());
+        let all = if below { vec![steel, None] } else { vec![steel] };
+        Arc::new(Volume::new(Cells::List { thicknesses, coarsenings }.mesh(body, &grid, &all).unwrap()))
+    }
+
+    /// Returns random numbers between −1 and 1, zero for components that vanish in plane strain.
+    fn random(volume: &Volume, seed: u64) -> Vec<f64> {
+        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1);
+        let offsets = volume.offsets();
+        let mut all = vec![0.0; offsets[offsets.len() - 1]];
+        for pair in offsets.windows(2) {
+            let points = (pair[1] - pair[0]) / COMPONENTS;
+            for component in &volume.components {
+                for value in &mut all[pair[0] + component * points..pair[0] + (component + 1) * points] {
+                    state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    *value = (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+                }
+            }
+        }
+        all
+    }
+
+    /// Returns strain and displacement of the surface, by plastic strain and pressure.
+    fn apply(volume: &Arc<Volume>, plastic: &[f64], pressure: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut operator = Operator::<f64>::new(volume);
+        let offsets = volume.offsets();
+        let cells = volume.mesh.cells.len();
+        for cell in 0..cells {
+            let fields = &plastic[offsets[cell]..offsets[cell + 1]];
+            let points = fields.len() / COMPONENTS;
+            operator.analyse(cell, |c, field| field.copy_from_slice(&fields[c * points..(c + 1) * points]));
+        }
+        let mut displacement = vec![0.0; pressure.len()];
+        operator.surface_displacement(&vec![true; cells], &mut displacement);
+        operator.strain(pressure, &Selection { plastic: vec![true; cells], strain: vec![true; cells] });
+        let mut strain = vec![0.0; plastic.len()];
+        for cell in 0..cells {
+            let fields = &mut strain[offsets[cell]..offsets[cell + 1]];
+            let points = fields.len() / COMPONENTS;
+            operator.synthesise(cell, |c, field| fields[c * points..(c + 1) * points].copy_from_slice(field));
+        }
+        (strain, displacement)
+    }
+
+    /// Returns Σ h ⟨2μ a:b⟩.
+    fn product(volume: &Volume, a: &[f64], b: &[f64]) -> f64 {
+        let offsets = volume.offsets();
+        let of_cell = |(number, cell): (usize, &Cell)| {
+            let range = offsets[number]..offsets[number + 1];
+            let sum: f64 = a[range.clone()].iter().zip(&b[range.clone()]).map(|(a, b)| a * b).sum();
+            2.0 * cell.shear_modulus * cell.thickness * sum * COMPONENTS as f64 / range.len() as f64
+        };
+        volume.mesh.cells.iter().enumerate().map(of_cell).sum()
+    }
+
+    #[test]
+    fn stress_and_displacement_are_reciprocal_on_every_body_and_grid() {
+        let grids = [
+            Grid::new([16, 16], [1.0, 1.0]),
+            Grid::new([15, 11], [1.0, 0.8]),
+            Grid::new([16, 24], [1.2, 0.7]),
+            Grid::line(32, 1.0),
+        ];
+        for grid in grids.map(Result::unwrap) {
+            for body in bodies() {
+                let even = grid.points().iter().all(|points| points.is_multiple_of(4) || *points == 1);
+                let coarsenings = if even { vec![1, 2, 1, 4] } else { Vec::new() };
+                let volume = volume(&body, grid, vec![0.03, 0.07, 0.1, 0.1], coarsenings);
+                let (a, b) = (random(&volume, 1), random(&volume, 2));
+                let none = vec![0.0; grid.len()];
+                let pressure: Vec<f64> = (0..grid.len()).map(|i| (i as f64 * 1.7).sin() + 0.3).collect();
+                let (of_a, _) = apply(&volume, &a, &none);
+                let (of_b, displacement) = apply(&volume, &b, &none);
+                let [ab, ba, aa] = [(&a, &of_b), (&b, &of_a), (&a, &of_a)].map(|(x, y)| product(&volume, x, y));
+                let all = product(&volume, &a, &a);
+                assert!((ab - ba).abs() < 1e-14 * all, "{ab} {ba} {body:?}");
+                assert!(aa > 0.0 && aa < all, "{aa} {all}");
+                // A pressure works on plastic strain as plastic strain on the pressure.
+                let (by_pressure, _) = apply(&volume, &vec![0.0; a.len()], &pressure);
+                let work = product(&volume, &b, &by_pressure);
+                let other = pressure.iter().zip(&displacement).map(|(p, u)| -p * u).sum::<f64>() / grid.len() as f64;
+                assert!((work - other).abs() < 1e-13 * all, "{work} {other} {body:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn cells_have_the_compliance_of_the_body_to_second_order() {
+        let q = 5.0;
+        for body in bodies() {
+            let exact = support_of(&body.stiffness_blocks(q));
+            let error = |count: usize| {
+                let cells = vec![0.3 / count as f64; count];
+                let volume = volume(&body, Grid::square(4, TAU / q).unwrap(), cells, Vec::new());
+                // The first wave along x is the second mode of the first lane.
+                let WavePack { support, depth } = &volume.packs[0];
+                let waves = waves(&volume.mesh.grid, 0, 0, false);
+                let found = sweep::stiffness(&volume.mesh.cells[..*depth], waves.wavenumber, support);
+                (0..4).map(|k| (found[k].0[1] - exact[k]).abs()).fold(0.0, f64::max) / exact[2]
+            };
+            let [coarse, fine] = [error(16), error(32)];
+            // Waves that decay as in a half-space below keep its stiffness, whatever the thickness of the cells.
+            let exact = body.height() == gfmd_green::Height::Infinite && coarse < 1e-12;
+            assert!(exact || fine < 1e-2 && (3.5..4.5).contains(&(coarse / fine)), "{coarse} {fine} {body:?}");
+        }
+    }
+
+    #[test]
+    fn uniform_plastic_strain_thins_every_cell_alone() {
+        let grid = Grid::square(8, 1.0).unwrap();
+        let volume = volume(&Body::half_space(material(1.0, 0.3)), grid, vec![0.1, 0.2], Vec::new());
+        let mut plastic = vec![0.0; 2 * COMPONENTS * 64];
+        plastic[..64].fill(-0.01);
+        let pressure = vec![0.002; 64];
+        let (strain, displacement) = apply(&volume, &plastic, &pressure);
+        let (shear, wave) = (1.0 / 2.6, 0.7 / (1.3 * 0.4));
+        let factor = (2.0_f64 / 3.0).sqrt();
+        let normal = 2.0 * shear * factor * -0.01 / wave;
+        assert!(displacement.iter().all(|u| (u - 0.1 * normal).abs() < 1e-17));
+        assert!(strain[..64].iter().all(|e| (e - factor * (normal - 0.002 / wave)).abs() < 1e-17));
+    }
+}
