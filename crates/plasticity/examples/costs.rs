@@ -1,5 +1,6 @@
 //! Counts of volume operators and transform pairs per step, memory and time, on a self-affine surface:
 //! `cargo run --release -p gfmd-plasticity --example costs -- 64 128 256`.
+#![expect(clippy::print_stdout, reason = "the example prints its counts")]
 
 use std::time::Instant;
 

@@ -59,7 +59,7 @@ pub struct Cell {
     pub(crate) hardening: Option<Hardening>,
 }
 
-/// What lies below the cells.
+/// Part of a body below its cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Below {
     Body(Body),

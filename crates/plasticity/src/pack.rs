@@ -34,7 +34,7 @@ macro_rules! each {
             #[inline(always)]
             fn $name(mut self, other: Self) -> Self {
                 for k in 0..WIDTH {
-                    self.0[k] = self.0[k] $sign other.0[k];
+                    self.0[k] $sign other.0[k];
                 }
                 self
             }
@@ -42,9 +42,9 @@ macro_rules! each {
     };
 }
 
-each!(Add add +);
-each!(Sub sub -);
-each!(Mul mul *);
+each!(Add add +=);
+each!(Sub sub -=);
+each!(Mul mul *=);
 
 impl Mul<f64> for Pack {
     type Output = Self;

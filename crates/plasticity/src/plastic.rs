@@ -116,7 +116,8 @@ impl PlasticStrain {
     }
 
     /// Returns the sum over cells of the thickness times the mean over points of a function of plastic strain and κ,
-    /// zero where both are zero. `of(cell, place, strain, κ)` also gets the number of the cell and the place in its list.
+    /// zero where both are zero. `of(cell, place, strain, κ)` also gets the number of the cell and the place in its
+    /// list.
     pub(crate) fn integral(
         &self,
         mesh: &Mesh,

@@ -48,7 +48,7 @@ struct Link {
 /// Factors of the deviatoric basis.
 const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const ZZ: f64 = 0.816_496_580_927_726;
-const LL: f64 = 0.408_248_290_463_863_02;
+const LL: f64 = 0.408_248_290_463_863;
 
 impl Memory {
     pub(crate) fn new(cells: usize) -> Self {
@@ -180,7 +180,7 @@ pub(crate) fn normal_displacement(force: &[[Pack; 3]; 2], support: &Support) -> 
 }
 
 /// Solves the chain from above, under a normal traction on the surface: adds `share` times the deviatoric strain of
-/// each cell to the strain in the memory. `forces` are those of [`up`].
+/// each cell to the strain in the memory. `forces` come from [`up`].
 #[multiversion(targets = "simd")]
 pub(crate) fn down(
     cells: &[Cell],

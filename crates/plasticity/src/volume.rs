@@ -23,7 +23,7 @@ pub(crate) struct Volume {
     pub(crate) mesh: Arc<Mesh>,
     /// Packs of wave vectors, lane after lane of the half spectrum.
     packs: Vec<WavePack>,
-    /// Places of the components that do not vanish: all, or those of plane strain.
+    /// Places of the components that do not vanish: all of them, or three in plane strain.
     pub(crate) components: Vec<usize>,
     /// Number of the level of each cell.
     levels: Vec<usize>,
@@ -78,8 +78,8 @@ fn waves(grid: &Grid, lane: usize, pack: usize, flipped: bool) -> Waves {
         let q = mode.wavenumber();
         waves.wavenumber.0[k] = q;
         let flips = [mode.nyquist[0] && !mode.nyquist[1], mode.nyquist[1]];
-        for axis in 0..2 {
-            let sign = if flipped && flips[axis] { -1.0 } else { 1.0 };
+        for (axis, flip) in flips.into_iter().enumerate() {
+            let sign = if flipped && flip { -1.0 } else { 1.0 };
             waves.direction[axis].0[k] = sign * mode.wavevector[axis] / q;
         }
     }
@@ -179,7 +179,7 @@ pub(crate) struct Operator<T: Real> {
     singles: f64,
 }
 
-/// What a pass over the waves computes.
+/// Result of a pass over the waves.
 #[derive(Clone, Copy, PartialEq)]
 enum Direction {
     /// Displacement of the surface, from plastic strain.

@@ -165,7 +165,7 @@ fn invalid_problems_and_loads_are_refused() {
         Err(SolveError::Refused(refusal)) => refusal.to_string(),
         _ => panic!("{load:?} is not refused"),
     };
-    // Y (1 − ν)/(1 − 2ν) = 0.0175, of which 0.95 is the limit.
+    // Y (1 − ν)/(1 − 2ν) = 0.0175, times 0.95.
     let beyond = contact.step(&rest, Load::MeanPressure(0.017), &Budget::default(), &mut ());
     let Err(SolveError::Refused(Refusal::BeyondHardness { hardness, .. })) = beyond else { panic!("not refused") };
     approx::assert_relative_eq!(hardness, 0.016625, max_relative = 1e-14);
