@@ -9,8 +9,9 @@
 //! Only the plastic strain is discretised in depth, in cells with one value per point of their grid. Elastic waves are
 //! exact in the contact: G p is the displacement of the body of `gfmd-green`. The cells are finite elements with the
 //! strain at mid-depth; they give the displacement u^pl of the surface by plastic strain and, by its adjoint, the
-//! stress of the pressure in the cells. The contact is solved for the clearance c − u^pl inside every evaluation, so that the
-//! energy is a convex function of the plastic strain alone, minimised by Newton's method with conjugate gradients.
+//! stress of the pressure in the cells. The contact is solved for the clearance c − u^pl inside every evaluation, so
+//! that the energy is a convex function of the plastic strain alone, minimised by Newton's method with conjugate
+//! gradients.
 
 mod error;
 mod hardening;

@@ -17,8 +17,8 @@ use crate::{Cell, Hardening, PlasticState, PlasticStrain, PlasticityError};
 /// Contact of a rigid rough surface with a body that yields below its surface, without friction or adhesion.
 ///
 /// Small strains, J2 flow with isotropic and linear kinematic hardening. The plastic strain is constant in depth in
-/// each of the [`Cells`]; the compliance of the contact is exact for the body, so that a contact that does not yield is the
-/// [`Contact`] of the elastic body. Each step is one convex minimisation (backward Euler).
+/// each of the [`Cells`]; the compliance of the contact is exact for the body, so that a contact that does not yield is
+/// the [`Contact`] of the elastic body. Each step is one convex minimisation (backward Euler).
 #[derive(Clone, Debug)]
 pub struct YieldingContact {
     contact: Contact,
