@@ -1,0 +1,134 @@
+//! Plastic strain, stored where the material has yielded.
+
+use gfmd_contact::Refusal;
+use gfmd_vector::sum;
+use ndarray::{Array2, Array3};
+
+use crate::cells::{Cell, Mesh};
+use crate::volume::COMPONENTS;
+
+/// Plastic strain ε^p and equivalent plastic strain κ of all cells. Only points that have yielded take memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlasticStrain {
+    pub(crate) cells: Vec<Yielded>,
+}
+
+/// Points of a cell that have yielded, in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Yielded {
+    /// Numbers of the points on the grid of the cell.
+    pub(crate) points: Vec<u32>,
+    /// Plastic strain, in the orthonormal basis.
+    pub(crate) strain: Vec<[f64; COMPONENTS]>,
+    /// κ.
+    pub(crate) equivalent: Vec<f64>,
+}
+
+impl Yielded {
+    pub(crate) fn push(&mut self, point: u32, strain: [f64; COMPONENTS], equivalent: f64) {
+        self.points.push(point);
+        self.strain.push(strain);
+        self.equivalent.push(equivalent);
+    }
+
+    pub(crate) fn append(&mut self, mut other: Self) {
+        self.points.append(&mut other.points);
+        self.strain.append(&mut other.strain);
+        self.equivalent.append(&mut other.equivalent);
+    }
+
+    /// Returns the plastic strain and κ of a point; zeros if it has not yielded.
+    pub(crate) fn at(&self, point: u32) -> ([f64; COMPONENTS], f64) {
+        match self.points.binary_search(&point) {
+            Ok(place) => (self.strain[place], self.equivalent[place]),
+            Err(_) => ([0.0; COMPONENTS], 0.0),
+        }
+    }
+
+    /// Returns the sum of a function of plastic strain and κ, and of the place in the list, over the points.
+    pub(crate) fn sum(&self, of: impl Fn(usize, &[f64; COMPONENTS], f64) -> f64 + Sync) -> f64 {
+        sum(self.points.len(), &|range| range.map(|k| of(k, &self.strain[k], self.equivalent[k])).sum())
+    }
+}
+
+impl PlasticStrain {
+    pub(crate) fn none(cells: usize) -> Self {
+        Self { cells: vec![Yielded::default(); cells] }
+    }
+
+    /// Makes the plastic strain from fields of all points, one per cell.
+    pub(crate) fn of_fields(mesh: &Mesh, strain: &[Array3<f64>], equivalent: &[Array2<f64>]) -> Result<Self, Refusal> {
+        let count = mesh.cells.len();
+        for found in [strain.len(), equivalent.len()] {
+            if found != count {
+                return Err(Refusal::Basis { found, expected: count });
+            }
+        }
+        let mut cells = Vec::new();
+        for ((cell, strain), equivalent) in mesh.cells.iter().zip(strain).zip(equivalent) {
+            let points = cell.grid(&mesh.grid).points();
+            if strain.dim() != (COMPONENTS, points[0], points[1]) || <[usize; 2]>::from(equivalent.dim()) != points {
+                return Err(Refusal::Shape { found: equivalent.dim().into(), expected: points });
+            }
+            let mut yielded = Yielded::default();
+            for (number, ((i, j), equivalent)) in equivalent.indexed_iter().enumerate() {
+                let strain = std::array::from_fn(|c| strain[[c, i, j]]);
+                let known = strain.iter().all(|e: &f64| e.is_finite()) && equivalent.is_finite() && *equivalent >= 0.0;
+                if !known {
+                    return Err(Refusal::NotFinite { what: "plastic strain", found: *equivalent });
+                }
+                if *equivalent > 0.0 || strain != [0.0; COMPONENTS] {
+                    yielded.push(number as u32, strain, *equivalent);
+                }
+            }
+            cells.push(yielded);
+        }
+        Ok(Self { cells })
+    }
+
+    /// Returns the number of points that have yielded, on the grids of their cells.
+    pub fn points(&self) -> usize {
+        self.cells.iter().map(|cell| cell.points.len()).sum()
+    }
+
+    /// Returns ε^p of a cell, `[component, x, y]` on the grid of the cell. The components are √(3/2) ε_zz,
+    /// (ε_xx − ε_yy)/√2, √2 ε_xy, √2 ε_xz and √2 ε_yz.
+    pub(crate) fn strain_field(&self, mesh: &Mesh, cell: usize) -> Array3<f64> {
+        let [nx, ny] = mesh.cells[cell].grid(&mesh.grid).points();
+        let mut field = Array3::zeros((COMPONENTS, nx, ny));
+        let Yielded { points, strain, .. } = &self.cells[cell];
+        for (point, strain) in points.iter().zip(strain) {
+            let [i, j] = [*point as usize / ny, *point as usize % ny];
+            strain.iter().enumerate().for_each(|(c, e)| field[[c, i, j]] = *e);
+        }
+        field
+    }
+
+    /// Returns κ of a cell, `[x, y]` on the grid of the cell.
+    pub(crate) fn equivalent_field(&self, mesh: &Mesh, cell: usize) -> Array2<f64> {
+        let [nx, ny] = mesh.cells[cell].grid(&mesh.grid).points();
+        let mut field = Array2::zeros((nx, ny));
+        let Yielded { points, equivalent, .. } = &self.cells[cell];
+        for (point, equivalent) in points.iter().zip(equivalent) {
+            field[[*point as usize / ny, *point as usize % ny]] = *equivalent;
+        }
+        field
+    }
+
+    /// Returns the sum over cells of the thickness times the mean over points of a function of plastic strain and κ,
+    /// zero where both are zero. `of(cell, place, strain, κ)` also gets the number of the cell and the place in its
+    /// list.
+    pub(crate) fn integral(
+        &self,
+        mesh: &Mesh,
+        of: impl Fn(usize, usize, &[f64; COMPONENTS], f64) -> f64 + Sync,
+    ) -> f64 {
+        let cells = mesh.cells.iter().zip(&self.cells).enumerate();
+        cells
+            .map(|(number, (cell, yielded)): (usize, (&Cell, &Yielded))| {
+                let weight = cell.thickness / cell.grid(&mesh.grid).len() as f64;
+                weight * yielded.sum(|place, strain, equivalent| of(number, place, strain, equivalent))
+            })
+            .sum()
+    }
+}

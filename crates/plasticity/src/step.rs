@@ -1,0 +1,524 @@
+//! One step of loading: Newton's method on the strain, with conjugate gradients, and the contact solved inside every
+//! evaluation.
+
+use std::ops::ControlFlow;
+
+use gfmd_contact::{Budget, Effort, Load, Refusal, SolveError, Watch, judge};
+use gfmd_relax::{Ending, Progress, Why};
+use gfmd_vector::sum;
+use ndarray::Array2;
+use num_complex::Complex;
+
+use crate::frozen::FrozenContact;
+use crate::plastic::Yielded;
+use crate::volume::{COMPONENTS, Operator, Selection};
+use crate::yielding::{Energies, Evaluation};
+use crate::{PlasticState, PlasticStrain, YieldingContact};
+
+/// Tolerance of the contact in an evaluation, relative to the tolerance of the step, to the residual before, and at
+/// most. The energy decides between steps, and its error is the tolerance times the energy.
+const CONTACT_OF_TOLERANCE: f64 = 0.1;
+const CONTACT_OF_RESIDUAL: f64 = 1e-4;
+const CONTACT_MOST: f64 = 1e-7;
+const CONTACT_LEAST: f64 = 1e-14;
+
+/// Largest number of iterations of one contact.
+const CONTACT_ITERATIONS: u64 = 100_000;
+
+/// Relative size of a rise of the energy that may be rounding.
+const ROUNDING_OF_ENERGY: f64 = 1e-12;
+
+/// Largest number of times a step is shortened to a quarter.
+const SHORTENED: u32 = 2;
+
+/// Largest number of iterations of conjugate gradients in a Newton step, and range of their tolerance (forcing terms of
+/// Eisenstat and Walker).
+const INNER_ITERATIONS: u64 = 30;
+const FORCING: [f64; 2] = [0.03, 0.3];
+
+/// Point that flows in a trial, with the tangent of its flow.
+#[derive(Clone, Copy, Debug)]
+struct Tangent {
+    point: u32,
+    direction: [f32; COMPONENTS],
+    /// Along the direction and across it.
+    factors: [f32; 2],
+}
+
+/// Points that flow in a cell: tangent, weight in scalar products.
+#[derive(Clone, Debug, Default)]
+struct Flowing {
+    tangents: Vec<Tangent>,
+    weight: f64,
+}
+
+/// Vector of strains on the points that flow, cell after cell.
+type Strains = Vec<[f32; COMPONENTS]>;
+
+/// Search for the state at the end of a step.
+struct Search<'a> {
+    problem: &'a YieldingContact,
+    before: &'a PlasticState,
+    load: Load,
+    budget: &'a Budget,
+    watch: &'a mut dyn Watch,
+    operator: Operator<f64>,
+    /// Made when the first point flows.
+    linear: Option<Linear>,
+    /// Volume operators and transform pairs of contacts so far.
+    operators: u64,
+    contact_pairs: f64,
+    /// Change of the strain by the last Newton step, and the part of it that is taken.
+    change: Vec<f32>,
+    part: f64,
+    residual: f64,
+}
+
+/// Strain from which the plastic strain follows: the strain of the last evaluation, with a part of a Newton step.
+struct Trial<'a> {
+    problem: &'a YieldingContact,
+    before: &'a PlasticStrain,
+    strain: &'a [f64],
+    change: &'a [f32],
+    part: f64,
+}
+
+/// Linear response in single precision, with its memory.
+struct Linear {
+    operator: Operator<f32>,
+    frozen: FrozenContact,
+    displacement: Vec<f32>,
+    pressure: Vec<f32>,
+    /// Spectra of the change of the strain.
+    change: Vec<Vec<Complex<f32>>>,
+}
+
+impl YieldingContact {
+    /// Computes the state under a `load` that follows the state `before` in one step.
+    ///
+    /// The iterations of the budget count volume operators; a step takes some 20, and one without plastic flow a
+    /// single one. The tolerance holds for all residuals: of the contact conditions as in
+    /// [`Contact`](gfmd_contact::Contact), of yield condition and flow as in [`FlowResidual`](crate::FlowResidual).
+    ///
+    /// # Errors
+    /// [`SolveError::Refused`] for an invalid load, a load of 0.95 of the pressure at which a whole half-space yields,
+    /// and the state of another contact; otherwise an error that contains the state reached.
+    pub fn step(
+        &self,
+        before: &PlasticState,
+        load: Load,
+        budget: &Budget,
+        watch: &mut dyn Watch,
+    ) -> Result<PlasticState, SolveError<PlasticState>> {
+        budget.check().map_err(Refusal::from)?;
+        self.check(before, load, budget.tolerance)?;
+        let search = Search {
+            problem: self,
+            before,
+            load,
+            budget,
+            watch,
+            operator: Operator::new(&self.volume),
+            linear: None,
+            operators: 0,
+            contact_pairs: 0.0,
+            change: Vec::new(),
+            part: 0.0,
+            residual: 1.0,
+        };
+        let (state, ending) = search.run()?;
+        judge(state, ending, budget.tolerance)
+    }
+}
+
+impl Search<'_> {
+    fn run(mut self) -> Result<(PlasticState, Ending), Refusal> {
+        let before = &self.before.plastic;
+        let mut last = self.evaluate(before, &self.before.solution.pressure, Vec::new())?;
+        let (mut plastic, mut flowing) = self.trial(&last.strain).map();
+        if flowing.iter().all(|cell| cell.tangents.is_empty()) {
+            // Without flow the strain is the one at the end of the step, once the contact is as good as required.
+            if last.solution.residual.worst() > self.contact_tolerance(0.0) {
+                last = self.evaluate_to(0.0, before, &last.solution.pressure.clone(), last.strain)?;
+                (plastic, flowing) = self.trial(&last.strain).map();
+            }
+            if flowing.iter().all(|cell| cell.tangents.is_empty()) {
+                return Ok(self.end(&last, plastic, Ending::Converged));
+            }
+        }
+        let mut spare = Vec::new();
+        let (mut least, mut shortened) = (f64::INFINITY, 0);
+        let mut before_last = None;
+        let mut may_fall_back = false;
+        loop {
+            let now = self.evaluate(&plastic, &last.solution.pressure, std::mem::take(&mut spare))?;
+            let energy = self.energy(&now, &plastic);
+            let noise = ROUNDING_OF_ENERGY * energy.abs() + self.noise(&last) + self.noise(&now);
+            let falls = energy <= least + noise;
+            if may_fall_back && !falls {
+                // Shorter Newton steps, then the safe step to the strain of the last evaluation, which lowers the
+                // energy.
+                shortened += 1;
+                may_fall_back = shortened <= SHORTENED;
+                self.part = if may_fall_back { 0.25 * self.part } else { 0.0 };
+                spare = now.strain;
+                if let Some(ending) = self.ends() {
+                    // The plastic strain of the safe step, and the contact that belongs to it.
+                    self.part = 0.0;
+                    (plastic, _) = self.trial(&last.strain).map();
+                    let at = self.evaluate(&plastic, &last.solution.pressure, spare)?;
+                    return Ok(self.end(&at, plastic, ending));
+                }
+                (plastic, flowing) = self.trial(&last.strain).map();
+                continue;
+            }
+            (least, shortened) = (energy, 0);
+            self.residual = self.trial(&last.strain).residual(&now.strain, &flowing);
+            let seen = self.watch.see(&Progress { iteration: self.operators, residual: self.residual });
+            if let ControlFlow::Break(()) = seen {
+                return Ok(self.end(&now, plastic, Ending::Interrupted));
+            }
+            if self.residual <= self.budget.tolerance && now.solution.residual.worst() <= self.budget.tolerance {
+                return Ok(self.end(&now, plastic, Ending::Converged));
+            }
+            if !self.residual.is_finite() {
+                return Ok(self.end(&now, plastic, Ending::GaveUp(Why::NoDescent)));
+            }
+            if let Some(ending) = self.ends() {
+                return Ok(self.end(&now, plastic, ending));
+            }
+            self.newton(&last.strain, &now, &flowing, before_last)?;
+            before_last = Some(self.residual);
+            (self.part, may_fall_back) = (1.0, true);
+            spare = std::mem::replace(&mut last, now).strain;
+            (plastic, flowing) = self.trial(&last.strain).map();
+        }
+    }
+
+    fn ends(&self) -> Option<Ending> {
+        (self.operators >= self.budget.max_iterations).then_some(Ending::GaveUp(Why::Iterations))
+    }
+
+    fn end(self, at: &Evaluation, plastic: PlasticStrain, ending: Ending) -> (PlasticState, Ending) {
+        let linear = self.linear.as_ref().map_or(0.0, |linear| linear.operator.pairs() + linear.frozen.pairs());
+        let transform_pairs = self.operator.pairs() + self.contact_pairs + linear;
+        let effort = Effort { iterations: self.operators, transform_pairs };
+        (self.problem.state(at, plastic, self.before, effort), ending)
+    }
+
+    fn contact_tolerance(&self, residual: f64) -> f64 {
+        let least = (CONTACT_OF_TOLERANCE * self.budget.tolerance).max(CONTACT_LEAST);
+        (CONTACT_OF_RESIDUAL * residual).min(CONTACT_MOST).max(least)
+    }
+
+    fn evaluate(
+        &mut self,
+        plastic: &PlasticStrain,
+        start: &Array2<f64>,
+        strain: Vec<f64>,
+    ) -> Result<Evaluation, Refusal> {
+        self.evaluate_to(self.residual, plastic, start, strain)
+    }
+
+    fn evaluate_to(
+        &mut self,
+        residual: f64,
+        plastic: &PlasticStrain,
+        start: &Array2<f64>,
+        strain: Vec<f64>,
+    ) -> Result<Evaluation, Refusal> {
+        let budget = Budget { tolerance: self.contact_tolerance(residual), max_iterations: CONTACT_ITERATIONS };
+        let found = self.problem.evaluate(&mut self.operator, plastic, self.load, start, &budget, strain)?;
+        self.operators += 1;
+        self.contact_pairs += found.solution.effort.transform_pairs;
+        Ok(found)
+    }
+
+    /// Returns the function that the step minimises: energy stored and dissipated, less the work of a prescribed load.
+    fn energy(&self, at: &Evaluation, plastic: &PlasticStrain) -> f64 {
+        let Energies { elastic, hardening, dissipated } = self.problem.energies(at, plastic, &self.before.plastic);
+        let work = match self.load {
+            Load::MeanPressure(mean) => mean * at.solution.approach,
+            Load::Approach(_) => 0.0,
+        };
+        elastic + hardening + dissipated - work
+    }
+
+    /// Returns the error of the energy by the residuals of the contact.
+    fn noise(&self, at: &Evaluation) -> f64 {
+        at.solution.residual.worst() * at.solution.mean_pressure * at.solution.length_scale()
+    }
+
+    /// Returns the trial that adds the part taken of the change to a strain.
+    fn trial<'b>(&'b self, strain: &'b [f64]) -> Trial<'b> {
+        let Self { problem, before, change, part, .. } = self;
+        Trial { problem, before: &before.plastic, strain, change, part: *part }
+    }
+
+    /// Solves (1 − Γ 2μ𝒟) x = ε̂ − ε by conjugate gradients on the points that flow, and sets the change of the strain
+    /// from ε̂ to Γ 2μ𝒟 x.
+    fn newton(
+        &mut self,
+        trial: &[f64],
+        now: &Evaluation,
+        flowing: &[Flowing],
+        last: Option<f64>,
+    ) -> Result<(), Refusal> {
+        let cells = flowing.len();
+        let offsets = &self.problem.offsets;
+        let floating = matches!(self.load, Load::MeanPressure(_));
+        let active: Vec<bool> = flowing.iter().map(|cell| !cell.tangents.is_empty()).collect();
+        let mut starts = vec![0];
+        for cell in flowing {
+            starts.push(starts[starts.len() - 1] + cell.tangents.len());
+        }
+        let trial = self.trial(trial);
+        let mut residual: Strains = Vec::with_capacity(starts[cells]);
+        for (number, cell) in flowing.iter().enumerate() {
+            let points = (offsets[number + 1] - offsets[number]) / COMPONENTS;
+            residual.extend(cell.tangents.iter().map(|tangent| -> [f32; COMPONENTS] {
+                let i = tangent.point as usize;
+                let trial = trial.at(offsets[number], points, i);
+                std::array::from_fn(|c| (now.strain[offsets[number] + c * points + i] - trial[c]) as f32)
+            }));
+        }
+        self.change.resize(offsets[cells], 0.0);
+        self.change.fill(0.0);
+        let Self { problem, linear, budget, operators, change, .. } = self;
+        let linear = linear.get_or_insert_with(|| Linear::new(problem, floating));
+        linear.frozen.freeze(&gfmd_vector::contiguous(&now.solution.pressure));
+        linear.start(&active);
+        let ratio = last.map_or(FORCING[1], |last| 0.9 * (self.residual / last).powf(1.6));
+        let forcing = ratio.clamp(FORCING[0], FORCING[1]).max(0.3 * budget.tolerance / self.residual);
+        let mut direction = residual.clone();
+        let mut image = vec![[0.0; COMPONENTS]; residual.len()];
+        let start = energy_product(flowing, &starts, &residual, &residual);
+        let mut slope = start;
+        for _ in 0..INNER_ITERATIONS {
+            let moving = slope.is_finite() && slope > forcing * forcing * start;
+            if !moving || *operators >= budget.max_iterations {
+                break;
+            }
+            linear.respond(flowing, &starts, &direction, &mut image, &active);
+            *operators += 1;
+            // ⟨d, (1 − Γ2μ𝒟) d⟩.
+            let own = energy_product(flowing, &starts, &direction, &direction);
+            let curvature = own - energy_product(flowing, &starts, &direction, &image);
+            let positive = curvature > 0.0;
+            if !positive {
+                break;
+            }
+            let step = (slope / curvature) as f32;
+            linear.add(step, &active);
+            for (residual, (direction, image)) in residual.iter_mut().zip(direction.iter().zip(&image)) {
+                for c in 0..COMPONENTS {
+                    residual[c] -= step * (direction[c] - image[c]);
+                }
+            }
+            let next = energy_product(flowing, &starts, &residual, &residual);
+            let beta = (next / slope) as f32;
+            for (direction, residual) in direction.iter_mut().zip(&residual) {
+                for c in 0..COMPONENTS {
+                    direction[c] = residual[c] + beta * direction[c];
+                }
+            }
+            slope = next;
+        }
+        linear.finish(&active, offsets, change);
+        Ok(())
+    }
+}
+
+impl Trial<'_> {
+    /// Returns the deviatoric strain of a point.
+    #[inline(always)]
+    fn at(&self, offset: usize, points: usize, i: usize) -> [f64; COMPONENTS] {
+        std::array::from_fn(|c| {
+            let place = offset + c * points + i;
+            let change = self.change.get(place).map_or(0.0, |change| self.part * f64::from(*change));
+            self.strain[place] + change
+        })
+    }
+
+    /// Maps the strain of the trial to the plastic strain.
+    fn map(&self) -> (PlasticStrain, Vec<Flowing>) {
+        let (mesh, offsets) = (&self.problem.volume.mesh, &self.problem.offsets);
+        let of_cell = |(number, cell): (usize, &crate::Cell)| {
+            let before = &self.before.cells[number];
+            let Some(hardening) = &cell.hardening else { return (before.clone(), Flowing::default()) };
+            let points = (offsets[number + 1] - offsets[number]) / COMPONENTS;
+            let stretches = YieldingContact::stretches(points, |range| {
+                let mut place = before.points.partition_point(|point| (*point as usize) < range.start);
+                let (mut yielded, mut tangents) = (Yielded::default(), Vec::new());
+                for i in range {
+                    let has = before.points.get(place).is_some_and(|point| *point as usize == i);
+                    let (plastic, equivalent) =
+                        if has { (before.strain[place], before.equivalent[place]) } else { ([0.0; COMPONENTS], 0.0) };
+                    place += usize::from(has);
+                    let strain = self.at(offsets[number], points, i);
+                    match hardening.flow(cell.shear_modulus, &strain, (&plastic, equivalent)) {
+                        Some(flow) => {
+                            yielded.push(i as u32, flow.strain, flow.equivalent);
+                            tangents.push(Tangent {
+                                point: i as u32,
+                                direction: flow.direction.map(|n| n as f32),
+                                factors: flow.tangent.map(|factor| factor as f32),
+                            });
+                        }
+                        None if has => yielded.push(i as u32, plastic, equivalent),
+                        None => {}
+                    }
+                }
+                (yielded, tangents)
+            });
+            let mut all = Yielded::default();
+            let weight = 2.0 * cell.shear_modulus * cell.thickness / points as f64;
+            let mut flowing = Flowing { tangents: Vec::new(), weight };
+            for (yielded, mut tangents) in stretches {
+                all.append(yielded);
+                flowing.tangents.append(&mut tangents);
+            }
+            (all, flowing)
+        };
+        let (cells, flowing) = mesh.cells.iter().enumerate().map(of_cell).unzip();
+        (PlasticStrain { cells }, flowing)
+    }
+
+    /// Returns the largest difference between a trial and the strain that follows from it, over the points that flow in
+    /// either, as an equivalent stress divided by the yield stress.
+    fn residual(&self, strain: &[f64], flowing: &[Flowing]) -> f64 {
+        let offsets = &self.problem.offsets;
+        let worse = |a: f64, b: f64| if b <= a { a } else { b };
+        let of_cell = |(number, cell): (usize, &crate::Cell)| {
+            let Some(hardening) = &cell.hardening else { return 0.0 };
+            let before = &self.before.cells[number];
+            let tangents = &flowing[number].tangents;
+            let points = (offsets[number + 1] - offsets[number]) / COMPONENTS;
+            let unit = 1.5_f64.sqrt() * 2.0 * cell.shear_modulus / hardening.yield_stress();
+            let stretch = |range: std::ops::Range<usize>| {
+                let mut place = before.points.partition_point(|point| (*point as usize) < range.start);
+                let mut next = tangents.partition_point(|tangent| (tangent.point as usize) < range.start);
+                let mut worst = 0.0;
+                for i in range {
+                    let has = before.points.get(place).is_some_and(|point| *point as usize == i);
+                    let (plastic, equivalent) =
+                        if has { (before.strain[place], before.equivalent[place]) } else { ([0.0; COMPONENTS], 0.0) };
+                    place += usize::from(has);
+                    let flows = tangents.get(next).is_some_and(|tangent| tangent.point as usize == i);
+                    next += usize::from(flows);
+                    let found: [f64; COMPONENTS] = std::array::from_fn(|c| strain[offsets[number] + c * points + i]);
+                    let driving = hardening.driving_stress(cell.shear_modulus, &found, &plastic);
+                    let stays = hardening.overstress(&driving, equivalent) <= 0.0;
+                    if flows || !stays {
+                        let trial = self.at(offsets[number], points, i);
+                        let difference: [f64; COMPONENTS] = std::array::from_fn(|c| found[c] - trial[c]);
+                        worst = worse(worst, unit * crate::hardening::norm(&difference));
+                    }
+                }
+                worst
+            };
+            gfmd_vector::reduce(points, &stretch, &worse)
+        };
+        self.problem.cells().iter().enumerate().map(of_cell).fold(0.0, worse)
+    }
+}
+
+/// Applies the tangent of the flow of a point to a strain.
+#[inline(always)]
+fn tangent(of: &Tangent, strain: &[f32; COMPONENTS]) -> [f32; COMPONENTS] {
+    let along: f32 = of.direction.iter().zip(strain).map(|(n, e)| n * e).sum();
+    let [first, second] = of.factors;
+    std::array::from_fn(|c| (first - second) * along * of.direction[c] + second * strain[c])
+}
+
+/// Returns Σ h 2μ ⟨a, 𝒟 b⟩ over the points that flow.
+fn energy_product(flowing: &[Flowing], starts: &[usize], a: &Strains, b: &Strains) -> f64 {
+    let of_cell = |(number, cell): (usize, &Flowing)| {
+        let first = starts[number];
+        let total = sum(cell.tangents.len(), &|range| {
+            range
+                .map(|k| {
+                    let image = tangent(&cell.tangents[k], &b[first + k]);
+                    a[first + k].iter().zip(image).map(|(a, b)| f64::from(*a) * f64::from(b)).sum::<f64>()
+                })
+                .sum()
+        });
+        cell.weight * total
+    };
+    flowing.iter().enumerate().map(of_cell).sum()
+}
+
+impl Linear {
+    fn new(problem: &YieldingContact, floating: bool) -> Self {
+        let operator = Operator::new(&problem.volume);
+        let n = problem.response.grid().len();
+        let change = operator.spectra.clone();
+        Self {
+            operator,
+            frozen: FrozenContact::new(&problem.response, floating),
+            displacement: vec![0.0; n],
+            pressure: vec![0.0; n],
+            change,
+        }
+    }
+
+    fn start(&mut self, active: &[bool]) {
+        for (change, _) in self.change.iter_mut().zip(active).filter(|(_, active)| **active) {
+            change.fill(Complex::default());
+        }
+    }
+
+    /// Computes the strain `image` on the points that flow, by plastic strain 𝒟 `direction`.
+    fn respond(
+        &mut self,
+        flowing: &[Flowing],
+        starts: &[usize],
+        direction: &Strains,
+        image: &mut Strains,
+        active: &[bool],
+    ) {
+        let Self { operator, frozen, displacement, pressure, .. } = self;
+        let cells = || flowing.iter().enumerate().filter(|(_, cell)| !cell.tangents.is_empty());
+        for (number, cell) in cells() {
+            let strains = &direction[starts[number]..starts[number + 1]];
+            operator.analyse(number, |component, field| {
+                for (of, strain) in cell.tangents.iter().zip(strains) {
+                    field[of.point as usize] = tangent(of, strain)[component];
+                }
+            });
+        }
+        operator.surface_displacement(active, displacement);
+        frozen.solve(displacement, pressure);
+        operator.strain(pressure, &Selection { plastic: active.to_vec(), strain: active.to_vec() });
+        for (number, cell) in cells() {
+            let strains = &mut image[starts[number]..starts[number + 1]];
+            operator.synthesise(number, |component, field| {
+                for (of, strain) in cell.tangents.iter().zip(strains.iter_mut()) {
+                    strain[component] = field[of.point as usize];
+                }
+            });
+        }
+    }
+
+    /// Adds `step` times the strain of the last response to the change.
+    fn add(&mut self, step: f32, active: &[bool]) {
+        let spectra = self.operator.spectra.iter().zip(&mut self.change).zip(active);
+        for ((spectrum, change), _) in spectra.filter(|(_, active)| **active) {
+            gfmd_vector::for_each((&mut change[..], &spectrum[..]), &|_, (change, spectrum)| {
+                change.iter_mut().zip(spectrum).for_each(|(change, strain)| *change += *strain * step);
+            });
+        }
+    }
+
+    /// Transforms the change back, in the cells with points that flow.
+    fn finish(&mut self, active: &[bool], offsets: &[usize], change: &mut [f32]) {
+        let Self { operator, change: spectra, .. } = self;
+        for (number, _) in active.iter().enumerate().filter(|(_, active)| **active) {
+            let fields = &mut change[offsets[number]..offsets[number + 1]];
+            let points = fields.len() / COMPONENTS;
+            operator.synthesise_from(number, &spectra[number], |component, field| {
+                fields[component * points..(component + 1) * points].copy_from_slice(field);
+            });
+        }
+    }
+}

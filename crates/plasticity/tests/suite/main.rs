@@ -1,0 +1,4 @@
+//! Tests of `gfmd-plasticity` as one program. `cargo test -p gfmd-plasticity --test suite FILE::` runs one file.
+
+mod reference;
+mod step;

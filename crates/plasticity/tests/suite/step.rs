@@ -1,0 +1,179 @@
+//! Steps of loading: limits, certificate, threads, bad input.
+
+use std::ops::ControlFlow;
+
+use gfmd_contact::{Equilibrium, Progress};
+use gfmd_plasticity::ndarray::Array2;
+use gfmd_plasticity::{
+    Body, Budget, Cells, Contact, Fields, Grid, Hardening, Load, Material, PlasticityError, Refusal, SolveError,
+    YieldingContact,
+};
+
+use crate::reference::{cases, contact, load};
+
+fn material() -> Material {
+    Material::from_young(1.0, 0.3).unwrap()
+}
+
+fn rough(points: usize) -> (Grid, Array2<f64>) {
+    let grid = Grid::square(points, 1.0).unwrap();
+    let surface = gfmd_surface::SelfAffine {
+        hurst: 0.8,
+        longest_wavelength: 0.5,
+        shortest_wavelength: 0.125,
+        ..gfmd_surface::SelfAffine::with_rms_gradient(0.1)
+    };
+    let heights = surface.heights(&grid, 3).unwrap();
+    (grid, heights)
+}
+
+fn yielding(points: usize, yield_stress: f64) -> YieldingContact {
+    let (grid, heights) = rough(points);
+    let steel = Hardening::new(yield_stress).unwrap().isotropic(0.02).unwrap();
+    YieldingContact::new(&Body::half_space(material()), &grid, &heights, &[Some(steel)], &Cells::default()).unwrap()
+}
+
+const TIGHT: Budget = Budget { tolerance: 1e-11, max_iterations: 2000 };
+
+#[test]
+fn without_yield_every_problem_is_the_elastic_contact() {
+    for case in cases() {
+        let mut problem = case["problem"].clone();
+        for key in ["hardening_curve", "layer_yield"] {
+            if problem.get(key).is_some() {
+                problem[key] = if key == "layer_yield" { 0.05.into() } else { serde_json::Value::Null };
+            }
+        }
+        problem.as_object_mut().unwrap().retain(|_, value| !value.is_null());
+        problem["yield"] = 0.099.into();
+        let contact = contact(&problem);
+        // So small a part of the first load that nothing yields.
+        let load = match load(&problem["path"][0]) {
+            Load::MeanPressure(mean) => Load::MeanPressure(0.005 * mean),
+            Load::Approach(approach) => Load::Approach(0.01 * approach),
+        };
+        let state = contact.step(&contact.rest().unwrap(), load, &TIGHT, &mut ()).unwrap();
+        assert_eq!(state.plastic.points(), 0, "{problem}");
+        let elastic = contact.contact().press(load).budget(TIGHT).solve().unwrap();
+        let close = |a: &Array2<f64>, b: &Array2<f64>| {
+            let largest = b.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-10 * largest)
+        };
+        assert!(close(&state.solution.pressure, &elastic.pressure));
+        assert!(close(&state.solution.displacement, &elastic.displacement));
+        let energy = elastic.summary().elastic_energy;
+        assert!((state.elastic_energy - energy).abs() < 1e-10 * energy && state.dissipated == 0.0);
+        assert!(state.operators <= 2);
+    }
+}
+
+#[test]
+fn unloading_is_elastic_and_leaves_residual_stress_and_an_imprint() {
+    let contact = yielding(64, 0.03);
+    let budget = Budget::default();
+    let pressed = contact.step(&contact.rest().unwrap(), Load::MeanPressure(0.01), &budget, &mut ()).unwrap();
+    let released = contact.step(&pressed, Load::MeanPressure(0.0005), &budget, &mut ()).unwrap();
+    assert!(released.operators <= 2 && released.dissipated == 0.0);
+    assert_eq!(released.plastic, pressed.plastic);
+    assert!(released.plastic_displacement_measures().min < 0.0);
+    // The same load again gives the same state.
+    let again = contact.step(&released, Load::MeanPressure(0.01), &budget, &mut ()).unwrap();
+    assert!((again.approach() - pressed.approach()).abs() < 1e-7 * pressed.approach());
+    // With the state before as a candidate: W' + D − W ≤ p (δ' − δ).
+    let work = 0.01 * (pressed.approach() - 0.0);
+    assert!(pressed.elastic_energy + pressed.hardening_energy + pressed.dissipated <= work * (1.0 + 1e-12));
+}
+
+#[test]
+fn an_approach_above_the_imprint_has_no_contact() {
+    let contact = yielding(32, 0.02);
+    let budget = Budget::default();
+    let pressed = contact.step(&contact.rest().unwrap(), Load::MeanPressure(0.01), &budget, &mut ()).unwrap();
+    let apart = contact.step(&pressed, Load::Approach(1e-5), &budget, &mut ()).unwrap();
+    assert!(apart.mean_pressure() == 0.0 && apart.worst() <= budget.tolerance && apart.elastic_energy > 0.0);
+}
+
+#[test]
+fn the_certificate_recomputes_a_state_and_finds_changes() {
+    let contact = yielding(64, 0.03);
+    let (rest, load) = (contact.rest().unwrap(), Load::MeanPressure(0.01));
+    let state = contact.step(&rest, load, &Budget::default(), &mut ()).unwrap();
+    let cells = 0..contact.cells().len();
+    let strains: Vec<_> = cells.clone().map(|cell| state.plastic_strain(cell)).collect();
+    let mut equivalents: Vec<_> = cells.map(|cell| state.equivalent_plastic_strain(cell)).collect();
+    let plastic = contact.plastic_strain(&strains, &equivalents).unwrap();
+    assert_eq!(plastic, state.plastic);
+    let certified = contact.certify(&rest, &state.solution.pressure, &plastic, load).unwrap();
+    assert!(certified.worst() <= 1e-8, "{:?}", certified.residuals());
+    let relative = |a: f64, b: f64| (a - b).abs() / b.abs();
+    assert!(relative(certified.elastic_energy, state.elastic_energy) < 1e-12);
+    assert!(relative(certified.dissipated, state.dissipated) < 1e-12);
+    assert!(relative(certified.approach(), state.approach()) < 1e-12);
+    let wrong_pressure = state.solution.pressure.mapv(|p| 1.001 * p);
+    let wrong = contact.certify(&rest, &wrong_pressure, &plastic, load).unwrap();
+    assert!(wrong.solution.residual.load > 1e-4 && wrong.residual.yielding > 1e-5);
+    equivalents[3].mapv_inplace(|k| 1.01 * k);
+    let plastic = contact.plastic_strain(&strains, &equivalents).unwrap();
+    let wrong = contact.certify(&rest, &state.solution.pressure, &plastic, load).unwrap();
+    assert!(wrong.residual.flow > 1e-4);
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let contact = yielding(128, 0.03);
+    let solve = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let rest = contact.rest().unwrap();
+            let budget = Budget { tolerance: 1e-6, ..Budget::default() };
+            contact.step(&rest, Load::MeanPressure(0.005), &budget, &mut ()).unwrap()
+        })
+    };
+    let one = solve(1);
+    assert!(one.plastic.points() > 1000);
+    for threads in [2, 4] {
+        assert!(solve(threads) == one, "{threads} threads");
+    }
+}
+
+#[test]
+fn searches_that_end_early_give_their_state() {
+    let contact = yielding(32, 0.02);
+    let rest = contact.rest().unwrap();
+    let load = Load::MeanPressure(0.01);
+    let few = Budget { max_iterations: 3, ..Budget::default() };
+    let unmet = contact.step(&rest, load, &few, &mut ()).unwrap_err();
+    assert!(matches!(&unmet, SolveError::NotConverged { state, .. } if state.worst() > 1e-8), "{unmet}");
+    let mut stop = |_: &Progress| ControlFlow::Break(());
+    let stopped = contact.step(&rest, load, &Budget::default(), &mut stop).unwrap_err();
+    assert!(matches!(stopped, SolveError::Interrupted { .. }));
+}
+
+#[test]
+fn invalid_problems_and_loads_are_refused() {
+    let (grid, heights) = rough(32);
+    let make = |material: Material, yield_stress: f64| {
+        let steel = Some(Hardening::new(yield_stress).unwrap());
+        YieldingContact::new(&Body::half_space(material), &grid, &heights, &[steel], &Cells::default())
+    };
+    let rubber = Material::from_young(1.0, 0.499).unwrap();
+    assert!(matches!(make(rubber, 0.01), Err(PlasticityError::Poisson { .. })));
+    assert!(matches!(make(material(), 0.1), Err(PlasticityError::YieldStrain { .. })));
+    let contact = make(material(), 0.01).unwrap();
+    let rest = contact.rest().unwrap();
+    let refused = |load: Load| match contact.step(&rest, load, &Budget::default(), &mut ()) {
+        Err(SolveError::Refused(refusal)) => refusal.to_string(),
+        _ => panic!("{load:?} is not refused"),
+    };
+    // Y (1 − ν)/(1 − 2ν) = 0.0175, times 0.95.
+    let beyond = contact.step(&rest, Load::MeanPressure(0.017), &Budget::default(), &mut ());
+    let Err(SolveError::Refused(Refusal::BeyondHardness { hardness, .. })) = beyond else { panic!("not refused") };
+    approx::assert_relative_eq!(hardness, 0.016625, max_relative = 1e-14);
+    assert!(refused(Load::MeanPressure(f64::NAN)).contains("NaN"));
+    assert!(refused(Load::MeanPressure(-1.0)).contains("-1"));
+    let other = make(material(), 0.02).unwrap().rest().unwrap();
+    let mixed = contact.step(&other, Load::MeanPressure(0.001), &Budget::default(), &mut ());
+    assert!(matches!(mixed, Err(SolveError::Refused(Refusal::OtherKind))));
+    let flat = Array2::zeros((32, 32));
+    assert!(Contact::new(&Body::half_space(material()), &grid, &flat).is_err());
+}
