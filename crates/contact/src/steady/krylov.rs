@@ -98,7 +98,8 @@ impl Krylov {
         self.transforms.pairs()
     }
 
-    /// Finds a step of the pressure that closes `residual` at the `free` points, where `free` is 1 and elsewhere 0: a gap without a mean under a prescribed load, of norm 1.
+    /// Finds a step of the pressure that closes `residual` at the points where `free` is 1; elsewhere it is 0. The
+    /// residual is a gap of norm 1, without a mean under a prescribed load.
     pub(super) fn step(&mut self, free: &[f64], residual: Vec<f32>) -> LinearStep<'_> {
         let count = free.iter().sum::<f64>();
         self.vectors = vec![residual];
