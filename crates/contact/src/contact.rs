@@ -371,12 +371,22 @@ impl Contact {
             0.0 => 0.0,
             compliance => compliance * self.share.total_of(&pressure) / self.share.total() as f64,
         };
-        let length_scale = self.length_scale(load);
-        let conditions =
-            Conditions { sinking: uniform, load, length_scale, extent: self.worn, hardness: self.hardness.as_ref() };
-        let mut solution = Solution::of(&self.scaled, response.contact_modulus(), pressure, displacement, conditions);
+        let mut solution = self.state_of((pressure, displacement), uniform, load);
         solution.effort.transform_pairs = compliance.pairs() - counted;
         solution
+    }
+
+    /// Returns the state of a pressure and of the displacement u_z that follows from it, with the residuals, in
+    /// [`units`](Self::units). The displacement does not contain the uniform `sinking`.
+    pub(crate) fn state_of(
+        &self,
+        (pressure, displacement): (Vec<f64>, Vec<f64>),
+        sinking: f64,
+        load: Load,
+    ) -> Solution {
+        let (length_scale, hardness) = (self.length_scale(load), self.hardness.as_ref());
+        let conditions = Conditions { sinking, load, length_scale, extent: self.worn, hardness };
+        Solution::of(&self.scaled, self.response.contact_modulus(), pressure, displacement, conditions)
     }
 
     /// Returns the length scale of the residuals before the displacement is known, in [`units`](Self::units). Worn
@@ -474,7 +484,7 @@ impl Contact {
         Ok(start.iter().map(|p| p / stress).collect())
     }
 
-    fn check_size(&self, pressure: ArrayView2<f64>) -> Result<(), Refusal> {
+    pub(crate) fn check_size(&self, pressure: ArrayView2<f64>) -> Result<(), Refusal> {
         let expected = self.surface.shape();
         if self.share.any(<[usize; 2]>::from(pressure.dim()) != expected) {
             return Err(Refusal::Start { found: pressure.len(), expected: expected.iter().product() });

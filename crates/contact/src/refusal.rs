@@ -273,6 +273,15 @@ pub enum Refusal {
         /// Part of the body, or its boundary.
         with: &'static str,
     },
+    /// The pressure of a wave does no positive work on its displacement, so that a steady state is not unique.
+    #[error(
+        "the pressure of a wave leads its displacement by {found:.1} degrees; it must lead by less than 90, with less \
+         friction, or a body that relaxes less"
+    )]
+    Lead {
+        /// Angle, in degrees.
+        found: f64,
+    },
     /// A law moves all components of the displacement of a contact with other parts that need u_z alone.
     #[error(
         "the law moves all components of the displacement; it must move u_z alone with friction, a hardness, wear or a \

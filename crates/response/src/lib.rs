@@ -8,12 +8,14 @@
 //! - [`FullResponse`]: a matrix per mode, for problems with all components, x, y, z, or x, z on a line.
 //! - [`Elastic`]: a shared [`NormalResponse`] or [`FullResponse`]; each problem owns its [`Transforms`], which hold the
 //!   memory and a counter.
+//! - [`ComplexTransforms`]: a complex factor per mode, for waves whose pressure leads the displacement.
 //! - [`Operator`]: any [`Hermitian`] matrix per mode, such as a preconditioner from stiffness and interface.
 //!
 //! A field of several [`Components`] is one slice, component after component, each laid out as a field of `gfmd-field`.
 //! Displacement and traction refer to the surface of the body, with +z out of the body; compression makes u_z and t_z
 //! negative.
 
+mod complex;
 mod components;
 mod elastic;
 mod free;
@@ -28,6 +30,7 @@ mod rounded;
 mod scattered;
 mod units;
 
+pub use complex::ComplexTransforms;
 pub use components::Components;
 pub use elastic::{Elastic, FullTransforms, NormalTransforms, Transforms};
 pub use free::{FreeCompliance, FreeRounded, FreeTransforms};
