@@ -117,7 +117,7 @@ def test_both_leak_rates_are_one_number(surface):
     assert np.allclose(alone.leak_rate(**fluid), np.diag(alone.flow().conductivity) * slit, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["path", "slide", "wear", "punch", "interior"])
+@pytest.mark.parametrize("name", ["path", "slide", "punch", "interior"])
 def test_load_says_what_reads_files_of_other_results(results, name):
     folder, _ = results
     kind = "body" if name == "interior" else name
