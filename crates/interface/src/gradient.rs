@@ -13,9 +13,9 @@ use crate::{Interface, State};
 const ERROR: f64 = 1e-8;
 
 impl Interface {
-    /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by the
-    /// wall kept; attraction counts, and the stiffness under tension may be negative. NaN for a profile whose approach is
-    /// known up to a constant. Its error is the relative error of the linear problem.
+    /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by
+    /// the wall kept. The attraction counts, and under tension the stiffness may be negative. NaN for a profile whose
+    /// approach is known up to a constant. The error is the relative error of the linear problem.
     ///
     /// # Errors
     /// Returns the errors of [`gradient`](Self::gradient).
