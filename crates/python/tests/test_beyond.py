@@ -125,7 +125,6 @@ def test_what_does_not_go_together_is_named():
     for arguments, words in [
         (dict(finite_slope=1), "finite_slope is 1"),
         (dict(finite_slope=True, law=law), "law is morse; it must be hard-wall with finite_slope"),
-        (dict(finite_slope=True, hardness=1.0), "hardness is given"),
         (
             dict(finite_slope=True, boundary="free", body=half_space),
             "boundary is free; it must be periodic with finite_slope",

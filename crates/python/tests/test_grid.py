@@ -61,6 +61,15 @@ def test_a_path_on_a_finer_grid_tells_the_error_of_the_pull_off():
     )
 
 
+@pytest.mark.parametrize("options", [dict(approach=1e-2), dict(p_star=0.1, boundary="free")])
+def test_an_approach_and_a_patch_have_limits_from_two_grids(options):
+    c = gfmd.contact(gfmd.self_affine(n=32, eps_f_inv=4), BODY, grid_error="refine", **options)
+    assert (
+        np.isfinite(c.area_fraction_limit)
+        and abs(c.area_fraction - c.area_fraction_limit) <= c.area_fraction_grid_error
+    )
+
+
 @pytest.mark.parametrize(
     "options, wanted",
     [
@@ -68,8 +77,6 @@ def test_a_path_on_a_finer_grid_tells_the_error_of_the_pull_off():
         (dict(p_star=0.1, accuracy="much"), "relative error from 1e-6 to 0.5"),
         (dict(p_star=0.1, accuracy=0.01, hardness=0.1), "not with a hardness"),
         (dict(approach=1e-3, accuracy=0.01), "the approach counts from the highest point"),
-        (dict(approach=1e-3, grid_error="refine"), "grid_error is refine"),
-        (dict(p_star=0.1, grid_error="refine", boundary="free"), "grid_error is refine"),
         (dict(p_star=0.1, accuracy=0.01, grid_error="refine"), "accuracy is given with"),
         (dict(p_star=0.1, grid_error="guess"), "grid_error"),
     ],

@@ -91,8 +91,9 @@ fn between_the_points_of_a_scan_two_interpolations_tell_what_is_not_known() {
     let [_, limit, error] = limit(&two["loads"][0], "area_fraction");
     // White noise: a quarter of the area lies between both interpolations.
     assert!(error > 0.05 * limit, "{limit} {error}");
-    let reported = refused(folder.path(), &format!("{scan} --grid-error refine --boundary free"));
-    assert!(reported.contains("it must be none or estimate with --boundary free"), "{reported}");
+    let patch = json(folder.path(), &words(&format!("{scan} --grid-error refine --boundary free")));
+    let [_, _, error] = self::limit(&patch["loads"][0], "area_fraction");
+    assert!(error > 0.0, "{error}");
     let reported = refused(folder.path(), &format!("{scan} --accuracy 1%"));
     assert!(reported.contains("what lies between the points is not known"), "{reported}");
 }
@@ -260,18 +261,60 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
         (format!("{contact} --accuracy 1% --law morse --param gamma=1e-5,range=0.01"), "not with a law"),
         (format!("{contact} --accuracy 1% --method rmd"), "--accuracy"),
         ("contact --n 32 --approach 0.001 --accuracy 1%".into(), "the approach counts from the highest point"),
-        ("contact --n 32 --approach 0.001 --grid-error refine".into(), "--grid-error is refine"),
-        (format!("{contact} --grid-error refine --dim 2"), "--grid-error is refine"),
-        (format!("{contact} --grid-error refine --finite-slope"), "--grid-error is refine"),
         (format!("{contact} --grid-error refine --method rmd"), "--method is rmd"),
         (format!("{contact} --refine 2"), "--surface"),
-        ("path --n 32 --p-star 0.05 --grid-error refine --boundary free".into(), "--grid-error is refine"),
         ("path --n 32 --p-star 0.05 --grid-error refine --resume --out a.h5".into(), "--grid-error is refine"),
         (format!("{contact} --boundary free --accuracy 1%"), "the rim of a patch moves with the grid"),
     ] {
         let reported = refused(folder.path(), &flags);
         assert!(reported.contains(wanted), "{flags}: {reported}");
     }
+}
+
+/// The limits from two grids contain the numbers of a grid eight times finer, where one grid has no formula.
+#[test]
+fn profiles_steep_surfaces_and_two_faces_have_limits_from_two_grids() {
+    let folder = tempfile::tempdir().unwrap();
+    for (flags, finest) in [
+        ("--dim 2 --eps-f-inv 8 --hurst 0.8 --n 64", 512),
+        ("--finite-slope --rms-gradient 0.1 --eps-t-inv 2 --eps-f-inv 4 --hurst 0.8 --n 32", 256),
+        ("--lower-seed 7 --height 0.3 --eps-t-inv 2 --eps-f-inv 4 --hurst 0.8 --n 32", 256),
+    ] {
+        let of = |more: &str| json(folder.path(), &words(&format!("contact {flags} --p-star 0.1 --json {more}")));
+        let two = of("--grid-error refine")["loads"][0].clone();
+        let exact = of(&format!("--n {finest}"))["loads"][0].clone();
+        for name in ["mean_gap", "elastic_energy"] {
+            let [value, limit, error] = limit(&two, name);
+            let exact = exact[name].as_f64().unwrap();
+            assert!((limit - exact).abs() <= error && error < 0.1 * value, "{flags} {name}: {limit} {error} {exact}");
+        }
+    }
+}
+
+/// Points of a patch are the centres of equal cells on both grids: a sphere keeps its place and its force.
+#[test]
+fn a_patch_has_limits_from_two_grids() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = |n: usize| {
+        let sphere = |i: usize| -0.5 * ((i as f64 + 0.5) / n as f64 - 0.47).powi(2);
+        let heights = ndarray::Array2::from_shape_fn((n, n), |(i, j)| sphere(i) + sphere(j));
+        ndarray_npy::write_npy(folder.path().join(format!("{n}.npy")), &heights).unwrap();
+    };
+    [32, 256].into_iter().for_each(written);
+    let of = |n: usize, more: &str| {
+        let flags = format!("contact --surface {n}.npy --size 1 --boundary free --young 1 --poisson 0 --json {more}");
+        json(folder.path(), &words(&flags))["loads"][0].clone()
+    };
+    let (two, exact) = (of(32, "--pressure 0.005 --grid-error refine"), of(256, "--pressure 0.005"));
+    for name in ["approach", "mean_gap", "elastic_energy", "max_pressure", "area_fraction"] {
+        let [value, limit, error] = limit(&two, name);
+        let exact = exact[name].as_f64().unwrap();
+        assert!((limit - exact).abs() <= error && error < 0.2 * value, "{name}: {limit} {error} {exact}");
+    }
+    // The same approach leads to the same place on both grids.
+    let two = of(32, "--approach 0.02 --grid-error refine");
+    let [value, limit, error] = limit(&two, "mean_pressure");
+    assert!((value - limit).abs() < 0.05 * value && error < 0.1 * value, "{value} {limit} {error}");
 }
 
 /// A prescribed number has no limit. The pressure at an approach has a limit with a valid error: the top of the surface

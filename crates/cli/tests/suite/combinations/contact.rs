@@ -534,6 +534,8 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
             let tolerance = 1e-6_f64.max(elastic.tolerance) + number(load, "stiffness_error");
             found.is(load, "stiffness", expected, tolerance);
         }
+        // The stiffness of a law is compared with differences of states in the tests of its crate.
+        _ if case.law.is_some() && case.hardness.is_none() => {}
         _ => found.null(load, "stiffness"),
     }
     if !case.statistics {
