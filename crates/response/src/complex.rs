@@ -31,7 +31,7 @@ impl<T: Real> ComplexTransforms<T> {
         self.pairs += 1;
         fits(self.transform.forward(field, &mut self.spectrum, &mut self.workspace));
         for_each((&mut self.spectrum[..], kernel), &|_, (spectrum, kernel)| {
-            spectrum.iter_mut().zip(kernel).for_each(|(mode, k)| *mode = *mode * *k);
+            spectrum.iter_mut().zip(kernel).for_each(|(mode, k)| *mode *= *k);
         });
         fits(self.transform.inverse(&self.spectrum, out, &mut self.workspace));
     }

@@ -54,7 +54,7 @@ pub fn measure(
         memory::fits(MemoryNeed::FLOW_ALONE, "flow", prepared.surface.grid.points())?;
     }
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
-    let stiffness = stiffness(contact, state, args.problem.stiffness_tolerance, &mut warn).map_err(Into::into);
+    let stiffness = stiffness(contact, state, args.problem.stiffness_tolerance, &mut warn);
     let at = StateContext { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.search.tolerance) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());

@@ -117,7 +117,7 @@ impl Krylov {
             let length = dot(&next, &next).sqrt();
             column.push(length);
             let left = rotated.push(column);
-            let is_done = left <= REDUCTION || !(length > 0.0);
+            let is_done = left <= REDUCTION || length <= 0.0 || length.is_nan();
             if is_done {
                 break;
             }

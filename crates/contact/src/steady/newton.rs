@@ -259,7 +259,7 @@ impl<'a> Newton<'a> {
             self.indent();
         }
         let last = self.state();
-        let mut state = best.filter(|best| !(last.worst() < best.worst())).unwrap_or(last);
+        let mut state = best.filter(|best| best.worst() <= last.worst() || last.worst().is_nan()).unwrap_or(last);
         state.effort.iterations = self.iterations;
         state.effort.transform_pairs = self.transforms.pairs() + krylov.pairs();
         (state, ending)
