@@ -275,14 +275,16 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
 #[test]
 fn profiles_steep_surfaces_and_two_faces_have_limits_from_two_grids() {
     let folder = tempfile::tempdir().unwrap();
-    for (flags, finest) in [
-        ("--dim 2 --eps-f-inv 8 --hurst 0.8 --n 64", 512),
-        ("--finite-slope --rms-gradient 0.1 --eps-t-inv 2 --eps-f-inv 4 --hurst 0.8 --n 32", 256),
-        ("--lower-seed 7 --height 0.3 --eps-t-inv 2 --eps-f-inv 4 --hurst 0.8 --n 32", 256),
+    for (flags, n) in [
+        ("--dim 2 --eps-f-inv 8 --hurst 0.8", 64),
+        ("--finite-slope --rms-gradient 0.1 --eps-t-inv 2 --eps-f-inv 4 --hurst 0.8", 32),
+        ("--lower-seed 7 --height 0.3 --eps-t-inv 2 --eps-f-inv 4 --hurst 0.8", 32),
     ] {
-        let of = |more: &str| json(folder.path(), &words(&format!("contact {flags} --p-star 0.1 --json {more}")));
-        let two = of("--grid-error refine")["loads"][0].clone();
-        let exact = of(&format!("--n {finest}"))["loads"][0].clone();
+        let of = |n: u32, more: &str| {
+            let flags = format!("contact --n {n} {flags} --p-star 0.1 --json {more}");
+            json(folder.path(), &words(&flags))["loads"][0].clone()
+        };
+        let (two, exact) = (of(n, "--grid-error refine"), of(8 * n, ""));
         for name in ["mean_gap", "elastic_energy"] {
             let [value, limit, error] = limit(&two, name);
             let exact = exact[name].as_f64().unwrap();
