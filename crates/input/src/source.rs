@@ -552,8 +552,8 @@ impl SourceArgs {
     }
 
     /// Returns this source with `times` as many points along each side, interpolated by `how` between the points of a
-    /// file. A generated surface is the same one on a finer grid. On both grids the points of a patch are the centres of
-    /// equal cells.
+    /// file. A generated surface is the same one on a finer grid. On both grids the points of a patch are the centres
+    /// of equal cells.
     ///
     /// # Errors
     /// Returns an error if nothing is known between the points of the surface.

@@ -151,8 +151,8 @@ fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, C
     limits.map_err(|reason| reason.to_string().into())
 }
 
-/// Returns true if only two grids tell the limit of a number, not the formulas of one grid: under a law, for profiles, a
-/// slab between two surfaces, and for numbers of a patch that depend on its gap, its rim, or its compliance.
+/// Returns true if only two grids tell the limit of a number, not the formulas of one grid: under a law, for profiles,
+/// a slab between two surfaces, and for numbers of a patch that depend on its gap, its rim, or its compliance.
 fn needs_two_grids(at: &StateContext, name: &str) -> bool {
     let of_patch = || {
         let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
