@@ -74,8 +74,8 @@ pub fn top(field: ArrayView2<f64>) -> f64 {
 }
 
 /// Returns the largest value between the points of a patch, which does not repeat, in the unit of the field: the
-/// largest maximum of the quadratics through the inner points and their neighbours, or the largest value of a point. NaN
-/// without points.
+/// largest maximum of the quadratics through the inner points and their neighbours, or the largest value of a point.
+/// NaN without points.
 pub fn top_inside(field: ArrayView2<f64>) -> f64 {
     let highest = field.fold(f64::NEG_INFINITY, |most, value| most.max(*value));
     if !highest.is_finite() {
