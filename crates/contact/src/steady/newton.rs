@@ -106,7 +106,7 @@ impl<'a> Newton<'a> {
     }
 
     /// Moves the points between open, free and full, and the pressure to its bounds and the load. Returns true if the
-    /// displacement is that of another pressure.
+    /// displacement belongs to another pressure.
     fn sort(&mut self) -> bool {
         let (_, approach) = self.level();
         let Self { contact, upper, pressure, indentation, free, .. } = self;

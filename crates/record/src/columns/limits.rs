@@ -88,7 +88,7 @@ const OF_PATCHES: [&str; 2] = ["patches", "largest_patch_fraction"];
 const OVER_CONTACT: [&str; 4] =
     ["mean_pressure_in_contact", "pressure_deviation_in_contact", "stiffness", "conductance"];
 
-/// The same on a profile, where the ends of few contacts do not average out.
+/// Columns of a profile whose differences between two grids are small by chance more often: it has few contact edges.
 const OVER_PROFILE: [&str; 2] = ["area_fraction", "max_pressure"];
 
 /// Least process zone, relative to the zone that resolves a law. In narrower zones, the contact edge catches on grid
