@@ -195,7 +195,8 @@ mod tests {
         let profile = Array2::from_shape_fn((9, 1), |(i, _)| 2.0 + sphere(i, 4.3));
         assert!((top_inside(profile.view()) - 2.0).abs() < 1e-14);
         let wave = Array2::from_shape_fn((64, 1), |(i, _)| (std::f64::consts::TAU * (i as f64 - 20.3) / 8.0).cos());
-        assert!((top(wave.view()) - 1.0).abs() < 1e-6, "{}", top(wave.view()));
+        // The bound that the function states.
+        assert!((top(wave.view()) - 1.0).abs() < 3e-5, "{}", top(wave.view()));
     }
 
     #[test]
