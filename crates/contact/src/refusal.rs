@@ -210,6 +210,14 @@ pub enum Refusal {
         /// Value of the hardness.
         hardness: f64,
     },
+    /// The mean pressure nearly makes a whole half-space yield.
+    #[error("the mean pressure is {found}; it must be less than {limit}, near which the whole half-space yields")]
+    YieldsUniformly {
+        /// Mean pressure.
+        found: f64,
+        /// 0.95 of the pressure at which the half-space yields.
+        limit: f64,
+    },
     /// The approach gives no contact (without attraction), or is beyond full contact.
     #[error("the approach is {found}; it must be {}", approach_text(*found, *limit))]
     Approach {
@@ -357,6 +365,10 @@ impl Refusal {
             Self::BeyondHardness { found, hardness, .. } => {
                 *found *= stress;
                 *hardness *= stress;
+            }
+            Self::YieldsUniformly { found, limit } => {
+                *found *= stress;
+                *limit *= stress;
             }
             Self::MeanPressure { found } | Self::Hardness { found } => *found *= stress,
             Self::StartPressure { value, .. } => *value *= stress,

@@ -31,6 +31,8 @@ mod yielding;
 
 mod step;
 
+mod equilibrium;
+
 pub use cells::{Cell, Cells};
 pub use error::PlasticityError;
 pub use gfmd_contact::{Body, Budget, Contact, Fields, Grid, Load, Material, Refusal, SolveError};

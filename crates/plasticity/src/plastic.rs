@@ -1,6 +1,7 @@
 //! Plastic strain, stored where the material has yielded.
 
 use gfmd_contact::Refusal;
+use gfmd_relax::{Variables, Visit};
 use gfmd_vector::sum;
 use ndarray::{Array2, Array3};
 
@@ -48,6 +49,24 @@ impl Yielded {
     /// Returns the sum of a function of plastic strain and κ, and of the place in the list, over the points.
     pub(crate) fn sum(&self, of: impl Fn(usize, &[f64; COMPONENTS], f64) -> f64 + Sync) -> f64 {
         sum(self.points.len(), &|range| range.map(|k| of(k, &self.strain[k], self.equivalent[k])).sum())
+    }
+}
+
+impl Variables for PlasticStrain {
+    /// Visits the points that have yielded. The numbers of points are visited first, so that a restored strain has as
+    /// many.
+    fn visit(&mut self, visitor: &mut dyn Visit) {
+        for Yielded { points, strain, equivalent } in &mut self.cells {
+            let mut count = points.len() as u64;
+            visitor.count(&mut count);
+            let count = count as usize;
+            points.resize(count, 0);
+            strain.resize(count, [0.0; COMPONENTS]);
+            equivalent.resize(count, 0.0);
+            points.iter_mut().for_each(|point| visitor.small(point));
+            strain.iter_mut().for_each(|strain| visitor.field(strain));
+            visitor.field(equivalent);
+        }
     }
 }
 

@@ -18,6 +18,8 @@ pub struct PlasticState {
     pub plastic_displacement: Array2<f64>,
     /// Plastic strain and κ of all cells.
     pub plastic: PlasticStrain,
+    /// Plastic strain and κ before the step, from which the residuals of the flow follow.
+    pub plastic_before: PlasticStrain,
     /// Elastic energy, with the energy of residual stress.
     pub elastic_energy: f64,
     /// Energy stored by hardening; isotropic hardening does not give it back.
@@ -50,7 +52,7 @@ pub struct FlowResidual {
 impl FlowResidual {
     /// Returns the residuals with their names.
     pub fn parts(&self) -> [(&'static str, f64); 3] {
-        [("yielding", self.yielding), ("flow", self.flow), ("flow_complementarity", self.flow_complementarity)]
+        [("yield", self.yielding), ("flow", self.flow), ("flow_complementarity", self.flow_complementarity)]
     }
 }
 

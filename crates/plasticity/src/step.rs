@@ -111,7 +111,7 @@ impl YieldingContact {
         watch: &mut dyn Watch,
     ) -> Result<PlasticState, SolveError<PlasticState>> {
         budget.check().map_err(Refusal::from)?;
-        self.check(before, load, budget.tolerance)?;
+        self.check_step(before, load, budget.tolerance)?;
         let search = Search {
             problem: self,
             before,

@@ -1,8 +1,11 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Budget, Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver};
+use gfmd_contact::{
+    Budget, Contact, Drive, Effort, Equilibrium, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Stiffness,
+};
 use gfmd_field::Grid;
 use gfmd_green::Body;
+use gfmd_relax::Why;
 use gfmd_response::NormalResponse;
 use gfmd_vector::contiguous;
 use ndarray::{Array2, Array3, ArrayRef2};
@@ -79,6 +82,11 @@ impl YieldingContact {
         Ok(Self { contact, response, volume, offsets, limit })
     }
 
+    /// Returns the rigid surface.
+    pub fn surface(&self) -> &RigidSurface {
+        self.contact.surface()
+    }
+
     /// Returns the elastic contact of the body that has not yielded.
     pub fn contact(&self) -> &Contact {
         &self.contact
@@ -105,6 +113,7 @@ impl YieldingContact {
             solution: self.contact.certify(&Array2::zeros((nx, ny)), Load::Approach(0.0))?,
             plastic_displacement: Array2::zeros((nx, ny)),
             plastic: PlasticStrain::none(self.cells().len()),
+            plastic_before: PlasticStrain::none(self.cells().len()),
             elastic_energy: 0.0,
             hardening_energy: 0.0,
             dissipated: 0.0,
@@ -125,21 +134,32 @@ impl YieldingContact {
     }
 
     /// Checks a load, and that the state before belongs to this contact.
-    pub(crate) fn check(&self, before: &PlasticState, load: Load, tolerance: f64) -> Result<(), Refusal> {
+    pub(crate) fn check_step(&self, before: &PlasticState, load: Load, tolerance: f64) -> Result<(), Refusal> {
         if *before.mesh != *self.volume.mesh {
             return Err(Refusal::OtherKind);
         }
-        let drive = Drive::from(load);
-        self.contact.check(drive)?;
-        self.contact.check_resolution(drive, tolerance)?;
+        self.check_load(load)?;
+        self.contact.check_resolution(Drive::from(load), tolerance)
+    }
+
+    /// Checks a load.
+    pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
+        self.contact.check(Drive::from(load))?;
         match (load, self.limit) {
-            (Load::MeanPressure(found), Some(limit)) if found >= limit => Err(Refusal::BeyondHardness {
-                found,
-                what: "pressure at which the whole body yields,",
-                hardness: limit,
-            }),
+            (Load::MeanPressure(found), Some(limit)) if found >= limit => {
+                Err(Refusal::YieldsUniformly { found, limit })
+            }
             _ => Ok(()),
         }
+    }
+
+    /// Computes the stiffness of a state, d(mean pressure)/d(approach), in stress/length, to a relative `tolerance`.
+    /// It is elastic, with the points in contact kept: the stiffness at the beginning of unloading.
+    ///
+    /// # Errors
+    /// The stiffness reached, and the reason, if it is less exact.
+    pub fn stiffness(&self, state: &PlasticState, tolerance: f64) -> Result<Stiffness, (Stiffness, Why)> {
+        self.contact.stiffness(&state.solution, tolerance)
     }
 
     /// Computes the elastic contact at a plastic strain.
@@ -346,6 +366,7 @@ impl YieldingContact {
             solution,
             plastic_displacement: displaced,
             plastic,
+            plastic_before: before.plastic.clone(),
             elastic_energy: elastic,
             hardening_energy: hardening,
             dissipated,

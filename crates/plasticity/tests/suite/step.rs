@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Equilibrium, Progress};
+use gfmd_contact::{Equilibrium, Progress, Resumable, Visit};
 use gfmd_plasticity::ndarray::Array2;
 use gfmd_plasticity::{
-    Body, Budget, Cells, Contact, Fields, Grid, Hardening, Load, Material, PlasticityError, Refusal, SolveError,
-    YieldingContact,
+    Body, Budget, Cells, Contact, Fields, Grid, Hardening, Load, Material, PlasticState, PlasticityError, Refusal,
+    SolveError, YieldingContact,
 };
 
 use crate::reference::{cases, contact, load};
@@ -167,8 +167,8 @@ fn invalid_problems_and_loads_are_refused() {
     };
     // Y (1 − ν)/(1 − 2ν) = 0.0175, times 0.95.
     let beyond = contact.step(&rest, Load::MeanPressure(0.017), &Budget::default(), &mut ());
-    let Err(SolveError::Refused(Refusal::BeyondHardness { hardness, .. })) = beyond else { panic!("not refused") };
-    approx::assert_relative_eq!(hardness, 0.016625, max_relative = 1e-14);
+    let Err(SolveError::Refused(Refusal::YieldsUniformly { limit, .. })) = beyond else { panic!("not refused") };
+    approx::assert_relative_eq!(limit, 0.016625, max_relative = 1e-14);
     assert!(refused(Load::MeanPressure(f64::NAN)).contains("NaN"));
     assert!(refused(Load::MeanPressure(-1.0)).contains("-1"));
     let other = make(material(), 0.02).unwrap().rest().unwrap();
@@ -176,4 +176,60 @@ fn invalid_problems_and_loads_are_refused() {
     assert!(matches!(mixed, Err(SolveError::Refused(Refusal::OtherKind))));
     let flat = Array2::zeros((32, 32));
     assert!(Contact::new(&Body::half_space(material()), &grid, &flat).is_err());
+}
+
+/// Numbers of a state, written and read in order.
+#[derive(Default)]
+struct Kept {
+    numbers: Vec<f64>,
+    counts: Vec<u64>,
+    reads: bool,
+}
+
+impl Visit for Kept {
+    fn number(&mut self, x: &mut f64) {
+        if self.reads { *x = self.numbers.remove(0) } else { self.numbers.push(*x) }
+    }
+
+    fn count(&mut self, n: &mut u64) {
+        if self.reads { *n = self.counts.remove(0) } else { self.counts.push(*n) }
+    }
+
+    fn field(&mut self, x: &mut [f64]) {
+        x.iter_mut().for_each(|x| self.number(x));
+    }
+}
+
+#[test]
+fn a_restored_state_and_the_step_after_it_have_the_same_bits() {
+    let contact = yielding(32, 0.02);
+    let press = |mean: f64, start: Option<&PlasticState>| {
+        contact.press(Load::MeanPressure(mean)).starting_from(start).solve().unwrap()
+    };
+    let first = press(0.005, None);
+    let mut second = press(0.008, Some(&first));
+    assert!(second.dissipated > 0.0 && first.plastic.points() < second.plastic.points());
+    let mut kept = Kept::default();
+    contact.keep(&mut second, &mut kept);
+    kept.reads = true;
+    let restored = contact.restore(Load::MeanPressure(0.008).into(), &mut kept).unwrap();
+    assert_eq!(restored, second);
+    assert!(kept.numbers.is_empty() && kept.counts.is_empty());
+    assert_eq!(press(0.003, Some(&restored)), press(0.003, Some(&second)));
+}
+
+#[test]
+fn the_stiffness_is_the_slope_of_unloading() {
+    let contact = yielding(32, 0.02);
+    let step =
+        |mean: f64, before: &PlasticState| contact.step(before, Load::MeanPressure(mean), &TIGHT, &mut ()).unwrap();
+    let pressed = step(0.008, &contact.rest().unwrap());
+    let released = step(0.008 * (1.0 - 1e-7), &pressed);
+    let slope = (pressed.mean_pressure() - released.mean_pressure()) / (pressed.approach() - released.approach());
+    let found = contact.stiffness(&pressed, 1e-9).unwrap().value;
+    approx::assert_relative_eq!(found, slope, max_relative = 1e-3);
+    // Loading is softer, since the body yields.
+    let further = step(0.008 * (1.0 + 1e-4), &pressed);
+    let softer = (further.mean_pressure() - pressed.mean_pressure()) / (further.approach() - pressed.approach());
+    assert!(softer < 0.9 * found, "{softer} {found}");
 }

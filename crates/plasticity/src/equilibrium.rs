@@ -1,0 +1,78 @@
+//! The contact as one that paths, files and the program take.
+
+use gfmd_contact::{Budget, Drive, Equilibrium, Refusal, Resumable, SolveError, Solver, Visit, Watch};
+use gfmd_relax::Variables as _;
+use gfmd_vector::with_contiguous;
+use ndarray::Array2;
+
+use crate::{PlasticState, YieldingContact};
+
+/// Each state is one step from the state that it starts from, or from first touch of a body that has not yielded. The
+/// lateral displacement, the time and the distance of a drive have no effect.
+impl Equilibrium for YieldingContact {
+    type State = PlasticState;
+
+    fn solvers(&self) -> &'static [Solver] {
+        &[Solver::Auto]
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        drive.check()?;
+        self.check_load(drive.load)
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        self.contact().check_resolution(drive, tolerance)
+    }
+
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&PlasticState>,
+        watch: &mut dyn Watch,
+    ) -> Result<PlasticState, SolveError<PlasticState>> {
+        drive.check()?;
+        if !self.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
+        }
+        match start {
+            Some(before) => self.step(before, drive.load, budget, watch),
+            None => self.step(&self.rest()?, drive.load, budget, watch),
+        }
+    }
+}
+
+/// A state follows from its pressure and its plastic strain, with the numbers of the search that found it.
+impl Resumable for YieldingContact {
+    fn keep(&self, state: &mut PlasticState, visitor: &mut dyn Visit) {
+        with_contiguous(&mut state.solution.pressure, |pressure| visitor.field(pressure));
+        state.plastic.visit(visitor);
+        state.plastic_before.visit(visitor);
+        self.keep_numbers(state, visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<PlasticState, Refusal> {
+        self.check(drive)?;
+        let mut before = self.rest()?;
+        let mut pressure = Array2::zeros(self.surface().grid().points());
+        with_contiguous(&mut pressure, |pressure| visitor.field(pressure));
+        let mut plastic = before.plastic.clone();
+        plastic.visit(visitor);
+        before.plastic.visit(visitor);
+        let mut state = self.certify(&before, &pressure, &plastic, drive.load)?;
+        self.keep_numbers(&mut state, visitor);
+        Ok(state)
+    }
+}
+
+impl YieldingContact {
+    /// Visits the numbers that depend on the state before, and the effort of the search.
+    fn keep_numbers(&self, state: &mut PlasticState, visitor: &mut dyn Visit) {
+        let PlasticState { dissipated, work_imbalance, operators, solution, .. } = state;
+        visitor.numbers(&mut [dissipated, work_imbalance]);
+        visitor.count(operators);
+        solution.effort.visit(visitor);
+    }
+}
