@@ -74,6 +74,10 @@ pub(crate) struct Mesh {
     pub(crate) below: Below,
     /// True if the lowest cell lies in a half-space.
     pub(crate) reaches_half_space: bool,
+    /// True if the layer of the lowest cell goes on below it, where it cannot yield.
+    pub(crate) is_cut: bool,
+    /// True if the cells were made to fit the body, and not given.
+    pub(crate) is_fitted: bool,
 }
 
 /// Largest Poisson's ratio of a material with cells: their strains lock as it approaches 1/2.
@@ -124,6 +128,20 @@ fn below(body: &Body, depth: f64) -> Result<Below, PlasticityError> {
 }
 
 impl Cells {
+    /// Returns the cells in a body below a surface on `grid`, from the surface down. `hardening` has one entry per layer
+    /// of the body, from the top, `None` for a layer that does not yield.
+    ///
+    /// # Errors
+    /// The errors of [`YieldingContact::new`](crate::YieldingContact::new), without those of the surface.
+    pub fn in_body(
+        &self,
+        body: &Body,
+        grid: &Grid,
+        hardening: &[Option<Hardening>],
+    ) -> Result<Vec<Cell>, PlasticityError> {
+        Ok(self.mesh(body, grid, hardening)?.cells)
+    }
+
     /// Makes the cells of a body with one hardening per layer, from the top; `None` for a layer that does not yield.
     pub(crate) fn mesh(
         &self,
@@ -183,7 +201,9 @@ impl Cells {
             return Err(PlasticityError::NothingYields);
         }
         let reaches_half_space = layers[place].bottom.is_infinite();
-        Ok(Mesh { grid: *grid, cells, below: below(&body, depth)?, reaches_half_space })
+        let is_cut = depth < layers[place].bottom * (1.0 - ROUNDING_OF_DEPTH);
+        let is_fitted = matches!(self, Self::Graded { .. });
+        Ok(Mesh { grid: *grid, cells, below: below(&body, depth)?, reaches_half_space, is_cut, is_fitted })
     }
 
     fn thicknesses(&self, grid: &Grid, layers: &[Layer]) -> Result<Vec<f64>, PlasticityError> {
@@ -301,8 +321,8 @@ fn grade(extent: f64, first: f64, growth: f64, cells: &mut Vec<f64>) -> f64 {
 }
 
 impl Cell {
-    /// Returns the grid of the cell.
-    pub(crate) fn grid(&self, surface: &Grid) -> Grid {
+    /// Returns the grid of the cell, below a surface with a grid.
+    pub fn grid(&self, surface: &Grid) -> Grid {
         let points = surface.points().map(|points| points.div_ceil(self.coarsening));
         Grid::new(points, surface.lengths()).expect("a grid with fewer points than the surface is a grid")
     }
@@ -317,11 +337,6 @@ impl Mesh {
     /// Returns the number of cells on the full grid with the same number of points.
     pub(crate) fn equivalent_cells(&self) -> f64 {
         self.cells.iter().map(|cell| 1.0 / cell.share(&self.grid) as f64).sum()
-    }
-
-    /// Returns true if the body yields below the cells as well, so that plastic strain in the lowest cell has no room.
-    pub(crate) fn goes_on(&self) -> bool {
-        matches!(self.below, Below::Body(_))
     }
 }
 

@@ -105,6 +105,11 @@ impl PlasticStrain {
         Ok(Self { cells })
     }
 
+    /// Returns true if a point of the lowest cell has yielded.
+    pub(crate) fn yields_in_lowest(&self) -> bool {
+        self.cells.last().is_some_and(|cell| cell.equivalent.iter().any(|k| *k > 0.0))
+    }
+
     /// Returns the number of points that have yielded, on the grids of their cells.
     pub fn points(&self) -> usize {
         self.cells.iter().map(|cell| cell.points.len()).sum()

@@ -47,12 +47,19 @@ pub struct FlowResidual {
     pub flow: f64,
     /// Largest Δκ (R − q) divided by the yield stress and by the largest κ.
     pub flow_complementarity: f64,
+    /// 1 if the lowest of [graded](crate::Cells::Graded) cells has yielded and the layer goes on below it, else 0.
+    pub bottom: f64,
 }
 
 impl FlowResidual {
     /// Returns the residuals with their names.
-    pub fn parts(&self) -> [(&'static str, f64); 3] {
-        [("yield", self.yielding), ("flow", self.flow), ("flow_complementarity", self.flow_complementarity)]
+    pub fn parts(&self) -> [(&'static str, f64); 4] {
+        [
+            ("yield", self.yielding),
+            ("flow", self.flow),
+            ("flow_complementarity", self.flow_complementarity),
+            ("bottom", self.bottom),
+        ]
     }
 }
 
@@ -95,10 +102,9 @@ impl PlasticState {
         lowest.map_or(0.0, |lowest| self.mesh.cells[lowest].depth)
     }
 
-    /// Returns true if the lowest cell has yielded although the body goes on below it, where it cannot yield.
+    /// Returns true if the lowest cell has yielded although its layer goes on below it, where it cannot yield.
     pub fn yields_at_bottom(&self) -> bool {
-        let lowest = self.plastic.cells.last().is_some_and(|cell| cell.equivalent.iter().any(|k| *k > 0.0));
-        lowest && self.mesh.goes_on()
+        self.mesh.is_cut && self.plastic.yields_in_lowest()
     }
 
     /// Returns the largest κ.

@@ -340,7 +340,9 @@ impl YieldingContact {
             };
             all = worst(all, gfmd_vector::reduce(points, &of_range, &worst));
         }
-        FlowResidual { yielding: all[0], flow: all[1], flow_complementarity: all[2] }
+        let mesh = &self.volume.mesh;
+        let bottom = mesh.is_fitted && mesh.is_cut && plastic.yields_in_lowest();
+        FlowResidual { yielding: all[0], flow: all[1], flow_complementarity: all[2], bottom: f64::from(bottom) }
     }
 
     /// Makes the state of an evaluation.

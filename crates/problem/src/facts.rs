@@ -127,6 +127,8 @@ pub struct Facts {
     pub law: LawKind,
     /// True if a hardness limits the pressure.
     pub hardness: bool,
+    /// True if the body yields below its surface.
+    pub yields: bool,
     /// Limit of the shear, if there is friction.
     pub friction: Option<Friction>,
     /// Surroundings of the surface.
@@ -177,6 +179,7 @@ impl Default for Facts {
             task: Task::Loads,
             law: LawKind::HardWall,
             hardness: false,
+            yields: false,
             friction: None,
             boundary: Boundary::Periodic,
             unknown: Unknown::Normal,
@@ -228,6 +231,7 @@ impl Facts {
     /// Returns true if the states follow a law across the gap; on a periodic path also for an elastic hard wall alone.
     pub fn solves_a_law(&self) -> bool {
         let is_alone = !(self.hardness
+            || self.yields
             || self.friction.is_some()
             || self.boundary == Boundary::Free
             || self.relaxes.is_some()

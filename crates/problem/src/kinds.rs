@@ -5,13 +5,15 @@ use gfmd_contact::{
     SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    Interface, Quasistatic, QuasistaticContact, QuasistaticState, Reading, State, StiffnessError, StoredFields,
-    Trapping,
+    Interface, Loss, Losses, Quasistatic, QuasistaticContact, QuasistaticState, Reading, State, StiffnessError,
+    StoredFields, Trapping,
 };
+use gfmd_plasticity::{PlasticState, YieldingContact};
+use gfmd_relax::Why;
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
-use crate::posed::{ContactKind, NoStiffness};
+use crate::posed::{ContactKind, NoStiffness, of_fields};
 
 /// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
@@ -27,6 +29,12 @@ fn approach(stored: &StoredFields<'_>, clearance: &[f64]) -> f64 {
     let fields = stored.gap.iter().zip(stored.displacement_z);
     let sum: f64 = clearance.iter().zip(fields).map(|(clearance, (gap, u))| clearance - gap - u).sum();
     sum / clearance.len() as f64
+}
+
+/// Describes a stiffness that is less exact than requested.
+fn inexact((reached, why): (Stiffness, Why)) -> NoStiffness {
+    let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
+    NoStiffness::Inexact(reached, text)
 }
 
 impl ContactKind for Contact {
@@ -45,10 +53,7 @@ impl ContactKind for Contact {
     }
 
     fn stiffness(&self, state: &Solution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        Contact::stiffness(self, state, tolerance).map_err(|(reached, why)| {
-            let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
-            NoStiffness::Inexact(reached, text)
-        })
+        Contact::stiffness(self, state, tolerance).map_err(inexact)
     }
 
     fn gradient(&self, state: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
@@ -197,5 +202,31 @@ impl ContactKind for QuasistaticContact {
 
     fn trapping(&self) -> Option<Trapping> {
         QuasistaticContact::trapping(self)
+    }
+}
+
+impl ContactKind for YieldingContact {
+    fn surface(&self) -> &RigidSurface {
+        YieldingContact::surface(self)
+    }
+
+    /// Returns no names: the strain below the surface does not follow from fields on it.
+    fn basis(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], _: Drive) -> Result<PlasticState, Refusal> {
+        Err(Refusal::Basis { found: fields.len(), expected: 0 })
+    }
+
+    fn stiffness(&self, state: &PlasticState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        YieldingContact::stiffness(self, state, tolerance).map_err(inexact)
+    }
+
+    fn reading(&self, state: &PlasticState) -> Reading {
+        let losses = Losses { plastic: state.dissipated, ..Losses::default() };
+        let loss =
+            Loss::Certified { lost: state.dissipated, imbalance: state.work_imbalance, stored: None, flows: true };
+        Reading { losses, loss, ..of_fields(state) }
     }
 }

@@ -42,6 +42,8 @@ impl MemoryNeed {
 
     /// Law beside friction on a path.
     const LAW_BESIDE_FRICTION: u64 = 41;
+    /// Cell of a body that yields, on the grid of the surface.
+    const YIELD_PER_CELL: f64 = 45.0;
     /// Wear on a path.
     const WEAR: u64 = 16;
     /// Hardness beside a law or friction on a path.
@@ -52,6 +54,12 @@ impl MemoryNeed {
     #[must_use]
     pub fn relaxing(self, branches: usize, components: usize) -> Self {
         Self(self.0 + components as u64 * (14 + 10 * branches as u64))
+    }
+
+    /// Adds the fields of a body that yields in cells with this number of points per point of the surface.
+    #[must_use]
+    pub fn yielding(self, points: f64) -> Self {
+        Self(self.0 + (Self::YIELD_PER_CELL * points) as u64)
     }
 
     /// Returns the number of bytes on a grid of `points`, at most `u64::MAX`.

@@ -2,6 +2,7 @@
 
 use gfmd_contact::{FullSolution, Plastic, Solution, SqueezedSolution, SteepSolution};
 use gfmd_interface::{QuasistaticState, State};
+use gfmd_plasticity::PlasticState;
 use ndarray::{Array2, ArrayView2};
 
 use crate::AnyState;
@@ -9,6 +10,11 @@ use crate::AnyState;
 impl AnyState {
     /// Returns the state at the end of an increment of a path.
     pub fn on_path(&self) -> Option<&QuasistaticState> {
+        self.get()
+    }
+
+    /// Returns the state of a body that yields below its surface.
+    pub fn yielding(&self) -> Option<&PlasticState> {
         self.get()
     }
 
@@ -20,6 +26,7 @@ impl AnyState {
             .or_else(full)
             .or_else(|| self.steep().map(|state| &state.normal))
             .or_else(squeezed)
+            .or_else(|| self.yielding().map(|state| &state.solution))
             .or_else(|| self.on_path().and_then(QuasistaticState::wall))
     }
 

@@ -6,9 +6,11 @@ use gfmd_green::Body;
 use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Wear};
 use gfmd_law::{HardWall, Law};
 use gfmd_medium::Prony;
+use gfmd_plasticity::{PlasticityError, YieldingContact};
 use ndarray::ArrayRef2;
 
 use crate::facts::{Facts, Task};
+use crate::options::Plasticity;
 use crate::posed::Posed;
 use crate::unknown::Unknown;
 
@@ -31,6 +33,8 @@ pub struct Given<'a> {
     pub law: Arc<dyn Law>,
     /// Largest pressure, stress.
     pub hardness: Option<Hardness>,
+    /// Yielding of the body, with cells that [fit](Plasticity::cells).
+    pub plasticity: Option<&'a Plasticity>,
     /// Shear between the surfaces.
     pub shear: Option<Shear>,
     /// Relaxation of the body, which has its long-term moduli.
@@ -53,6 +57,7 @@ impl<'a> Given<'a> {
             lower: None,
             law: HardWall.into_shared(),
             hardness: None,
+            plasticity: None,
             shear: None,
             prony: None,
             wear: None,
@@ -82,11 +87,13 @@ impl<'a> Given<'a> {
 /// Returns an error if heights, body, hardness or law cannot be in contact, or if the given parts differ from the
 /// facts.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, share: _, heights, lower, law, hardness, shear, prony, wear, dynamics } = given;
+    let Given { facts, body, grid, share: _, heights, lower, law, hardness, .. } = given;
+    let Given { plasticity, shear, prony, wear, dynamics, .. } = given;
     // All parts, so that none of them is left out of the contact.
     for (part, is_fact, is_given) in [
         ("lower surface", facts.lower.is_some(), lower.is_some()),
         ("hardness", facts.hardness, hardness.is_some()),
+        ("yield stress", facts.yields, plasticity.is_some()),
         ("limit of the shear", facts.friction.is_some(), shear.is_some()),
         ("relaxation", facts.relaxes.is_some(), prony.is_some()),
         ("coefficient of wear", facts.wear.is_some(), wear.is_some()),
@@ -104,6 +111,13 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
             Some(hardness) => contact.with_hardness(hardness.clone())?,
             None => contact,
         }));
+    }
+    if let Some(Plasticity { hardening, cells }) = plasticity {
+        let contact = YieldingContact::new(body, grid, heights, hardening, cells);
+        return contact.map(Posed::new).map_err(|error| match error {
+            PlasticityError::Contact(refusal) => refusal,
+            _ => Refusal::Part { part: "cells" },
+        });
     }
     if facts.task == Task::Path {
         let parts = Parts {

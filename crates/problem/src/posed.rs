@@ -79,7 +79,7 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
 }
 
 /// Returns the reading of a state that is pressed without shear and has an unknown loss.
-fn of_fields(state: &impl Fields) -> Reading {
+pub(crate) fn of_fields(state: &impl Fields) -> Reading {
     let (mean_pressure, approach) = (state.mean_pressure(), state.approach());
     Reading {
         mean_pressure,

@@ -39,6 +39,8 @@ parts! {
     Law: |f| (key("law"), f.law.name(), key("law")), |f| f.has_law();
     /// Upper limit of the pressure.
     Hardness: |_| (key("hardness"), "given", key("hardness")), |f| f.hardness;
+    /// Body that yields below its surface.
+    Yield: |_| (key("yield_stress"), "given", key("yield_stress")), |f| f.yields;
     /// Limit of the shear.
     Friction: |f| match f.friction {
         Some(Friction::Tresca) => (key("shear_strength"), "given", key("shear_strength")),
@@ -232,6 +234,15 @@ pub const RULES: &[Rule] = {
         rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
         rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
         rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
+        rule(Hardness, Yield, "left out", "a hardness stands for the yielding below the surface"),
+        rule(Law, Yield, "hard-wall", "with an attraction, a step of a body that yields may have several solutions"),
+        rule(Friction, Yield, "left out", "the plastic strain by shear on the surface is not known"),
+        rule(Lateral, Yield, "left out", "the plastic strain by shear on the surface is not known"),
+        rule(Prony, Yield, "left out", "a body that yields and relaxes is another material"),
+        rule(Wear, Yield, "left out", "worn surfaces would take strained material with them"),
+        rule(Free, Yield, "periodic", "the strain below the surface is computed in a periodic cell"),
+        rule(Table, Yield, "left out", "the strain below the surface needs moduli"),
+        rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Approach, NoLevel, "left out", "the approach has no reference level"),
         rule(FlowThreshold, Law, "left out", "the bisection needs compressive loads"),
         rule(Flow, Line, "left out", "a profile has no flow"),
@@ -347,6 +358,7 @@ impl Part {
                     | Self::Prony
                     | Self::Shear
                     | Self::Wear
+                    | Self::Yield
                     | Self::WearByDistance
                     | Self::StillFriction
                     | Self::WearBySlip

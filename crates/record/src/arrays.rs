@@ -5,7 +5,7 @@ use gfmd_problem::{AnyState, Facts};
 use ndarray::{CowArray, Ix2};
 
 use crate::column::{Meaning, meaning};
-use crate::when::{any, between, hardness, path};
+use crate::when::{any, between, hardness, path, yields};
 
 /// Field of a state, one number for each point `[x, y]`.
 #[derive(Clone, Copy, Debug)]
@@ -104,6 +104,13 @@ pub const ARRAYS: &[Array] = &[
         |rest, _| rest.plastic_depth().map(|depth| depth.view().into()),
     )
     .with("--hardness", hardness),
+    Array::new(
+        "plastic_displacement_z",
+        "length",
+        &[(any, "normal displacement by plastic strain below the surface; once unloaded the residual topography")],
+        |rest, _| Some(rest.yielding()?.plastic_displacement.view().into()),
+    )
+    .of_paths(yields),
     Array::new("wear_depth", "length", &[(any, "depth that both surfaces have lost so far")], |rest, _| {
         rest.on_path()?.wear_depth().map(|depth| depth.view().into())
     })

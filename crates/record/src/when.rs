@@ -46,6 +46,10 @@ pub(crate) fn hardness(facts: &Facts) -> bool {
     facts.hardness
 }
 
+pub(crate) fn yields(facts: &Facts) -> bool {
+    facts.yields
+}
+
 pub(crate) fn relaxing(facts: &Facts) -> bool {
     facts.relaxes.is_some()
 }

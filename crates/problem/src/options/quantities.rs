@@ -66,6 +66,8 @@ impl Kinds {
     pub const HEAT: Self = Self::list(&[&["stress*length^2/time*temperature", "length^2/time"]]);
     /// Gaps and tractions of a law.
     pub const LAW_TABLE: Self = Self { rows: &[&["length", "stress"]], form: Form::Table(&[&["gap", "traction"]]) };
+    /// Equivalent plastic strains and yield stresses of a hardening curve.
+    pub const HARDENING_CURVE: Self = Self { rows: &[&["1", "stress"]], form: Form::Table(&[&["strain", "stress"]]) };
     /// Wavenumbers, or both components of wave vectors, and compliances.
     pub const COMPLIANCE: Self = Self {
         rows: &[&["1/length", "length/stress"], &["1/length", "1/length", "length/stress"]],

@@ -8,6 +8,8 @@ use gfmd_green::{BaseKind, Body, Material};
 use gfmd_interface::Wear;
 use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_medium::{Prony, Relaxes};
+use gfmd_plasticity::{Cells, Hardening};
+use gfmd_problem::options::Plasticity;
 use gfmd_problem::{Facts, Friction, Given, GridError, Lower, Support, Task, Unknown, WearBy};
 use ndarray::Array2;
 
@@ -30,6 +32,7 @@ pub(crate) struct Parts {
     pub(crate) lower: Option<Array2<f64>>,
     pub(crate) law: Arc<dyn Law>,
     prony: Option<Prony>,
+    plasticity: Option<Plasticity>,
 }
 
 fn body_on(support: Support, young: f64) -> Body {
@@ -64,7 +67,11 @@ impl Parts {
         };
         let lower = facts.lower.map(|_| -heights(&grid));
         let prony = facts.relaxes.map(|_| Prony::from_fractions(&[(0.5, 0.3), (20.0, 0.4)]).unwrap());
-        Self { facts, grid, body, heights: heights(&grid), lower, law, prony }
+        let steel = Hardening::new(0.02).unwrap().isotropic(0.02).unwrap();
+        let has_half_space = facts.support == Support::Slab(BaseKind::HalfSpace);
+        let hardening = [Some(steel)].into_iter().chain(has_half_space.then_some(None)).collect();
+        let plasticity = facts.yields.then(|| Plasticity { hardening, cells: Cells::default() });
+        Self { facts, grid, body, heights: heights(&grid), lower, law, prony, plasticity }
     }
 
     pub(crate) fn given(&self) -> Given<'_> {
@@ -87,6 +94,7 @@ impl Parts {
             lower: self.lower.as_deref(),
             law: Arc::clone(&self.law),
             hardness: self.facts.hardness.then_some(0.04.into()),
+            plasticity: self.plasticity.as_ref(),
             shear: shear.map(Into::into),
             prony: self.prony.as_ref(),
             wear,
@@ -102,7 +110,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
     let seconds = [None, Some(Support::HalfSpace), Some(Support::Slab(BaseKind::Bonded))];
     let wears = [None, Some(WearBy::Distance), Some(WearBy::Slip)];
     let relaxing = [None, Some(Relaxes::Both), Some(Relaxes::Shear)];
-    let flags = 2_usize.pow(10);
+    let flags = 2_usize.pow(11);
     let count = flags * relaxing.len() * wears.len() * Unknown::ALL.len() * supports.len() * seconds.len();
     let facts = (0..count).map(move |mut index| {
         let mut digit = |base: usize| {
@@ -112,6 +120,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
         };
         Facts {
             hardness: digit(2) == 1,
+            yields: digit(2) == 1,
             friction: [None, Some(Friction::Coulomb)][digit(2)],
             task: [Task::Loads, Task::Path][digit(2)],
             law: [LawKind::HardWall, LawKind::Exponential][digit(2)],
@@ -139,7 +148,9 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
         }
     });
     // Loads have no flags for lateral motion, friction, time or distance.
-    let is_of_loads =
-        |facts: &Facts| !facts.lateral && facts.friction.is_none() && facts.relaxes.is_none() && facts.wear.is_none();
+    let is_of_loads = |facts: &Facts| {
+        let no_part = facts.friction.is_none() && facts.relaxes.is_none() && facts.wear.is_none() && !facts.yields;
+        no_part && !facts.lateral
+    };
     facts.filter(move |facts| facts.task == Task::Path || is_of_loads(facts))
 }

@@ -5,7 +5,7 @@ use gfmd_interface::QuasistaticState;
 
 use super::{Column, undefined::reduced};
 use crate::column::Form;
-use crate::when::{any, friction, hardness, law, loads, path, relaxing, several_causes, wears};
+use crate::when::{any, friction, hardness, law, loads, path, relaxing, several_causes, wears, yields};
 use crate::{Cell, StateContext};
 
 /// Columns of the points in contact and the gap.
@@ -83,7 +83,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new("max_pressure", "stress", &[(law, "largest repulsive pressure"), (any, "largest pressure")], |at| {
         at.summary.max_pressure.into()
     })
-    .with(|facts| loads(facts) || relaxing(facts) || wears(facts) || several_causes(facts))
+    .with(|facts| loads(facts) || relaxing(facts) || wears(facts) || yields(facts) || several_causes(facts))
     .head("peak p", Form::Size),
     Column::new(
         "max_net_pressure",

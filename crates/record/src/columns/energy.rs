@@ -4,10 +4,11 @@ use gfmd_interface::{Loss, Losses};
 
 use super::{
     Column,
+    special::yielding,
     undefined::{NO_LEVEL, imbalance, level, lost, relaxing_level, without_law},
 };
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears};
+use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears, yields};
 use crate::{Cell, StateContext};
 
 /// Energies, losses, stability, stiffness.
@@ -18,6 +19,7 @@ pub(super) const COLUMNS: &[Column] = &[
         &[
             (between, "elastic energy of the slab per area, by the pressures on both faces"),
             (relaxing, "energy stored in the springs of all branches, per area of the surface"),
+            (yields, "elastic energy per area of the surface, with the energy of residual stress"),
             (any, "elastic energy per area of the surface"),
         ],
         |at| at.summary.elastic_energy.into(),
@@ -53,6 +55,7 @@ pub(super) const COLUMNS: &[Column] = &[
             ),
             (relaxing, "energy lost in the dashpots in this step, per area"),
             (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
+            (yields, "energy dissipated by plastic strain in this step, per area, without hardening_energy"),
             (
                 any,
                 "energy lost in this step, per area; with a law at least minus its error; NaN if the law has no energy",
@@ -64,6 +67,14 @@ pub(super) const COLUMNS: &[Column] = &[
     .unless(relaxing_level)
     .by(Origin::Way)
     .on(Table::Energy, "dissipated", Form::Size),
+    Column::new(
+        "hardening_energy",
+        "stress*length",
+        &[(any, "energy stored by hardening per area of the surface; isotropic hardening does not give it back")],
+        |at| yielding(at, |state| state.hardening_energy),
+    )
+    .with(yields)
+    .on(Table::Energy, "hardening", Form::Size),
     Column::new(
         "lost_relaxation",
         "stress*length",
@@ -149,7 +160,9 @@ pub(super) const COLUMNS: &[Column] = &[
         ],
         imbalance,
     )
-    .with(|facts| path(facts) && (relaxing(facts) || wears(facts) || law(facts) && several_causes(facts)))
+    .with(|facts| {
+        path(facts) && (relaxing(facts) || wears(facts) || yields(facts) || law(facts) && several_causes(facts))
+    })
     .by(Origin::Way),
     Column::new(
         "passed_instability",

@@ -11,7 +11,7 @@ use super::{Column, measured::MEASURED};
 use crate::column::{LIMIT, Origin};
 use crate::when::{
     any, approach_given, flow, friction, hardness, law, load_given, loads, of_a_law, path, relaxing, sheared,
-    statistics, steep, wears,
+    statistics, steep, wears, yields,
 };
 use crate::{Cell, StateContext};
 
@@ -34,6 +34,7 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
     let reasons = [
         (law(facts), with!("a law")),
         (hardness(facts), with!("a hardness")),
+        (yields(facts), with!("a body that yields")),
         (friction(facts), with!("friction")),
         (facts.lateral, with!("a lateral motion")),
         (relaxing(facts), with!("a body that relaxes")),

@@ -5,7 +5,7 @@ use gfmd_problem::Unknown;
 use super::Column;
 use crate::Cell;
 use crate::column::{Form, Origin};
-use crate::when::{any, between, friction, hardness, law, loads, of_a_law, path, steep, wall_on_path};
+use crate::when::{any, between, friction, hardness, law, loads, of_a_law, path, steep, wall_on_path, yields};
 
 /// Definition of a residual under a law, with its stress scale.
 macro_rules! per_stress {
@@ -43,9 +43,22 @@ pub(super) const COLUMNS: &[Column] = &[
     .by(Origin::Way)
     .head("increments", Form::Whole),
     Column::new(
+        "operators",
+        "1",
+        &[(any, "volume operators, from plastic strain and pressure to strain, extra solves included")],
+        |at| at.step.as_ref().map_or(at.effort, |(step, _)| step.effort).iterations.into(),
+    )
+    .count()
+    .with(yields)
+    .by(Origin::Way),
+    Column::new(
         "iterations",
         "1",
-        &[(path, "steps of the solver, extra solves included"), (any, "iterations or time steps of the solver")],
+        &[
+            (yields, "volume operators, as in operators"),
+            (path, "steps of the solver, extra solves included"),
+            (any, "iterations or time steps of the solver"),
+        ],
         |at| at.step.as_ref().map_or(at.effort, |(step, _)| step.effort).iterations.into(),
     )
     .count()
@@ -137,6 +150,17 @@ pub(super) const COLUMNS: &[Column] = &[
     residual!("friction", &[(any, "largest distance of the shear from its law / the largest limit")]).with(friction),
     residual!("excess", &[(any, "largest excess of the shear over its limit / the largest limit")]).with(friction),
     residual!("saturation", &[(any, "largest gap / h_rms where the pressure is the hardness")]).with(hardness),
+    residual!("yield", &[(any, "largest excess of the equivalent stress over the yield stress / the initial one")])
+        .with(yields),
+    residual!("flow", &[(any, "largest error of an increment of plastic strain / the largest equivalent strain")])
+        .with(yields),
+    residual!(
+        "flow_complementarity",
+        &[(any, "largest increment of strain times the stress missing to yield / the largest strain and yield stress")]
+    )
+    .with(yields),
+    residual!("bottom", &[(any, "1 if the lowest cell yields although its layer goes on below it, else 0")])
+        .with(yields),
     residual!("lateral_traction", &[(any, "largest lateral traction that the dynamics left / largest pressure")])
         .with(|facts| facts.unknown == Unknown::All)
         .by(Origin::Way),

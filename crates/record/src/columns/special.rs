@@ -1,11 +1,13 @@
-//! Numbers of special contacts: patches, hardness, finite slopes.
+//! Numbers of special contacts: patches, hardness, finite slopes, bodies that yield.
+
+use gfmd_plasticity::PlasticState;
 
 use super::Column;
 use crate::column::Form;
-use crate::when::{any, free, hardness, path, steep};
+use crate::when::{any, free, hardness, path, steep, yields};
 use crate::{Cell, StateContext};
 
-/// Columns of the force on a patch, the plastic depth and the projected area.
+/// Columns of the force on a patch, the plastic depth, the projected area and the plastic strain below the surface.
 pub(super) const COLUMNS: &[Column] = &[
     Column::new("force", "stress*length^2", &[(any, "force, of a line per length across it (stress*length)")], |at| {
         (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into()
@@ -44,7 +46,61 @@ pub(super) const COLUMNS: &[Column] = &[
         },
     )
     .with(steep),
+    Column::new("max_plastic_strain", "1", &[(any, "largest equivalent plastic strain below the surface")], |at| {
+        yielding(at, PlasticState::max_plastic_strain)
+    })
+    .with(yields)
+    .head("strain", Form::Size),
+    Column::new(
+        "plastic_strain_integral",
+        "length",
+        &[(any, "equivalent plastic strain integrated over depth, mean over the surface")],
+        |at| yielding(at, PlasticState::plastic_strain_integral),
+    )
+    .with(yields),
+    Column::new("yielded_volume", "length", &[(any, "volume that has yielded, per area of the surface")], |at| {
+        yielding(at, PlasticState::yielded_volume)
+    })
+    .with(yields),
+    Column::new(
+        "yield_depth",
+        "length",
+        &[(any, "depth of the bottom of the lowest cell that has yielded, 0 if none has")],
+        |at| yielding(at, PlasticState::yield_depth),
+    )
+    .with(yields)
+    .head("depth", Form::Size),
+    Column::new(
+        "plastic_displacement_mean",
+        "length",
+        &[(any, "mean normal displacement of the surface by plastic strain, negative downwards")],
+        |at| yielding(at, |state| state.plastic_displacement_measures().mean),
+    )
+    .at("plastic_displacement.mean")
+    .with(yields),
+    Column::new(
+        "plastic_displacement_rms",
+        "length",
+        &[(any, "root mean square of the normal displacement by plastic strain about its mean")],
+        |at| yielding(at, |state| state.plastic_displacement_measures().rms),
+    )
+    .at("plastic_displacement.rms")
+    .with(yields),
+    Column::new(
+        "plastic_displacement_min",
+        "length",
+        &[(any, "lowest normal displacement by plastic strain: the deepest imprint")],
+        |at| yielding(at, |state| state.plastic_displacement_measures().min),
+    )
+    .at("plastic_displacement.min")
+    .with(yields)
+    .head("imprint", Form::Size),
 ];
+
+/// Returns a number of a body that yields.
+pub(super) fn yielding(at: &StateContext, of: impl Fn(&PlasticState) -> f64) -> Cell {
+    at.rest.and_then(|rest| rest.yielding()).map_or(f64::NAN, of).into()
+}
 
 /// Returns the fraction of plastic points and the mean plastic depth.
 fn plastic(at: &StateContext) -> [f64; 2] {
