@@ -8,6 +8,7 @@ mod figures;
 mod legs;
 mod memory;
 mod report;
+mod strain;
 mod waypoints;
 
 use std::borrow::Cow;
@@ -17,6 +18,7 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
 use gfmd_interface::{LimitingPressure, Path, QuasistaticState, Refinement, Step, Wear};
 use gfmd_law::LawKind;
+use gfmd_plasticity::PlasticState;
 use gfmd_problem::{AnyState, Facts, Posed, WearBy, key, setting, words};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
@@ -30,7 +32,7 @@ use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::flags::toml_of;
-use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PronyArgs, WearArgs};
+use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArgs, PronyArgs, WearArgs};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
@@ -49,6 +51,7 @@ const FRICTION_SOLVES: u64 = 10;
     --approach=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
   gfmd path --n 128 --hardness 0.1 --p-star 0.01,0.3,0.01,0.3 --steps 10 --out imprint.h5 --plots imprint
+  gfmd path --n 64 --poisson 0.3 --yield-stress 0.02 --hardening 0.02 --p-star 0.01,0.1,0.01 --steps 8 --out metal.h5
   gfmd path --n 128 --prony 0.1:0.3,10:0.4 --pressure 0.01 --time 0,1e-3:1e3:25 --steps 1 --out creep.h5 --plots creep
   gfmd path --n 128 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out worn.h5 --plots worn
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
@@ -68,6 +71,9 @@ pub struct Args {
     #[serde(flatten)]
     #[option(kinds = Kinds::PRONY)]
     prony: PronyArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    plasticity: PlasticityArgs,
     #[command(flatten)]
     #[serde(flatten)]
     law: LawArgs,
@@ -105,7 +111,8 @@ pub struct Args {
     )]
     energy_tolerance: f64,
     /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
-    /// shear; 0 for none [default: 4; with friction 10, otherwise of a viscoelastic body and with wear 0]
+    /// shear; 0 for none [default: 4; with friction 10, otherwise of a viscoelastic body, of one that yields and with
+    /// wear 0]
     #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
     /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear, with many panels
@@ -123,6 +130,7 @@ impl Args {
         Facts {
             law: self.law.law,
             hardness: self.hardness.is_some(),
+            yields: self.plasticity.yield_stress.is_some(),
             friction: self.friction.fact(),
             line,
             approach: self.waypoints.given() == "approach",
@@ -140,6 +148,7 @@ impl Args {
             compliance: Cow::Borrowed(&self.compliance),
             law: Cow::Borrowed(&self.law),
             hardness: self.hardness.as_ref(),
+            plasticity: self.plasticity.plasticity(&self.body)?,
             shear: self.friction.shear(),
             wear: self.wear.wear()?,
             prony: self.prony.series()?,
@@ -151,8 +160,9 @@ impl Args {
     fn energy_solves(&self) -> u64 {
         let default = match () {
             () if self.friction.fact().is_some() => FRICTION_SOLVES,
-            // Without slip, a step of a body that relaxes or of surfaces that wear is as good as --steps.
+            // Without slip, a step of a body that relaxes or yields, or of surfaces that wear, is as good as --steps.
             () if self.prony.relaxing().is_some() || self.wear.coefficient.is_some() => 0,
+            () if self.plasticity.yield_stress.is_some() => 0,
             () => Refinement::default().solves_per_step,
         };
         self.energy_solves.unwrap_or(default)
@@ -172,6 +182,7 @@ impl Args {
 /// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let input = path_input(args, session)?;
+    warn_of_yield_stress(args, session);
     let settings = PathSettings {
         asked: args.asked()?,
         option: args.waypoints.given(),
@@ -261,11 +272,16 @@ fn finish(
     if let (Some(file), Some(remembered)) = (&mut file, remembered) {
         memory::write(file, &prepared.surface, &remembered)?;
     }
+    if let Some(state) = path.state().and_then(AnyState::yielding) {
+        warn_of_strain(state, prepared, session);
+        file.as_mut().map_or(Ok(()), |file| strain::write(file, &prepared.surface, state))?;
+    }
     let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
     let mut head = Head::new(&args.asked()?, prepared, contact.surface());
     head.relaxation = args.prony.relaxation(&args.body)?;
+    head.yielding = prepared.yielding(&args.plasticity)?;
     let report = Report::new(head, args.waypoints.along(), records, places);
     let coefficient = args.wear.coefficient;
     let mut report = Report { coefficient, parted_at, not_converged, out, ..report };
@@ -275,6 +291,44 @@ fn finish(
         report.plots = figures::draw(prefix, &report, places, &scene, (&prepared.surface, depth))?;
     }
     Ok(Outcome { report, failure })
+}
+
+/// Yield stress divided by Young's modulus above which the strain at yield is not small.
+const LARGEST_YIELD_STRAIN: f64 = 0.02;
+
+/// Plastic strain above which the theory of small strains is far off.
+const LARGEST_PLASTIC_STRAIN: f64 = 0.2;
+
+/// Warns of a yield stress that is large for the modulus.
+fn warn_of_yield_stress(args: &Args, session: &Session) {
+    let part = args.plasticity.yield_stress.map_or(0.0, |found| found / args.body.young());
+    if args.body.e_star.is_none() && part >= LARGEST_YIELD_STRAIN {
+        let text = words![
+            key("yield_stress"),
+            format!(" is {part:.3} of Young's modulus: metals have 0.001 to 0.01, and strains are taken as small"),
+        ];
+        session.warn("yield-strain", text);
+    }
+}
+
+/// Warns of plastic strain that is not small, or that reaches the lowest cell.
+fn warn_of_strain(state: &PlasticState, prepared: &Prepared, session: &Session) {
+    let most = state.max_plastic_strain();
+    if most > LARGEST_PLASTIC_STRAIN {
+        let text = format!("the plastic strain is {most:.2} at most; the theory is one of small strain");
+        session.warn("large-plastic-strain", text);
+    }
+    if state.yields_at_bottom() {
+        let depth = prepared.surface.units().words(state.yield_depth(), "length");
+        let text = words![
+            format!(
+                "the lowest cell yields, at a depth of {depth}, and the material below it cannot: more or thicker "
+            ),
+            key("cells"),
+            " reach deeper",
+        ];
+        session.warn("yield-depth", text);
+    }
 }
 
 /// Warns of steps that further increments would change.

@@ -75,7 +75,16 @@ impl PlasticState {
     /// # Panics
     /// If there is no such cell.
     pub fn plastic_strain(&self, cell: usize) -> Array3<f64> {
-        self.plastic.strain_field(&self.mesh, cell)
+        self.strain_of(&self.plastic, cell)
+    }
+
+    /// Returns a plastic strain of these cells, such as [`plastic_before`](Self::plastic_before), as
+    /// [`plastic_strain`](Self::plastic_strain) does.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn strain_of(&self, plastic: &PlasticStrain, cell: usize) -> Array3<f64> {
+        plastic.strain_field(&self.mesh, cell)
     }
 
     /// Returns the equivalent plastic strain κ of a cell, `[x, y]` on the grid of the cell.
@@ -83,7 +92,16 @@ impl PlasticState {
     /// # Panics
     /// If there is no such cell.
     pub fn equivalent_plastic_strain(&self, cell: usize) -> Array2<f64> {
-        self.plastic.equivalent_field(&self.mesh, cell)
+        self.equivalent_of(&self.plastic, cell)
+    }
+
+    /// Returns κ of a plastic strain of these cells, as
+    /// [`equivalent_plastic_strain`](Self::equivalent_plastic_strain) does.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn equivalent_of(&self, plastic: &PlasticStrain, cell: usize) -> Array2<f64> {
+        plastic.equivalent_field(&self.mesh, cell)
     }
 
     /// Returns κ integrated over depth, averaged over the surface, in length.

@@ -23,7 +23,7 @@ pub use compliance::{ComplianceArgs, Row, check_wavenumbers};
 pub use dynamics::{DampedBy, DynamicsArgs};
 pub use generator::{GeneratorArgs, LARGEST_SEED, Method};
 pub use law::LawArgs;
-pub use plasticity::{GivenCells, Plasticity, PlasticityArgs};
+pub use plasticity::{GivenCells, Plasticity, PlasticityArgs, Yielding};
 pub use prony::{PronyArgs, Relaxation};
 pub use quantities::{Kinds, KindsByKey};
 pub use sliding::{FrictionArgs, WearArgs};

@@ -129,7 +129,7 @@ impl Configuration {
                 Value::Array(lists) if lists.iter().any(Value::is_array) => {
                     let between = match key.as_str() {
                         "param" => "=",
-                        "prony" | "law_table" | "compliance" => ":",
+                        "prony" | "law_table" | "hardening_curve" | "compliance" => ":",
                         _ => ",",
                     };
                     words.extend(

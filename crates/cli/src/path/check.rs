@@ -1,6 +1,6 @@
 //! Check of a path file.
 
-use gfmd_contact::{Boundary, Hardness};
+use gfmd_contact::{Boundary, Contact, Hardness, Load};
 use gfmd_interface::LimitingPressure;
 use gfmd_problem::{AnyState, WearBy};
 use gfmd_record::StateContext;
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use super::args::StepArgs;
 use super::course::leak;
-use super::{Args, memory};
+use super::{Args, memory, strain};
 use crate::checking::{Checked, Checking};
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
@@ -31,6 +31,7 @@ impl Checked for Args {
         let waypoints = input.places.count(input.drives.len());
         checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |mut file| {
             memory::lay_out(&mut file, prepared)?;
+            strain::lay_out(&mut file, prepared)?;
             file.finish(&[], input.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
@@ -53,10 +54,14 @@ impl Checked for Args {
             }
             let Some(waypoint) = input.places.of(index) else { continue };
             check.lost_by_wear(waypoint, index, comparison)?;
-            // A state with shear, or of a body with a memory, does not follow from its fields alone.
-            if prepared.prony.is_some() || prepared.facts.moves_sideways() {
+            // A state with shear, of a body with a memory or of one that yields does not follow from its fields alone.
+            if prepared.prony.is_some() || prepared.facts.yields || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
-                check.state((waypoint, index), index + 1 == input.drives.len(), comparison)?;
+                let is_last = index + 1 == input.drives.len();
+                check.state((waypoint, index), is_last, comparison)?;
+                if is_last {
+                    strain::check(&stored, (index, waypoint), *drive, comparison)?;
+                }
             } else {
                 let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
                 stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
@@ -108,8 +113,8 @@ impl StepCheck<'_> {
         if now("extra_solves") != 0.0 || !facts.has_level() {
             return;
         }
-        let flows = facts.friction.is_some() || facts.hardness;
-        let keeps = facts.relaxes.is_some() || facts.wear.is_some();
+        let flows = facts.friction.is_some() || facts.hardness || facts.yields;
+        let keeps = facts.relaxes.is_some() || facts.wear.is_some() || facts.yields;
         if keeps || flows && facts.has_law() {
             self.balance(step, comparison);
         } else if step > 0 && !flows && !now("interface_energy").is_nan() {
@@ -169,8 +174,11 @@ impl StepCheck<'_> {
                 0.5 * (now(force).abs() + before(force).abs()) * now(coordinate).abs().max(before(coordinate).abs());
         }
         let has_law = self.stored.prepared.facts.solves_a_law();
-        let energy =
-            |at: &dyn Fn(&str) -> f64| at("elastic_energy") + if has_law { at("interface_energy") } else { 0.0 };
+        let yields = self.stored.prepared.facts.yields;
+        let part = |is_part: bool, at: &dyn Fn(&str) -> f64, name: &str| if is_part { at(name) } else { 0.0 };
+        let energy = |at: &dyn Fn(&str) -> f64| {
+            at("elastic_energy") + part(has_law, at, "interface_energy") + part(yields, at, "hardening_energy")
+        };
         work.missing -= energy(&now) - energy(&before);
         work.floor = work.floor.max(energy(&now).abs()).max(energy(&before).abs());
         work
@@ -224,7 +232,7 @@ impl StepCheck<'_> {
         let before = |name: &str| self.before(name, step);
         let Work { missing, spread, floor } = self.work(step);
         let missing = missing - now("dissipated");
-        let flows = facts.friction.is_some() || facts.hardness;
+        let flows = facts.friction.is_some() || facts.hardness || facts.yields;
         // A sudden change of the load takes no time and no distance, and loses nothing by relaxation and wear.
         let same = |name: &str| now(name).is_nan() || now(name) == before(name);
         let is_at_once = same("time") && same("distance");
@@ -349,6 +357,9 @@ impl StepCheck<'_> {
             let area = number("area_fraction");
             comparison.number("/path/area_fraction", area, area.clamp(fewest, most), 0.0);
         }
+        if facts.yields {
+            self.yielded((waypoint, step), (&pressure, &displacement), comparison)?;
+        }
         let is_closed = !facts.has_law() && number("area_fraction") == 1.0;
         compare_gap(comparison, number("mean_gap"), mean(&gap), (is_closed, height, tolerance));
         if facts.moves_sideways() {
@@ -369,6 +380,30 @@ impl StepCheck<'_> {
             let fields = (&pressure, &displacement, number("elastic_energy"));
             memory::check(file.reader, file.prepared, fields, 100.0 * tolerance, comparison)?;
         }
+        Ok(())
+    }
+
+    /// Compares the plastic displacement of a state with its numbers, and the rest of the displacement with the pressure.
+    fn yielded(
+        &self,
+        (waypoint, step): (usize, usize),
+        (pressure, displacement): (&Array2<f64>, &Array2<f64>),
+        comparison: &mut Comparison,
+    ) -> Result<(), Failure> {
+        let Self { args, stored: file } = self;
+        let Prepared { body, surface, .. } = file.prepared;
+        let plastic = file.field("plastic_displacement_z", waypoint)?;
+        let lowest = plastic.iter().copied().fold(f64::INFINITY, f64::min);
+        let mean = plastic.mean().unwrap_or(f64::NAN);
+        for (name, found) in [("plastic_displacement_min", lowest), ("plastic_displacement_mean", mean)] {
+            comparison.number(&format!("/path/{name}"), file.number(name, step), found, file.height() * 1e-6);
+        }
+        let elastic = Contact::new(body, &surface.grid, &surface.heights)
+            .and_then(|contact| contact.certify(pressure, Load::Approach(0.0)))
+            .map_err(|refusal| Failure::input("/surface/height", refusal))?;
+        let rest: Vec<f64> = displacement.iter().zip(&plastic).map(|(u, plastic)| u - plastic).collect();
+        let distance = apart(&flat(&elastic.displacement), &rest) / file.height();
+        comparison.at_most("/fields/displacement_z", distance, 100.0 * args.steps.search.tolerance);
         Ok(())
     }
 

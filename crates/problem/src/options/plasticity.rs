@@ -145,6 +145,25 @@ impl<'de> Deserialize<'de> for GivenCells {
     }
 }
 
+/// The yielding of a body, as printed.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "docs/interface.md")]
+pub struct Yielding {
+    #[serde(rename = "yield")]
+    pub yield_stress: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardening: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hardening_curve: Vec<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kinematic: Option<f64>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layer_yield: Vec<f64>,
+    /// Thickness of each cell.
+    pub cells: Vec<f64>,
+    pub coarsening: Vec<usize>,
+}
+
 /// Hardening of each layer of a body, from the top, and the cells in which it yields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plasticity {
@@ -205,6 +224,19 @@ impl PlasticityArgs {
             }
         }
         Ok(Some(Plasticity { hardening, cells }))
+    }
+
+    /// Returns the options with the cells of the problem; `None` for a body that does not yield.
+    pub fn yielding(&self, cells: &[Cell]) -> Option<Yielding> {
+        Some(Yielding {
+            yield_stress: self.yield_stress?,
+            hardening: self.hardening,
+            hardening_curve: self.hardening_curve.clone(),
+            kinematic: self.kinematic_hardening,
+            layer_yield: self.layer_yield.clone(),
+            cells: cells.iter().map(|cell| cell.thickness).collect(),
+            coarsening: cells.iter().map(|cell| cell.coarsening).collect(),
+        })
     }
 
     /// Checks that no other option is given without a yield stress.

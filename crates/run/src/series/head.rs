@@ -20,7 +20,7 @@ use gfmd_input::source::scan::Scan;
 use gfmd_input::source::{Second, Surface};
 use gfmd_problem::Adhesion;
 use gfmd_problem::options::named;
-use gfmd_problem::options::{OtherArgs, Relaxation};
+use gfmd_problem::options::{OtherArgs, Relaxation, Yielding};
 
 /// Solved problem, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -51,6 +51,9 @@ pub struct Head {
     /// Relaxation of a viscoelastic body.
     #[serde(flatten)]
     pub relaxation: Option<Relaxation>,
+    /// Yielding of a body below its surface.
+    #[serde(flatten)]
+    pub yielding: Option<Yielding>,
     #[serde(flatten)]
     pub base: BaseArgs,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -144,6 +147,7 @@ impl Head {
             others: asked.body.others.clone(),
             body: asked.body.words(asked.lower.given().map(|_| lower::BETWEEN), &given.units()),
             relaxation: None,
+            yielding: None,
             base: asked.base.clone().into_owned(),
             lower: prepared.lower.as_ref().map(|lower| Lower {
                 surface: lower.description.clone(),
@@ -227,6 +231,11 @@ impl fmt::Display for Head {
                 branches.join(", "),
                 relaxes.meaning()
             )?;
+        }
+        if let Some(Yielding { yield_stress, cells, .. }) = &self.yielding {
+            let (count, depth) = (cells.len(), length(cells.iter().sum()));
+            let stress = self.read(*yield_stress, "stress", "");
+            writeln!(f, "yield stress {stress}, in {count} cells to a depth of {depth}\n")?;
         }
         if let Some(lower) = &self.lower {
             writeln!(f, "lower surface: {}", lower.surface)?;

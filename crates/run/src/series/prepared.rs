@@ -5,12 +5,14 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solver};
+use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_green::Body;
 use gfmd_interface::{Shear, Wear};
 use gfmd_law::Law;
 use gfmd_measure::{Scales, top, top_inside};
 use gfmd_medium::Prony;
+use gfmd_plasticity::Cell;
 use gfmd_problem::{AnyState, Facts, Given, Posed, Words, key, pose, setting, words};
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
@@ -26,7 +28,9 @@ use gfmd_input::session::Session;
 use gfmd_input::source::stored_unit;
 use gfmd_input::source::{SourceArgs, Surface};
 use gfmd_problem::Adhesion;
-use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, check_wavenumbers};
+use gfmd_problem::options::{
+    BodyArgs, ComplianceArgs, LawArgs, Plasticity, PlasticityArgs, Yielding, check_wavenumbers,
+};
 
 /// Requested parts of a problem, for a series of any kind; [`Asked::new`] returns those that need no flag.
 #[derive(Clone)]
@@ -45,6 +49,8 @@ pub struct Asked<'a> {
     pub law: Cow<'a, LawArgs>,
     /// Hardness.
     pub hardness: Option<&'a GivenHardness>,
+    /// Yielding of the body.
+    pub plasticity: Option<Plasticity>,
     /// Shear between the surfaces, and its flag.
     pub shear: Option<(Shear, &'static str)>,
     /// Relaxation of the body.
@@ -79,6 +85,8 @@ pub struct Prepared {
     pub law: Arc<dyn Law>,
     /// Hardness, if there is one.
     pub hardness: Option<Hardness>,
+    /// Yielding of the body, if it yields.
+    pub plasticity: Option<Plasticity>,
     /// Shear between the surfaces, with friction.
     pub shear: Option<Shear>,
     /// Relaxation of the body, if it is viscoelastic.
@@ -125,6 +133,13 @@ impl Prepared {
         let components = if facts.friction.is_some() { 3 } else { 1 };
         let relaxing = |prony: &Prony| elastic.relaxing(prony.branches().len(), components);
         let need = asked.prony.as_ref().map_or(elastic, relaxing);
+        let plasticity = asked.plasticity_on();
+        let need = match &plasticity {
+            Some(plasticity) => {
+                need.yielding(points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid))
+            }
+            None => need,
+        };
         session.fits(need, &surface.grid, &surface.heights)?;
         let (base, hardness) = asked.fields(&body, &surface, session)?;
         let surface = match &base {
@@ -156,6 +171,7 @@ impl Prepared {
             lower,
             law,
             hardness,
+            plasticity,
             shear,
             prony,
             wear,
@@ -172,6 +188,15 @@ impl Prepared {
         if let Some(lower) = &mut self.lower {
             lower.unit = stored_unit(reader, "/lower");
         }
+    }
+
+    /// Returns the yielding of the body in numbers, given by options; `None` if it does not yield.
+    ///
+    /// # Errors
+    /// Returns an error for cells that do not fit.
+    pub fn yielding(&self, given: &PlasticityArgs) -> Result<Option<Yielding>, Failure> {
+        let Some(plasticity) = &self.plasticity else { return Ok(None) };
+        Ok(given.yielding(&plasticity.cells(&self.body, &self.surface.grid)?))
     }
 
     /// Returns the scales of reduced quantities.
@@ -238,6 +263,7 @@ impl Prepared {
             lower: self.lower.as_ref().map(|lower| &*lower.heights),
             law: Arc::clone(law),
             hardness: self.hardness.clone(),
+            plasticity: self.plasticity.as_ref(),
             shear: self.shear,
             prony: self.prony.as_ref(),
             wear: self.wear,
@@ -410,6 +436,11 @@ fn highest(heights: &Array2<f64>) -> f64 {
     heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height))
 }
 
+/// Returns the number of points of all cells per point of the surface.
+fn points_per_point(cells: &[Cell], grid: &Grid) -> f64 {
+    cells.iter().map(|cell| cell.grid(grid).len() as f64 / grid.len() as f64).sum()
+}
+
 /// Code of warnings about mixed-up units.
 const UNITS: &str = "units";
 
@@ -445,6 +476,7 @@ impl<'a> Asked<'a> {
             lower: Cow::default(),
             law: Cow::default(),
             hardness: None,
+            plasticity: None,
             shear: None,
             prony: None,
             wear: None,
@@ -454,6 +486,13 @@ impl<'a> Asked<'a> {
             budget,
             once: false,
         }
+    }
+
+    /// Returns the yielding of the body below the surface; on a finer grid, cells that are not graded are halved.
+    fn plasticity_on(&self) -> Option<Plasticity> {
+        let times = self.source.finer.map_or(1, |times| times as usize);
+        let given = self.plasticity.clone();
+        if times > 1 { given.map(|plasticity| plasticity.finer()) } else { given }
     }
 
     /// Reads the moved base and the hardness, rows of this process. With several processes, the first one reads the
