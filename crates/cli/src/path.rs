@@ -117,7 +117,7 @@ pub struct Args {
     energy_solves: Option<u64>,
     /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear, with many panels
     /// PREFIX-time; the losses by cause: PREFIX-losses; with wear PREFIX-wear and of the last step PREFIX-profile,
-    /// PREFIX-depth; the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both
+    /// PREFIX-depth; of a body that yields PREFIX-imprint (residual topography), PREFIX-strain (section below the surface); the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both
     /// surfaces and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
@@ -288,7 +288,8 @@ fn finish(
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
         let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
         let depth = path.state().and_then(|state| state.on_path()?.wear_depth());
-        report.plots = figures::draw(prefix, &report, places, &scene, (&prepared.surface, depth))?;
+        let strained = path.state().and_then(AnyState::yielding);
+        report.plots = figures::draw(prefix, &report, places, &scene, (&prepared.surface, depth, strained))?;
     }
     Ok(Outcome { report, failure })
 }

@@ -16,6 +16,7 @@ mod page;
 pub mod path;
 pub mod punch;
 pub mod slide;
+pub mod strain;
 pub mod surface;
 pub mod wear;
 

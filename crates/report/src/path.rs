@@ -13,6 +13,7 @@ use crate::legs::waypoints;
 use crate::page::{
     Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, transforms, unit_for, whole,
 };
+use crate::strain::strained_body;
 use crate::wear::worn_surface;
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness;
@@ -98,6 +99,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let lowest = (0..computed).min_by(|a, b| mean[*a].total_cmp(&mean[*b])).unwrap_or(0);
     let friction = shear.iter().zip(&mean).take(computed).map(|(shear, mean)| (shear / mean).abs());
     let peak = column("max_pressure");
+    let deepest = column("plastic_displacement_min").get(computed - 1).copied().unwrap_or(f64::NAN);
+    let (factor_of_imprint, imprint_unit) = unit_for(deepest, "length", &units);
     let ran_in = [0, computed - 1].map(|step| peak[step] / mean[step]);
     page.answer.push(html! {
         p {
@@ -113,6 +116,14 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             }
         }
         @if let Some(causes) = by_cause(&stored, computed, dissipated) { p { (causes) } }
+        @if stored.has("yield_depth") {
+            p {
+                "The body has yielded to a depth of " (stored.said("yield_depth", computed - 1, 1.0))
+                ", with a plastic strain of " (stored.said("max_plastic_strain", computed - 1, 1.0)) " at most. "
+                "The deepest imprint is " (number(-factor_of_imprint * deepest))
+                (imprint_unit) ". "
+            }
+        }
         @if stored.has("wear_volume") {
             p {
                 @if wears_alone { "Energy lost: " (lost) (unit) ". " }
@@ -150,6 +161,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("shear_strength", Kinds::STRESS),
         ("friction_of", Kinds::NUMBER),
         ("hardness", Kinds::HARDNESS),
+        ("yield_stress", Kinds::STRESS),
+        ("hardening", Kinds::STRESS),
+        ("kinematic_hardening", Kinds::STRESS),
+        ("layer_yield", Kinds::STRESS),
         ("coefficient", Kinds::WEAR),
         ("wear_by", Kinds::NUMBER),
         ("boundary", Kinds::NUMBER),
@@ -199,6 +214,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     if let (Ok(surface), Some(index)) = (&surface, waypoints.len().checked_sub(1)) {
         worn_surface(&mut page, reader, surface, index);
+        strained_body(&mut page, reader, surface, index);
     }
     // Fields are kept at the waypoints only; show the one with the largest contact.
     let at_waypoint = waypoints.iter().copied().max_by(|a, b| area[*a].total_cmp(&area[*b]));
@@ -251,6 +267,7 @@ fn interface(table: &toml::Table) -> String {
         ("friction", "friction"),
         ("shear_strength", "shear strength"),
         ("hardness", "hardness"),
+        ("yield_stress", "yielding body"),
         ("coefficient", if word("wear_by") == "slip" { "wear by slip" } else { "wear by distance" }),
     ];
     parts.extend(further.into_iter().filter(|(key, _)| table.contains_key(*key)).map(|(_, said)| said));

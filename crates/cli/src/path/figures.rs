@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gfmd_files::contiguous;
 use gfmd_input::source::Surface;
+use gfmd_plasticity::PlasticState;
 use gfmd_plot::Chart;
 use gfmd_run::series::Places;
 use ndarray::Array2;
@@ -12,15 +13,17 @@ use super::Report;
 use gfmd_input::failure::Failure;
 use gfmd_report::figures::{Scene, named};
 use gfmd_report::path::{Course, Drawing};
+use gfmd_report::strain::{imprint_of, section_of};
 use gfmd_report::wear::{depth_of, profile};
 
-/// Draws the parts of the path, the step with the largest contact, and the lost `depth` of its last step.
+/// Draws the parts of the path, the step with the largest contact, and of its last step the lost `depth`, or the strain
+/// of a body that yields.
 pub(super) fn draw(
     prefix: &Path,
     report: &Report,
     places: &Places,
     scene: &Scene,
-    (surface, depth): (&Surface, Option<&Array2<f64>>),
+    (surface, depth, strained): (&Surface, Option<&Array2<f64>>, Option<&PlasticState>),
 ) -> Result<Vec<PathBuf>, Failure> {
     let unit = surface.unit();
     let mut files = scene.draw(prefix)?;
@@ -40,6 +43,16 @@ pub(super) fn draw(
         let panels = panels.into_iter().map(|(panel, _)| panel).collect();
         let chart = Chart { share_y: false, ..Chart::new(panels) };
         files.extend(chart.save(&named(prefix, name))?);
+    }
+    if let Some(state) = strained {
+        imprint_of(&surface.grid, &contiguous(&state.plastic_displacement), unit, |drawn| {
+            files.extend(drawn.save(&named(prefix, "imprint"))?);
+            Ok::<_, Failure>(())
+        })?;
+        let depths: Vec<f64> = state.cells().iter().map(|cell| cell.depth).collect();
+        let strains: Vec<_> = (0..depths.len()).map(|cell| state.equivalent_plastic_strain(cell)).collect();
+        let drawn = section_of(&surface.grid, &depths, &strains, unit, |drawn| drawn.save(&named(prefix, "strain")));
+        files.extend(drawn.transpose()?.into_iter().flatten());
     }
     let Some(depth) = depth else { return Ok(files) };
     let (heights, depth) = (contiguous(&surface.heights), contiguous(depth));

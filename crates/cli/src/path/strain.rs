@@ -10,9 +10,11 @@ use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_plasticity::{Cell, PlasticState, PlasticStrain, YieldingContact};
 use gfmd_problem::AnyState;
 use gfmd_problem::options::Plasticity;
-use gfmd_record::{Record, StateContext};
+use gfmd_record::{Measured, Record, StateContext};
 use gfmd_run::series::{Prepared, StateFile};
 use ndarray::{Array2, Array3};
+
+use super::course::leak;
 
 /// Components of a deviatoric strain; their squares add to ε:ε.
 const COMPONENTS: [&str; 5] = ["sqrt(3/2) zz", "(xx - yy) / sqrt(2)", "sqrt(2) xy", "sqrt(2) xz", "sqrt(2) yz"];
@@ -135,7 +137,9 @@ pub(super) fn check(
     stored.compare_fields(place, &state, comparison)?;
     let (reading, undivided) = (stored.contact.reading(&state), Step::default());
     let at = stored.at(step, &state);
-    let at = StateContext { approach: state.approach(), step: Some((&undivided, reading)), ..at };
+    let flow = leak(stored.prepared, &state, &at, |_| {})?;
+    let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
+    let at = StateContext { approach: state.approach(), step: Some((&undivided, reading)), measured, ..at };
     stored.compare_record(step, (&Record::of(&at), &state), comparison);
     Ok(())
 }

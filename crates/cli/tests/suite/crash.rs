@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use crate::common::{gfmd, numbers, sweep};
 
 /// Commands that write a file. The first word is a name for messages.
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "sweep kappa-sweep --config sweep.toml",
     "contact contact --n 128 --eps-f-inv 16 --p-star 0.01,0.02,0.05,0.1,0.2,0.4 --checkpoint 0.001",
     "squeezed contact --n 64 --eps-f-inv 8 --height 0.05 --lower-seed 2 --p-star 0.02,0.05,0.2 --checkpoint 0.001",
@@ -36,11 +36,12 @@ const COMMANDS: [&str; 12] = [
     "creep path --n 64 --height 0.3 --relaxes shear --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1e-2:1e2:12 \
      --steps 1",
     "wear wear --n 64 --eps-f-inv 8 --boundary free --p-star 0.05 --coefficient 1 --distance 0,1e-2:1:12 --steps 1",
+    "yield path --n 32 --eps-f-inv 8 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06,0.01 --steps 3",
     "slide slide --n 64 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.02,0.1 --velocity 0.01:100:6",
 ];
 
 /// Smaller commands, killed at every system call.
-const SMALL: [&str; 12] = [
+const SMALL: [&str; 13] = [
     "sweep kappa-sweep --config small.toml",
     "contact contact --n 32 --eps-f-inv 4 --p-star 0.02,0.05,0.2 --checkpoint 0.0001",
     "squeezed contact --n 24 --eps-f-inv 4 --height 0.1 --lower-seed 2 --p-star 0.02,0.2 --checkpoint 0.0001",
@@ -54,13 +55,14 @@ const SMALL: [&str; 12] = [
     "punch punch --n 16",
     "creep path --n 16 --eps-f-inv 4 --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1,100 --steps 1",
     "wear wear --n 16 --eps-f-inv 4 --p-star 0.05 --coefficient 1 --distance 0,0.1,1 --steps 2",
+    "yield path --n 16 --eps-f-inv 4 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06 --steps 2",
     "slide slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.05 \
      --velocity 0.1,1",
 ];
 
 /// Commands that keep finished parts.
-const RESUMABLE: [&str; 10] =
-    ["sweep", "contact", "squeezed", "relaxation", "law", "path", "loop", "creep", "wear", "slide"];
+const RESUMABLE: [&str; 11] =
+    ["sweep", "contact", "squeezed", "relaxation", "law", "path", "loop", "creep", "wear", "yield", "slide"];
 
 struct Case {
     name: &'static str,

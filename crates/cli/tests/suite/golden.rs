@@ -403,6 +403,10 @@ fn histories_tables_and_theories() {
                  --steps 2 --out s.h5"
             ),
         ),
+        (
+            "path-yielding",
+            format!("path {rough} --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06,0.01 --steps 2 --out y.h5"),
+        ),
         ("path-relaxing-law", format!("path {rough} {prony} {law} --approach 0.005,-0.005 --time 1,0 --out l.h5")),
         ("slide", format!("slide {rough} {prony} --p-star 0.05 --velocity 0.1,1 --out v.h5")),
         ("slide-heat", format!("slide {rough} --p-star 0.05 --velocity 1 --heat 1,0.01 --friction 0.3 --out h.h5")),

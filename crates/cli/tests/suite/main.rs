@@ -37,3 +37,4 @@ mod theory;
 mod trust;
 mod units;
 mod wear;
+mod yielding;

@@ -46,6 +46,15 @@ class Body(Record):
             instantaneous modulus) of each branch.
         moduli: kind of the given moduli, "long-term" or "instantaneous"; with `prony` only.
         relaxes: the moduli that relax, "both" or "shear" (with a constant bulk modulus); with `prony` only.
+        yield_stress: yield stress (von Mises) of a body that yields below its surface, stress, for `gfmd.path`; of the
+            top layer if there are several.
+        hardening: isotropic hardening H, stress: slope of the yield stress over the equivalent plastic strain. With the
+            kinematic hardening C, the tangent modulus of a bar is E (H + C)/(E + H + C).
+        hardening_curve: in place of `hardening`: (equivalent plastic strain, true yield stress) from (0, yield_stress);
+            constant beyond the last.
+        kinematic_hardening: kinematic hardening C, stress: back stress of a bar divided by its plastic strain.
+        layer_yield: yield stress of each layer below the top one, stress, 0 for an elastic one, which all are by
+            default.
         compliance: normal compliance of the whole body, in place of its moduli, for graded and other bodies: a pair of
             wavenumbers q, rad / length, in ascending order, and the compliance u_z/pressure at each, length / stress,
             or a function of q that returns it. Four to 1000 wavenumbers, from 2 pi divided by the longest side to pi
@@ -70,6 +79,8 @@ class Body(Record):
         ((3.0, 0.3, 0.2),)
         >>> gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)]).prony
         ((0.1, 0.3), (10.0, 0.4))
+        >>> gfmd.Body(young="210 GPa", poisson=0.3, yield_stress="500 MPa", hardening="2 GPa").yield_stress
+        '500 MPa'
         >>> graded = gfmd.Body(e_star=1.0, compliance=(np.geomspace(1, 1000, 200), lambda q: 2 / q * (1 + 1 / q)))
         >>> gfmd.contact(gfmd.self_affine(n=64), graded, p_star=0.05).converged
         True
@@ -89,6 +100,11 @@ class Body(Record):
     prony: tuple[tuple[Quantity, float], ...]
     moduli: str
     relaxes: str
+    yield_stress: Quantity
+    hardening: Optional[Quantity]
+    hardening_curve: tuple[tuple[Quantity, ...], ...]
+    kinematic_hardening: Optional[Quantity]
+    layer_yield: tuple[Quantity, ...]
     _given: tuple[Optional[Quantity], float, Optional[Quantity], Optional[Quantity]]
 
     @hinted
@@ -107,6 +123,11 @@ class Body(Record):
         prony: Sequence[Sequence[Quantity]] = (),
         moduli: Literal["long-term", "instantaneous"] | str = "long-term",
         relaxes: Literal["both", "shear"] | str = "both",
+        yield_stress: Optional[Quantity] = None,
+        hardening: Optional[Quantity] = None,
+        hardening_curve: Sequence[Sequence[Quantity]] = (),
+        kinematic_hardening: Optional[Quantity] = None,
+        layer_yield: Sequence[Quantity] = (),
         compliance: Optional[_Compliance] = None,
         uniform_compliance: Optional[float] = None,
     ) -> None:
@@ -137,6 +158,7 @@ class Body(Record):
             "second_body": second,
             **_relaxation(prony, word("moduli", moduli), word("relaxes", relaxes)),
         }
+        plasticity = _plasticity(yield_stress, hardening, hardening_curve, kinematic_hardening, layer_yield)
         table = _compliance(compliance, uniform_compliance)
         if table and (modulus is None and contact is None):
             raise InputError("young or e_star is missing; p* is over E*, which a table of compliances does not have")
@@ -147,6 +169,7 @@ class Body(Record):
                 ("base", base, "bonded"),
                 ("second_body", second, None),
                 ("prony", tuple(prony), ()),
+                ("yield_stress", yield_stress, None),
             )
             for name, found, default in others:
                 if found != default:
@@ -154,7 +177,7 @@ class Body(Record):
                         f"{name} is {shown(found)}; it must be left out with compliance, which is that of the whole"
                         " body"
                     )
-        super().__init__({**values, **_below(base, thickness, base_young, base_poisson), **table})
+        super().__init__({**values, **_below(base, thickness, base_young, base_poisson), **plasticity, **table})
         given = (
             found if not isinstance(asked, str) else asked for asked, found in ((young, modulus), (e_star, contact))
         )
@@ -166,8 +189,9 @@ class Body(Record):
         below = self._values.get("base_young"), self._values.get("base_poisson")
         top = (None if contact is not None else modulus, nu, contact, thickness)
         relaxation = self.prony, self.moduli, self.relaxes
+        plasticity = {name: self._values[name] for name in _PLASTICITY if name in self._values}
         table = self._values.get("compliance"), self._values.get("uniform_compliance")
-        return _body, (*top, self.base, *below, self.layers, self.second_body, *relaxation, *table)
+        return _body, (*top, self.base, *below, self.layers, self.second_body, *relaxation, *table, tuple(plasticity.items()))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and other._same() == self._same()
@@ -245,6 +269,40 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
         if value != allowed[0] and not branches:
             raise InputError(f"{name} is {value!r}; it must be left out without prony")
     return {"prony": tuple(branches), "moduli": moduli, "relaxes": relaxes}
+
+
+_PLASTICITY = ("yield_stress", "hardening", "hardening_curve", "kinematic_hardening", "layer_yield")
+
+
+def _plasticity(stress: object, slope: object, curve: object, kinematic: object, layers: object) -> dict[str, Any]:
+    """Returns the yield stress and the hardening of a body; nothing for a body that does not yield."""
+    listed = []
+    for name, value in (("hardening_curve", curve), ("layer_yield", layers)):
+        if isinstance(value, (str, bytes)) or not isinstance(value, (Sequence, np.ndarray)):
+            raise InputError(f"{name} is {shown(value)}; it must be a list")
+        listed.append(list(value))
+    for point in listed[0]:
+        if isinstance(point, (str, bytes)) or not isinstance(point, (Sequence, np.ndarray)) or len(point) != 2:
+            raise InputError(f"hardening_curve has the point {shown(point)}; it must be (plastic strain, yield stress)")
+    given = {
+        "yield_stress": None if stress is None else quantity("yield_stress", stress, "stress"),
+        "hardening": None if slope is None else quantity("hardening", slope, "stress"),
+        "hardening_curve": tuple(
+            (number("hardening_curve", strain), quantity("hardening_curve", found, "stress"))
+            for strain, found in listed[0]
+        ),
+        "kinematic_hardening": None if kinematic is None else quantity("kinematic_hardening", kinematic, "stress"),
+        "layer_yield": tuple(quantity("layer_yield", found, "stress") for found in listed[1]),
+    }
+    if stress is None:
+        for name, value in given.items():
+            if value not in (None, ()):
+                raise InputError(f"{name} is given; it must be left out without yield_stress")
+        return {}
+    _modulus("yield_stress", given["yield_stress"])
+    if given["hardening_curve"] and slope is not None:
+        raise InputError("hardening and hardening_curve are both given; give one of the two")
+    return given
 
 
 def _compliance(given: object, uniform: object) -> dict[str, Any]:
@@ -327,6 +385,7 @@ def _body(
     relaxes: str = "both",
     compliance: Optional[Sequence[Sequence[float]]] = None,
     uniform_compliance: Optional[float] = None,
+    plasticity: Sequence[tuple[str, Any]] = (),
 ) -> Body:
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
     table = None if compliance is None else np.array(compliance, dtype=np.float64)
@@ -337,7 +396,7 @@ def _body(
         "compliance": table,
         "uniform_compliance": uniform_compliance,
     }
-    options: dict[str, Any] = {**below, **relaxation}
+    options: dict[str, Any] = {**below, **relaxation, **dict(plasticity)}
     return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **options)
 
 
@@ -521,7 +580,7 @@ def as_law(value: object) -> Law:
     raise InputError(f"law is {shown(value)}; it must be made by gfmd.law, or a name")
 
 
-def as_body(value: object, in_time: bool = False, of_moduli: bool = False) -> Body:
+def as_body(value: object, in_time: bool = False, of_moduli: bool = False, yields: bool = False) -> Body:
     if not isinstance(value, Body):
         raise InputError(f"body is {type(value).__name__}; it must be a gfmd.Body")
     if of_moduli and "compliance" in value:
@@ -529,6 +588,8 @@ def as_body(value: object, in_time: bool = False, of_moduli: bool = False) -> Bo
             "body has a compliance; it must be given by its moduli here, since a table has no fields inside and no"
             " shear"
         )
+    if "yield_stress" in value and not yields:
+        raise InputError("body yields; it must be elastic here (gfmd.path follows one that yields, step by step)")
     if value.prony and not in_time:
         raise InputError("body is viscoelastic; it must be elastic here (gfmd.path follows a viscoelastic one in time)")
     return value

@@ -36,6 +36,15 @@ def relaxation_keys(body: Body) -> dict[str, Any]:
     return {"prony": [list(branch) for branch in body.prony], "moduli": body.moduli, "relaxes": body.relaxes}
 
 
+def plasticity_keys(body: Body) -> dict[str, Any]:
+    """Returns the configuration keys of yield stress and hardening; empty for a body that does not yield."""
+    if "yield_stress" not in body:
+        return {}
+    curve = [list(point) for point in body.hardening_curve]
+    found = {name: body[name] for name in ("yield_stress", "hardening", "kinematic_hardening")}
+    return {**found, "hardening_curve": curve, "layer_yield": list(body.layer_yield)}
+
+
 def law_keys(law: Law) -> dict[str, Any]:
     """Returns the configuration keys of a law."""
     table = {"law_table": [list(row) for row in law.table]} if law.table else {}

@@ -64,6 +64,8 @@ class PathOptions(TypedDict, total=False):
     """Arguments of `path` beside those of `friction` and `wear`."""
 
     stress_unit: Optional[str]
+    cells: Quantity
+    coarsening: Optional[Sequence[int]]
     law: Optional[Law | str]
     coarse: bool
     friction_of: Literal["repulsion", "net"]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _command, _show
+from . import _command, _gfmd, _show
 from ._body import Body, Law, as_body, as_law
 from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
 from ._columns import FLOW, StepFields, Steps
@@ -58,6 +58,8 @@ class Path(Leaks, Computed, StepFields):
         undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
+        cells, coarsening: thickness, length, of each cell of a body that yields, from the surface down, and its grid
+            step divided by the grid step of the surface.
         surface, n, size, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: parameters of the
             problem, and the number of extra solves.
 
@@ -80,6 +82,8 @@ class Path(Leaks, Computed, StepFields):
     relaxes: str
     young_long_term: float
     young_instantaneous: float
+    cells: list[float]
+    coarsening: list[int]
     sliding: list[Record]
     lowest_mean_pressure: float
     grid_error: Record
@@ -101,6 +105,40 @@ class Path(Leaks, Computed, StepFields):
     def residual(self) -> Residual:
         """The parts of the residual by name, arrays [step], without unit; `residual.largest` is the largest part."""
         return residual_of(self.steps)
+
+    @property
+    def plastic_displacement(self) -> Array:
+        """The normal displacement by plastic strain [waypoint, x, y], length: once unloaded the residual topography."""
+        field: Array = self.plastic_displacement_z
+        return field
+
+    def plastic_strain(self, waypoint: int = -1) -> Array:
+        """Returns the equivalent plastic strain below the surface, interpolated to the grid of the surface.
+
+        Args:
+            waypoint: -1, the last one; the strain is kept after the last step only.
+
+        Returns:
+            The strain, shape [cell, x, y].
+
+        Raises:
+            InputError: another waypoint, or a body that does not yield. Error: the file cannot be written.
+
+        Example:
+            >>> steel = gfmd.Body(poisson=0.3, yield_stress=0.01)
+            >>> pressed = gfmd.path(gfmd.self_affine(n=16), steel, p_star=[0.02, 0.04], steps=2)
+            >>> strain = pressed.plastic_strain()
+            >>> strain.shape == (len(pressed.cells), 16, 16), bool(strain.max() == pressed.steps.max_plastic_strain[-1])
+            (True, True)
+        """
+        if "cells" not in self:
+            raise InputError("the body does not yield; it must, for a plastic strain")
+        waypoints = len(self.pressure)
+        if waypoint not in (-1, waypoints - 1):
+            raise InputError(f"waypoint is {waypoint}; it must be -1, since the strain is kept after the last step")
+        with self._stored() as file:
+            fields = [_gfmd.read_array(file, f"/plastic/equivalent_{cell}") for cell in range(len(self.cells))]
+        return np.stack([_spread(field, self.n) for field in fields])
 
     def __repr__(self) -> str:
         drives = ("mean_pressure", "p_star", "approach", "lateral", "time", "distance")
@@ -188,6 +226,16 @@ class Path(Leaks, Computed, StepFields):
             ('step',)
         """
         return _show.table_dataset(self, self.steps, "step", "waypoint")
+
+
+def _spread(field: Array, points: list[int]) -> Array:
+    """Returns a periodic field on a finer grid, linear between its points."""
+    for axis, (coarse, fine) in enumerate(zip(field.shape, points)):
+        times = fine // coarse
+        next_one = np.roll(field, -1, axis)
+        parts = [field + k / times * (next_one - field) for k in range(times)]
+        field = np.stack(parts, axis + 1).reshape([*field.shape[:axis], fine, *field.shape[axis + 1 :]])
+    return field
 
 
 def _column(values: list[Any]) -> Array:
@@ -283,6 +331,8 @@ def path(
     friction_of: Literal["repulsion", "net"] | str = "repulsion",
     wear: Optional[Wear] = None,
     hardness: Quantity | npt.ArrayLike | None = None,
+    cells: Any = None,
+    coarsening: Any = None,
     boundary: Literal["periodic", "free"] | str = "periodic",
     stress_unit: Optional[str] = None,
     coarse: bool = False,
@@ -320,6 +370,12 @@ def path(
         wear: wear of both surfaces, a `Wear`, by the distances given as `distance` or by their own slip.
         hardness: largest pressure, stress, as in `contact`; the plastic depth is kept. Beside a law it limits the
             pressure on the body, the repulsion less the attraction.
+        cells: cells below the surface of a body that yields (`Body(yield_stress=...)`), in which the plastic strain is
+            constant in depth: "graded:0.5,1.12,3" by default (thickness of the first one in grid steps, thickness
+            divided by the thickness above, depth divided by the grid step of the cell), "uniform:N,DEPTH", or the
+            thickness of each, length.
+        coarsening: grid step of each cell divided by the grid step of the surface, powers of two, if `cells` has the
+            thickness of each; 1 by default.
         boundary: "periodic", or "free" as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
         coarse: also solve a law with a process zone narrower than a tenth of a grid step.
@@ -347,12 +403,16 @@ def path(
         >>> creep = gfmd.path(rough, rubber, pressure=0.01, time=[0, 1, 100], steps=1)
         >>> bool(creep.steps.area_fraction[-1] > creep.steps.area_fraction[0])
         True
+        >>> steel = gfmd.Body(poisson=0.3, yield_stress=0.01, hardening=0.02)
+        >>> dented = gfmd.path(rough, steel, p_star=[0.02, 0.05, 0.001], steps=2)
+        >>> bool(dented.plastic_displacement[-1].min() < 0.0)
+        True
         >>> slip = dict(friction=0.5, lateral=[0, 0.002, -0.002], wear=gfmd.Wear(10.0, by="slip"))
         >>> fretted = gfmd.path(rough, gfmd.Body(), pressure=0.01, steps=2, tolerance=1e-6, **slip)
         >>> bool(fretted.steps.wear_volume[-1] > 0.0)
         True
     """
-    made, elastic, given = as_surface(surface), as_body(body, in_time=True), as_law(law)
+    made, elastic, given = as_surface(surface), as_body(body, in_time=True, yields=True), as_law(law)
     drive = drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "approach": approach})
     worn = wear_keys(wear)
     _check_distance(wear, distance)
@@ -373,6 +433,8 @@ def path(
         shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength, "stress"),
         friction_of=word("friction_of", friction_of),
         **worn,
+        cells=None if cells is None else cells if isinstance(cells, str) else quantities("cells", cells, "length"),
+        coarsening=None if coarsening is None else [integer("coarsening", found, 1) for found in coarsening],
         boundary=word("boundary", boundary),
         coarse=flag("coarse", coarse),
         grid_error=word("grid_error", grid_error),
@@ -384,6 +446,7 @@ def path(
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     problem.update(size=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
+    problem.update(_command.plasticity_keys(elastic))
     values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made)
     reported = gathered(values)
     if isinstance(bound, np.ndarray):
