@@ -566,8 +566,9 @@ class Steps(Record):
 
     @property
     def elastic_energy(self) -> Array:
-        """Stress * length [step]: elastic energy per area of the surface. With `prony`: energy stored in the springs
-        of all branches, per area of the surface.
+        """Stress * length [step]: elastic energy per area of the surface. With `yield_stress`: elastic energy per
+        area of the surface, with the energy of residual stress. With `prony`: energy stored in the springs of all
+        branches, per area of the surface.
         """
 
     @property
@@ -577,7 +578,8 @@ class Steps(Record):
     @property
     def dissipated(self) -> Array:
         """Stress * length [step]: energy lost in this step, per area; with a law at least minus its error; NaN if
-        the law has no energy. In some problems: work of the pressure on the depth lost in this step, per area,
+        the law has no energy. With `yield_stress`: energy dissipated by plastic strain in this step, per area,
+        without hardening_energy. In some problems: work of the pressure on the depth lost in this step, per area,
         without the work of friction. In some problems: energy lost in the dashpots in this step, per area. With
         `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `law` and `prony` or `hardness`
         and `prony` or `friction` and `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear`
@@ -585,6 +587,12 @@ class Steps(Record):
         without jumps. With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness`
         and `prony` or `friction` and `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear`
         or `prony` and `wear`: energy lost in this step by all causes, per area: the sum of the columns lost_*.
+        """
+
+    @property
+    def hardening_energy(self) -> Array:
+        """Stress * length [step]: energy stored by hardening per area of the surface; isotropic hardening does not
+        give it back. With `yield_stress` only.
         """
 
     @property
@@ -660,8 +668,16 @@ class Steps(Record):
         """
 
     @property
+    def operators(self) -> npt.NDArray[Any]:
+        """Count [step]: volume operators, from plastic strain and pressure to strain, extra solves included. With
+        `yield_stress` only.
+        """
+
+    @property
     def iterations(self) -> npt.NDArray[Any]:
-        """Count [step]: steps of the solver, extra solves included."""
+        """Count [step]: steps of the solver, extra solves included. With `yield_stress`: volume operators, as in
+        operators.
+        """
 
     @property
     def transform_pairs(self) -> Array:
@@ -713,6 +729,30 @@ class Steps(Record):
         """Without unit [step]: largest gap / h_rms where the pressure is the hardness. With `hardness` only."""
 
     @property
+    def residual_yield(self) -> Array:
+        """Without unit [step]: largest excess of the equivalent stress over the yield stress / the initial one. With
+        `yield_stress` only.
+        """
+
+    @property
+    def residual_flow(self) -> Array:
+        """Without unit [step]: largest error of an increment of plastic strain / the largest equivalent strain. With
+        `yield_stress` only.
+        """
+
+    @property
+    def residual_flow_complementarity(self) -> Array:
+        """Without unit [step]: largest increment of strain times the stress missing to yield / the largest strain
+        and yield stress. With `yield_stress` only.
+        """
+
+    @property
+    def residual_bottom(self) -> Array:
+        """Without unit [step]: 1 if the lowest cell yields although its layer goes on below it, else 0. With
+        `yield_stress` only.
+        """
+
+    @property
     def seconds(self) -> Array:
         """Seconds [step]: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without
         finer grids.
@@ -727,6 +767,32 @@ class Steps(Record):
     @property
     def plastic_volume(self) -> Array:
         """Length [step]: mean plastic depth so far. With `hardness` only."""
+
+    @property
+    def max_plastic_strain(self) -> Array:
+        """Without unit [step]: largest equivalent plastic strain below the surface. With `yield_stress` only."""
+
+    @property
+    def plastic_strain_integral(self) -> Array:
+        """Length [step]: equivalent plastic strain integrated over depth, mean over the surface. With `yield_stress`
+        only.
+        """
+
+    @property
+    def yielded_volume(self) -> Array:
+        """Length [step]: volume that has yielded, per area of the surface. With `yield_stress` only."""
+
+    @property
+    def yield_depth(self) -> Array:
+        """Length [step]: depth of the bottom of the lowest cell that has yielded, 0 if none has. With `yield_stress`
+        only.
+        """
+
+    @property
+    def plastic_displacement(self) -> Array:
+        """Length [step, 2]: mean normal displacement of the surface by plastic strain, negative downwards. With
+        `yield_stress` only.
+        """
 
     @property
     def flow_xx(self) -> Array:
@@ -931,6 +997,12 @@ class StepFields(Record):
     def plastic_depth(self) -> Array:
         """Length [waypoint, x, y]: depth by which the surfaces were pressed into each other so far. With `hardness`
         only. Read-only.
+        """
+
+    @property
+    def plastic_displacement_z(self) -> Array:
+        """Length [waypoint, x, y]: normal displacement by plastic strain below the surface; once unloaded the
+        residual topography. With `yield_stress` only. Read-only.
         """
 
     @property
