@@ -22,6 +22,12 @@ const CONTACT_OF_RESIDUAL: f64 = 1e-4;
 const CONTACT_MOST: f64 = 1e-7;
 const CONTACT_LEAST: f64 = 1e-14;
 
+/// Residual divided by the residual before, above which a Newton step may be disturbed by the error of the contact, and
+/// the factor on the tolerance of the contact after such a step. A gap counts relative to the rms height of the surface,
+/// which may be many times the displacement of a small contact.
+const DISTURBED: f64 = 0.5;
+const TIGHTENING: f64 = 0.1;
+
 /// Largest number of iterations of one contact.
 const CONTACT_ITERATIONS: u64 = 100_000;
 
@@ -72,6 +78,8 @@ struct Search<'a> {
     change: Vec<f32>,
     part: f64,
     residual: f64,
+    /// Factor on the tolerance of the contact.
+    tightening: f64,
 }
 
 /// Strain from which the plastic strain follows: the strain of the last evaluation, with a part of a Newton step.
@@ -125,6 +133,7 @@ impl YieldingContact {
             change: Vec::new(),
             part: 0.0,
             residual: 1.0,
+            tightening: 1.0,
         };
         let (state, ending) = search.run()?;
         judge(state, ending, budget.tolerance)
@@ -181,6 +190,9 @@ impl Search<'_> {
             if self.residual <= self.budget.tolerance && now.solution.residual.worst() <= self.budget.tolerance {
                 return Ok(self.end(&now, plastic, Ending::Converged));
             }
+            if before_last.is_some_and(|last| self.residual > DISTURBED * last) {
+                self.tightening *= TIGHTENING;
+            }
             if !self.residual.is_finite() {
                 return Ok(self.end(&now, plastic, Ending::GaveUp(Why::NoDescent)));
             }
@@ -207,8 +219,8 @@ impl Search<'_> {
     }
 
     fn contact_tolerance(&self, residual: f64) -> f64 {
-        let least = (CONTACT_OF_TOLERANCE * self.budget.tolerance).max(CONTACT_LEAST);
-        (CONTACT_OF_RESIDUAL * residual).min(CONTACT_MOST).max(least)
+        let least = CONTACT_OF_TOLERANCE * self.budget.tolerance;
+        (self.tightening * (CONTACT_OF_RESIDUAL * residual).min(CONTACT_MOST).max(least)).max(CONTACT_LEAST)
     }
 
     fn evaluate(

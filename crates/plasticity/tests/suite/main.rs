@@ -1,4 +1,5 @@
 //! Tests of `gfmd-plasticity` as one program. `cargo test -p gfmd-plasticity --test suite FILE::` runs one file.
 
+mod limits;
 mod reference;
 mod step;
