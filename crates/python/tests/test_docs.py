@@ -147,6 +147,9 @@ def test_results_have_the_attributes_that_are_documented(words):
     worn = gfmd.wear(slab, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], approach=0.005, steps=1, flow=True)
     parts = dict(law=law, friction=0.3, hardness=0.05, wear=gfmd.Wear(1.0), p_star=0.05, lateral=[0, 0.001])
     composed = gfmd.path(slab, rubber, time=[0, 1], distance=[0, 0.1], steps=1, **parts)
+    steel = gfmd.Body(yield_stress=0.01, hardening=0.02, kinematic_hardening=0.01)
+    curve = gfmd.Body(yield_stress=0.01, hardening_curve=[(0.0, 0.01), (0.1, 0.02)])
+    dented = [gfmd.path(slab, metal, p_star=0.05, steps=1) for metal in (steel, curve)]
     warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
     sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm)]
     examples = [
@@ -161,12 +164,15 @@ def test_results_have_the_attributes_that_are_documented(words):
                 squeezed,
             ],
         ),
-        (gfmd.Path, [words["loop"], rubbed, indented, composed]),
+        (gfmd.Path, [words["loop"], rubbed, indented, composed, *dented]),
         (gfmd.Adhesion, [adhesive.adhesion()]),
         (gfmd.Flow, [words["c"].flow()]),
         (
             Steps,
-            [result.steps for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn, composed)],
+            [
+                result.steps
+                for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn, composed, *dented)
+            ],
         ),
         (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),
         (LowerFace, [squeezed.lower]),
@@ -176,7 +182,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),
         (gfmd.KappaSweep, [words["k"]]),
         (gfmd.Statistics, [words["s"].statistics(), gfmd.Surface(np.zeros((4, 4))).statistics()]),
-        (gfmd.Body, [gfmd.Body()]),
+        (gfmd.Body, [gfmd.Body(), curve]),
         (
             gfmd.Residual,
             [

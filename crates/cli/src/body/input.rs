@@ -294,6 +294,11 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
     if record.contains_key("compliance") {
         return Err("the body of this contact is a table of compliances; the fields inside are not known".into());
     }
+    if record.contains_key("yield_stress") {
+        let text = "the body of this contact yields; its fields inside are those of its plastic strain, too, which are \
+                    not available";
+        return Err(text.into());
+    }
     if relaxes(record) {
         // At a constant Poisson's ratio, the stress for a given traction does not depend on the moduli.
         if let Some(moduli) = text_of(record, "relaxes").filter(|moduli| moduli != "both") {

@@ -192,6 +192,17 @@ fn units_do_not_matter_and_refinement_gives_an_error() {
 }
 
 #[test]
+fn the_fields_inside_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(gfmd(folder.path(), &words(&format!("{METAL} --p-star 0.05 --out p.h5"))).status.success());
+    let output = gfmd(folder.path(), &words("body --surface p.h5 --out b.h5"));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("the body of this contact yields"), "{message}");
+    assert!(!folder.path().join("b.h5").exists());
+}
+
+#[test]
 fn a_changed_strain_is_found() {
     let folder = tempfile::tempdir().unwrap();
     assert!(gfmd(folder.path(), &words(&format!("{METAL} --p-star 0.05,0.1 --steps 1 --out p.h5"))).status.success());

@@ -157,8 +157,6 @@ pub struct Yielding {
     pub hardening_curve: Vec<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kinematic: Option<f64>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub layer_yield: Vec<f64>,
     /// Thickness of each cell.
     pub cells: Vec<f64>,
     pub coarsening: Vec<usize>,
@@ -233,7 +231,6 @@ impl PlasticityArgs {
             hardening: self.hardening,
             hardening_curve: self.hardening_curve.clone(),
             kinematic: self.kinematic_hardening,
-            layer_yield: self.layer_yield.clone(),
             cells: cells.iter().map(|cell| cell.thickness).collect(),
             coarsening: cells.iter().map(|cell| cell.coarsening).collect(),
         })

@@ -191,7 +191,16 @@ class Body(Record):
         relaxation = self.prony, self.moduli, self.relaxes
         plasticity = {name: self._values[name] for name in _PLASTICITY if name in self._values}
         table = self._values.get("compliance"), self._values.get("uniform_compliance")
-        return _body, (*top, self.base, *below, self.layers, self.second_body, *relaxation, *table, tuple(plasticity.items()))
+        return _body, (
+            *top,
+            self.base,
+            *below,
+            self.layers,
+            self.second_body,
+            *relaxation,
+            *table,
+            tuple(plasticity.items()),
+        )
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Body) and other._same() == self._same()

@@ -58,6 +58,8 @@ class Path(Leaks, Computed, StepFields):
         undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
+        yield_stress, hardening, hardening_curve, kinematic_hardening: yield stress and hardening of a body that yields,
+            as given, in numbers.
         cells, coarsening: thickness, length, of each cell of a body that yields, from the surface down, and its grid
             step divided by the grid step of the surface.
         surface, n, size, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: parameters of the
@@ -82,6 +84,10 @@ class Path(Leaks, Computed, StepFields):
     relaxes: str
     young_long_term: float
     young_instantaneous: float
+    yield_stress: float
+    hardening: float
+    hardening_curve: list[list[float]]
+    kinematic_hardening: float
     cells: list[float]
     coarsening: list[int]
     sliding: list[Record]
@@ -108,7 +114,7 @@ class Path(Leaks, Computed, StepFields):
 
     @property
     def plastic_displacement(self) -> Array:
-        """The normal displacement by plastic strain [waypoint, x, y], length: once unloaded the residual topography."""
+        """The normal displacement by plastic strain [waypoint, x, y], length; once unloaded, the residual topography."""
         field: Array = self.plastic_displacement_z
         return field
 
@@ -263,6 +269,20 @@ def _flow(found: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def _flat(step: dict[str, Any]) -> dict[str, Any]:
+    """Returns the numbers of a step by column name: the parts of a group begin with its name."""
+    flat: dict[str, Any] = {}
+    for name, value in step.items():
+        flat.update(
+            {f"{name}_{part}": own for part, own in value.items()} if isinstance(value, dict) else {name: value}
+        )
+    return flat
+
+
+# Keys of the report that are named as in `Body`.
+_OF_BODY = {"yield": "yield_stress", "kinematic": "kinematic_hardening"}
+
+
 def gathered(values: dict[str, Any]) -> dict[str, Any]:
     """Converts the report of a path: the numbers of its steps become arrays."""
     parts = [{f"residual_{part}": value for part, value in step.pop("residual").items()} for step in values["steps"]]
@@ -270,10 +290,10 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     for step in values["steps"]:
         undefined |= by_name(step.pop("undefined", {}))
     flows = [_flow(step.pop("flow", {})) for step in values["steps"]]
-    rows = [{**step, **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
+    rows = [{**_flat(step), **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
-    reported = {name: _command.records(value) for name, value in values.items()}
+    reported = {_OF_BODY.get(name, name): _command.records(value) for name, value in values.items()}
     units = known(values.get("unit"), values.get("stress_unit"))
     if values.get("adhesion") is not None:
         reported["adhesion"] = Adhesion(without_null(values["adhesion"]), units)
