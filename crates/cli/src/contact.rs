@@ -17,12 +17,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Fields as _, Refusal, Stiffness};
+use gfmd_contact::{Boundary, Drive, Fields as _, Refusal};
 use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
 use gfmd_law::LawKind;
-use gfmd_problem::{AnyState, Facts, NoStiffness, Posed, Unknown, key, words};
+use gfmd_problem::{AnyState, Facts, Posed, Unknown, key, words};
 use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
@@ -427,7 +427,7 @@ impl StateHandler for Measuring<'_> {
         let stiffness = if is_cut {
             Err(NOT_SOLVED.into())
         } else {
-            stiffness(self.contact, state, self.args.problem.stiffness_tolerance, |text| warn("stiffness", text))
+            self.args.problem.stiffness.of(self.contact, state, |text| warn("stiffness", text))
         };
         let at = StateContext { stiffness, ..at };
         let repulsion = state.repulsion();
@@ -479,26 +479,6 @@ impl Measuring<'_> {
         };
         self.finer.iter_mut().map(|finer| beside(record(finer))).collect()
     }
-}
-
-/// Returns the stiffness of a state at rest to a relative error, or the reason why it has none. `warn` receives a
-/// remark if the stiffness is less exact than requested.
-///
-/// # Errors
-/// Returns the reason why there is no stiffness.
-pub fn stiffness(
-    contact: &Posed,
-    state: &AnyState,
-    tolerance: f64,
-    warn: impl FnOnce(String),
-) -> Result<Stiffness, Cow<'static, str>> {
-    contact.stiffness(state, tolerance).or_else(|error| match error {
-        NoStiffness::Undefined(reason) => Err(reason),
-        NoStiffness::Inexact(reached, why) => {
-            warn(why);
-            Ok(reached)
-        }
-    })
 }
 
 impl Args {

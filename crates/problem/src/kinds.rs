@@ -154,6 +154,13 @@ impl ContactKind for Interface {
     }
 }
 
+fn no_stiffness(error: StiffnessError) -> NoStiffness {
+    match error {
+        StiffnessError::Inexact { reached, .. } => NoStiffness::Inexact(reached, error.to_string()),
+        error => NoStiffness::Undefined(error.to_string().into()),
+    }
+}
+
 impl ContactKind for QuasistaticContact {
     fn surface(&self) -> &RigidSurface {
         QuasistaticContact::surface(self)
@@ -173,10 +180,16 @@ impl ContactKind for QuasistaticContact {
     }
 
     fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        QuasistaticContact::stiffness(self, state, tolerance).map_err(|error| match error {
-            StiffnessError::Inexact { reached, .. } => NoStiffness::Inexact(reached, error.to_string()),
-            error => NoStiffness::Undefined(error.to_string().into()),
-        })
+        QuasistaticContact::stiffness(self, state, tolerance).map_err(no_stiffness)
+    }
+
+    fn stiffness_of_fields(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        gap: &ArrayRef2<f64>,
+        tolerance: f64,
+    ) -> Result<Stiffness, NoStiffness> {
+        QuasistaticContact::stiffness_of_fields(self, pressure, gap, tolerance).map_err(no_stiffness)
     }
 
     fn reading(&self, state: &QuasistaticState) -> Reading {
