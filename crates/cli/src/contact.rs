@@ -312,7 +312,7 @@ impl Loads {
             &progress,
             &mut measuring,
         )?;
-        let Measuring { gathered, trace, .. } = measuring;
+        let Measuring { gathered, trace, mut finer, .. } = measuring;
         let is_kept = outcome.is_kept(kept.as_deref());
         let SeriesOutcome { records, failure, not_converged, .. } = outcome;
         let mut report = Report {
@@ -328,7 +328,8 @@ impl Loads {
             plots: Vec::new(),
         };
         if failure.is_none() && args.flow_threshold {
-            report.flow_threshold = Some(self.threshold(contact, args, session, &progress)?);
+            let finer = finer.iter_mut().map(|(finer, _)| finer);
+            report.flow_threshold = Some(self.threshold(contact, args, session, &progress, finer)?);
         }
         progress.finish();
         if is_kept {

@@ -236,7 +236,6 @@ pub const RULES: &[Rule] = {
         rule(FlowThreshold, Law, "left out", "the bisection needs compressive loads"),
         rule(Flow, Line, "left out", "a profile has no flow"),
         rule(FlowThreshold, Line, "left out", "a profile has no flow"),
-        rule(Refine, FlowThreshold, "none or estimate", NOT_IMPLEMENTED),
         rule(Refine, History, "none or estimate", "it is the record of one search"),
         rule(Refine, Resume, "none or estimate", "the states of the finer grid are not kept"),
         rule(Refine, Several, "none or estimate", ONLY_PERIODIC_WALLS_IN_PARALLEL),
