@@ -13,14 +13,14 @@ use crate::{Interface, State};
 const ERROR: f64 = 1e-8;
 
 /// Reason why an approach in full contact has no derivatives.
-const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not determine the \
-                    pressure";
+const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not determine \
+                    the pressure";
 
 impl Interface {
     /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by
-    /// the wall kept, and the pressure of points at the hardness. The attraction counts, and under tension the stiffness
-    /// may be negative. Infinite in full contact of a body whose mean level is fixed, NaN for a profile whose approach is
-    /// known up to a constant. The error is the relative error of the linear problem.
+    /// the wall kept, and the pressure of points at the hardness. The attraction counts, and under tension the
+    /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed, NaN for a profile whose
+    /// approach is known up to a constant. The error is the relative error of the linear problem.
     ///
     /// # Errors
     /// Returns the errors of [`gradient`](Self::gradient); a hardness is none.

@@ -57,8 +57,8 @@ impl Threshold {
         [0.5 * (open + closed), 0.5 * (closed - open).abs()]
     }
 
-    /// Adds the limits on infinitely fine grids from the thresholds on `finer` grids, with the heights of the tops of the
-    /// surface above the highest points of both grids, from which approaches count.
+    /// Adds the limits on infinitely fine grids from the thresholds on `finer` grids, with the heights of the tops of
+    /// the surface above the highest points of both grids, from which approaches count.
     fn refined(self, finer: &[(&Self, Option<[f64; 2]>)]) -> Self {
         let limit = |column: usize| {
             let each = finer.iter().map(|(fine, rises)| {
@@ -74,7 +74,8 @@ impl Threshold {
         Self { limits, ..self }
     }
 
-    /// Returns the numbers of a column on infinitely fine grids, in the order of [`LIMITS`]; `None` without a finer grid.
+    /// Returns the numbers of a column on infinitely fine grids, in the order of [`LIMITS`]; `None` without a finer
+    /// grid.
     fn numbers(&self, column: usize) -> Option<[f64; 3]> {
         let limit = self.limits.as_ref()?.get(column)?;
         Some([limit.limit, limit.half_width, limit.error_of(self.middle(column)[0])])

@@ -1,4 +1,5 @@
-//! Stiffness of the states along paths, from end to end: compared with `contact`, and with small changes of the approach.
+//! Stiffness of the states along paths, from end to end: compared with `contact`, and with small changes of the
+//! approach.
 
 use std::path::Path;
 

@@ -92,8 +92,8 @@ fn along_a_path_it_is_the_stiffness_of_an_instant() {
     }
 }
 
-/// At the hardness, loading and unloading differ: pressed on, these points keep their pressure; unloaded, they are points
-/// in contact like all others.
+/// At the hardness, loading and unloading differ: pressed on, these points keep their pressure; unloaded, they are
+/// points in contact like all others.
 #[test]
 fn at_the_hardness_it_is_the_stiffness_under_a_growing_load() {
     let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
