@@ -10,7 +10,7 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::result::{Comparison, RESIDUAL_OF_A_PATCH};
 use gfmd_input::failure::Failure;
-use gfmd_run::series::{Chosen, Prepared, SeriesLayout};
+use gfmd_run::series::{Chosen, Prepared, SeriesLayout, StiffnessArgs};
 
 /// Allowed relative difference of the numbers of a law on a patch, divided by the solve tolerance.
 pub(crate) const OF_A_PATCH: f64 = 100.0;
@@ -134,7 +134,8 @@ impl<'a> Stored<'a> {
     }
 
     /// Compares the numbers and fields of a step at a waypoint with the state computed from the fields, and returns the
-    /// state; `None` for an unsolved step. `flow` computes the flow through the gap, if requested.
+    /// state; `None` for an unsolved step. `flow` computes the flow through the gap, if requested, and `stiffness` the
+    /// stiffness of a step that converged.
     ///
     /// # Errors
     /// Fails like [`state`](Self::state).
@@ -143,6 +144,7 @@ impl<'a> Stored<'a> {
         (index, place): (usize, usize),
         drive: Drive,
         flow: impl FnOnce(&AnyState, &StateContext<'_>) -> Result<Option<Flow>, Failure>,
+        stiffness: StiffnessArgs,
         comparison: &mut Comparison,
     ) -> Result<Option<AnyState>, Failure> {
         let Some(state) = self.state(place, drive)? else { return Ok(None) };
@@ -151,7 +153,8 @@ impl<'a> Stored<'a> {
         let at = self.at(index, &state);
         let flow = flow(&state, &at)?;
         let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
-        let at = StateContext { approach: reading.approach, step: Some((&step, reading)), measured, ..at };
+        let stiffness = stiffness.of(self.contact, &state, |_| {});
+        let at = StateContext { approach: reading.approach, step: Some((&step, reading)), stiffness, measured, ..at };
         self.compare_record(index, (&Record::of(&at), &state), comparison);
         Ok(Some(state))
     }

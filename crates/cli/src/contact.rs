@@ -17,12 +17,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Fields as _, Refusal, Stiffness};
+use gfmd_contact::{Boundary, Drive, Fields as _, Refusal};
 use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
 use gfmd_law::LawKind;
-use gfmd_problem::{AnyState, Facts, NoStiffness, Posed, Unknown, key, words};
+use gfmd_problem::{AnyState, Facts, Posed, Unknown, key, words};
 use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, repulsion};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
@@ -312,7 +312,7 @@ impl Loads {
             &progress,
             &mut measuring,
         )?;
-        let Measuring { gathered, trace, .. } = measuring;
+        let Measuring { gathered, trace, mut finer, .. } = measuring;
         let is_kept = outcome.is_kept(kept.as_deref());
         let SeriesOutcome { records, failure, not_converged, .. } = outcome;
         let mut report = Report {
@@ -328,7 +328,8 @@ impl Loads {
             plots: Vec::new(),
         };
         if failure.is_none() && args.flow_threshold {
-            report.flow_threshold = Some(self.threshold(contact, args, session, &progress)?);
+            let finer = finer.iter_mut().map(|(finer, _)| finer);
+            report.flow_threshold = Some(self.threshold(contact, args, session, &progress, finer)?);
         }
         progress.finish();
         if is_kept {
@@ -427,7 +428,7 @@ impl StateHandler for Measuring<'_> {
         let stiffness = if is_cut {
             Err(NOT_SOLVED.into())
         } else {
-            stiffness(self.contact, state, self.args.problem.stiffness_tolerance, |text| warn("stiffness", text))
+            self.args.problem.stiffness.of(self.contact, state, |text| warn("stiffness", text))
         };
         let at = StateContext { stiffness, ..at };
         let repulsion = state.repulsion();
@@ -479,26 +480,6 @@ impl Measuring<'_> {
         };
         self.finer.iter_mut().map(|finer| beside(record(finer))).collect()
     }
-}
-
-/// Returns the stiffness of a state at rest to a relative error, or the reason why it has none. `warn` receives a
-/// remark if the stiffness is less exact than requested.
-///
-/// # Errors
-/// Returns the reason why there is no stiffness.
-pub fn stiffness(
-    contact: &Posed,
-    state: &AnyState,
-    tolerance: f64,
-    warn: impl FnOnce(String),
-) -> Result<Stiffness, Cow<'static, str>> {
-    contact.stiffness(state, tolerance).or_else(|error| match error {
-        NoStiffness::Undefined(reason) => Err(reason),
-        NoStiffness::Inexact(reached, why) => {
-            warn(why);
-            Ok(reached)
-        }
-    })
 }
 
 impl Args {

@@ -35,7 +35,7 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArgs, PronyArgs, WearArgs};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::{Scene, parse_prefix};
-use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome};
+use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome, StiffnessArgs};
 
 pub(crate) use self::report::FLOW;
 pub use self::report::{Report, Sliding};
@@ -98,6 +98,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     steps: StepArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    stiffness: StiffnessArgs,
     /// Largest error of the dissipated energy divided by the work of a step, for laws that have an energy. With
     /// friction, half of it also bounds the change of the shear, as an energy, when the increments of a step are
     /// halved, and its root the change of the sticking fraction when the last increment is halved
@@ -186,6 +189,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let settings = PathSettings {
         asked: args.asked()?,
         option: args.waypoints.given(),
+        stiffness: args.stiffness,
         resume: args.steps.resume,
         refinement: Refinement { tolerance: args.energy_tolerance, solves_per_step: args.energy_solves() },
         config: args.config()?,
@@ -202,6 +206,7 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
             "between 1e-9 and 0.1",
         ));
     }
+    args.stiffness.check()?;
     match (args.prony.relaxing(), args.waypoints.time.is_empty()) {
         (Some(_), true) => return Err(Failure::missing("time", words!["it is needed with ", key("prony")])),
         (None, false) => return Err(Failure::value(key("time"), "given", words!["left out without ", key("prony")])),

@@ -6,6 +6,7 @@ mod few;
 use few::Few;
 use gfmd_relax::{Ceiling, Preconditioned as _, Why};
 use gfmd_vector::{Share, contiguous, for_each};
+use ndarray::ArrayRef2;
 
 use crate::dual::Dual;
 use crate::pull_push::Known;
@@ -59,9 +60,21 @@ impl Contact {
     /// # Errors
     /// The stiffness reached, if its error exceeds the tolerance, and the reason why the iterations ended.
     pub fn stiffness(&self, solution: &Solution, tolerance: f64) -> Result<Stiffness, (Stiffness, Why)> {
+        self.stiffness_of_pressure(&solution.pressure, tolerance)
+    }
+
+    /// Computes the stiffness of the points in contact under this `pressure`, stress, as
+    /// [`stiffness`](Self::stiffness).
+    ///
+    /// # Errors
+    /// Returns an error as [`stiffness`](Self::stiffness).
+    pub fn stiffness_of_pressure(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        tolerance: f64,
+    ) -> Result<Stiffness, (Stiffness, Why)> {
         let upper = self.upper().times(self.units().stress());
-        let pressure = contiguous(&solution.pressure);
-        self.stiffness_of_points(&pressure, upper.ceiling(), tolerance)
+        self.stiffness_of_points(&contiguous(pressure), upper.ceiling(), tolerance)
     }
 
     /// Computes the stiffness of the points with a `pressure`, on the own rows, between zero and the `hardness`.

@@ -5,27 +5,37 @@ use gfmd_contact::{Cotangents, Effort, Fields as _, Gradient, GradientError, Loa
 use gfmd_vector::{dot, total};
 use ndarray::{Array2, ArrayRef2};
 
-use crate::newton::{Adjoint, Linear};
+use crate::newton::{Adjoint, Bond, Linear};
 use crate::patch::Patch;
 use crate::{Interface, State};
 
 /// Largest accepted error of a result.
 const ERROR: f64 = 1e-8;
 
+/// Reason why an approach in full contact has no derivatives.
+const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not determine \
+                    the pressure";
+
 impl Interface {
     /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by
-    /// the wall kept. The attraction counts, and under tension the stiffness may be negative. NaN for a profile whose
+    /// the wall kept, and the pressure of points at the hardness. The attraction counts, and under tension the
+    /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed, NaN for a profile whose
     /// approach is known up to a constant. The error is the relative error of the linear problem.
     ///
     /// # Errors
-    /// Returns the errors of [`gradient`](Self::gradient).
+    /// Returns the errors of [`gradient`](Self::gradient); a hardness is none.
     pub fn stiffness(&self, state: &State) -> Result<Stiffness, GradientError> {
         if !self.patch.as_ref().is_none_or(Patch::has_level) {
             return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
         }
         let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
-        let Gradient { load: value, error, effort, .. } = self.gradient(state, Load::Approach(state.approach), &of)?;
-        Ok(Stiffness { value, error, effort })
+        match self.derivatives(state, Load::Approach(state.approach), &of) {
+            Ok(Gradient { load: value, error, effort, .. }) => Ok(Stiffness { value, error, effort }),
+            Err(GradientError::Undetermined(FULL)) => {
+                Ok(Stiffness { value: f64::INFINITY, error: 0.0, effort: Effort::default() })
+            }
+            Err(error) => Err(error),
+        }
     }
 
     /// Computes the derivatives of a scalar at the stable `state`, with respect to heights, load and modulus. `of`
@@ -37,10 +47,15 @@ impl Interface {
     /// shape or not finite; if the load does not determine the state, or the state jumps; or if the linear problem was
     /// not solved.
     pub fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
-        let shape: [usize; 2] = self.surface.grid().points();
         if self.hardness.is_some() {
             return Err(GradientError::Hardness);
         }
+        self.derivatives(state, load, of)
+    }
+
+    /// Computes the [`gradient`](Self::gradient); points at the hardness keep their pressure.
+    fn derivatives(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
+        let shape: [usize; 2] = self.surface.grid().points();
         if self.has_springs() {
             return Err(GradientError::Undetermined(
                 "the interface has springs; it must have none, since their derivative is not implemented",
@@ -73,7 +88,14 @@ impl Interface {
         let wall = frame.values_inside(frame.wall().collect());
         let position = wall.iter().zip(&state.gap).map(|(wall, gap)| wall - gap / length).collect();
         let held = in_cell(scaled(&state.wall_pressure, stress));
-        let mut problem = Linear::at(self, &frame, &in_cell(position), |i| held[i] > 0.0);
+        let closed = in_cell(state.gap.iter().map(|gap| f64::from(u8::from(*gap <= 0.0))).collect());
+        let kinks = self.kinks(&frame);
+        let is_pressed = |i: usize| kinks.as_ref().is_some_and(|kinks| closed[i] > 0.0 && kinks.is_at_most(i, held[i]));
+        let mut problem = Linear::at(self, &frame, &in_cell(position), |i| match held[i] > 0.0 || is_pressed(i) {
+            false => Bond::Free,
+            true if is_pressed(i) => Bond::Pressed,
+            true => Bond::Held,
+        });
         let acts = |(slope, free): (&f64, &f64)| *free == 0.0 || *slope != 0.0;
         if !is_driven && !problem.slope().iter().zip(problem.free()).any(acts) {
             return Err(GradientError::Undetermined(
@@ -81,9 +103,7 @@ impl Interface {
             ));
         }
         if frame.held[0] && total(problem.free()) == 0.0 {
-            let reason = "all points are in contact, of a body whose mean level is fixed; the approach does not \
-                          determine the pressure";
-            return Err(GradientError::Undetermined(reason));
+            return Err(GradientError::Undetermined(FULL));
         }
         let pressure = in_cell(scaled(&state.pressure(), stress));
         let sunk = in_cell(state.displacement.iter().map(|u| -u / length).collect());

@@ -94,6 +94,11 @@ impl Kinks {
         self.most[i]
     }
 
+    /// Returns true if a repulsion of point `i` is its largest one, to the accuracy of stored fields.
+    pub(crate) fn is_at_most(&self, i: usize, repulsion: f64) -> bool {
+        repulsion >= (1.0 - NEAR) * self.most[i]
+    }
+
     /// Returns the compliance of the spring of point `i`.
     pub(crate) fn spring(&self, i: usize) -> f64 {
         self.springs[i]

@@ -92,6 +92,20 @@ impl Interface {
         Self::in_own_units(body, grid, heights, law, FullResponse::new)
     }
 
+    /// Creates an interface as [`new`](Self::new), in u_z of a surface without lateral displacement
+    /// ([`NormalResponse::held_sideways`]).
+    ///
+    /// # Errors
+    /// Returns an error if the heights do not match the grid or are not finite.
+    pub fn held_sideways(
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::in_own_units(body, grid, heights, law, NormalResponse::held_sideways)
+    }
+
     /// Creates an interface as [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on an existing
     /// response, for example a shared one. The problem is solved in the units of the response, whatever its size.
     ///

@@ -68,13 +68,14 @@ impl Interface {
             return Ok(State { displacement, traction, gap: gap.to_owned(), approach, ..state });
         }
         // The sum above is rounded. The stored gap determines the points that touch the wall.
-        let held = |gap: f64, pressure: f64| {
-            let touches = self.law.has_wall() && gap <= 0.0;
-            if touches { (self.law.traction(gap, [0.0; 2])[2] + pressure).max(0.0) } else { 0.0 }
-        };
-        let wall_pressure = Array2::from_shape_fn((nx, ny), |at| held(gap[at], pressure[at]));
+        let wall_pressure = Array2::from_shape_fn((nx, ny), |at| self.wall_pressure(pressure[at], gap[at]));
         let alone = |field: &ArrayRef2<f64>| field.to_owned().insert_axis(ndarray::Axis(0));
         let (displacement, traction) = (alone(displacement_z), -alone(pressure));
         Ok(State { displacement, traction, gap: gap.to_owned(), wall_pressure, approach, ..state })
+    }
+    /// Returns the pressure of the wall at a point with this pressure and gap; 0 where it is open.
+    pub(crate) fn wall_pressure(&self, pressure: f64, gap: f64) -> f64 {
+        let touches = self.law.has_wall() && gap <= 0.0;
+        if touches { (self.law.traction(gap, [0.0; 2])[2] + pressure).max(0.0) } else { 0.0 }
     }
 }

@@ -159,6 +159,13 @@ impl ContactKind for Interface {
     }
 }
 
+fn no_stiffness(error: StiffnessError) -> NoStiffness {
+    match error {
+        StiffnessError::Inexact { reached, .. } => NoStiffness::Inexact(reached, error.to_string()),
+        error => NoStiffness::Undefined(error.to_string().into()),
+    }
+}
+
 impl ContactKind for QuasistaticContact {
     fn surface(&self) -> &RigidSurface {
         QuasistaticContact::surface(self)
@@ -178,10 +185,16 @@ impl ContactKind for QuasistaticContact {
     }
 
     fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        QuasistaticContact::stiffness(self, state, tolerance).map_err(|error| match error {
-            StiffnessError::Inexact { reached, .. } => NoStiffness::Inexact(reached, error.to_string()),
-            error => NoStiffness::Undefined(error.to_string().into()),
-        })
+        QuasistaticContact::stiffness(self, state, tolerance).map_err(no_stiffness)
+    }
+
+    fn stiffness_of_fields(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        gap: &ArrayRef2<f64>,
+        tolerance: f64,
+    ) -> Result<Stiffness, NoStiffness> {
+        QuasistaticContact::stiffness_of_fields(self, pressure, gap, tolerance).map_err(no_stiffness)
     }
 
     fn reading(&self, state: &QuasistaticState) -> Reading {
@@ -221,6 +234,18 @@ impl ContactKind for YieldingContact {
 
     fn stiffness(&self, state: &PlasticState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         YieldingContact::stiffness(self, state, tolerance).map_err(inexact)
+    }
+
+    fn stiffness_of_fields(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        _gap: &ArrayRef2<f64>,
+        tolerance: f64,
+    ) -> Result<Stiffness, NoStiffness> {
+        // It is the stiffness of the elastic contact with these points in contact.
+        let elastic = self.contact().certify(pressure, Load::Approach(0.0));
+        let elastic = elastic.map_err(|refusal| NoStiffness::Undefined(refusal.to_string().into()))?;
+        self.contact().stiffness(&elastic, tolerance).map_err(inexact)
     }
 
     fn reading(&self, state: &PlasticState) -> Reading {

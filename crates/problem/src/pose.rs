@@ -136,7 +136,11 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
         return Ok(Posed::new(QuasistaticContact::new(&parts)?));
     }
     if facts.has_law() {
-        let interface = Interface::with_boundary(facts.boundary, body, grid, heights, Arc::clone(law))?;
+        let law = Arc::clone(law);
+        let interface = match facts.unknown {
+            Unknown::Held => Interface::held_sideways(body, grid, heights, law)?,
+            _ => Interface::with_boundary(facts.boundary, body, grid, heights, law)?,
+        };
         return Ok(Posed::new(match hardness {
             Some(hardness) => interface.with_hardness(hardness.clone())?,
             None => interface,

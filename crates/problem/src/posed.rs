@@ -41,6 +41,19 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
     /// Returns the reason why there is no stiffness, or why it is less exact than requested.
     fn stiffness(&self, state: &Self::State, tolerance: f64) -> Result<Stiffness, NoStiffness>;
 
+    /// Computes the stiffness of the state with this pressure and gap, also where they do not determine the state.
+    ///
+    /// # Errors
+    /// Returns an error as [`stiffness`](Self::stiffness), and for all kinds but those along a path.
+    fn stiffness_of_fields(
+        &self,
+        _pressure: &ArrayRef2<f64>,
+        _gap: &ArrayRef2<f64>,
+        _tolerance: f64,
+    ) -> Result<Stiffness, NoStiffness> {
+        Err(NoStiffness::Undefined("the fields do not determine the state".into()))
+    }
+
     /// Computes the derivatives of a scalar under a load of this kind, from its derivatives with respect to a state.
     ///
     /// # Errors
@@ -206,6 +219,7 @@ trait DynContact: Send + Sync {
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal>;
     fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<AnyState, Refusal>;
     fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness>;
+    fn stiffness_of_fields(&self, fields: [&ArrayRef2<f64>; 2], tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
     fn reading(&self, state: &AnyState) -> Reading;
     fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool;
@@ -271,6 +285,14 @@ impl<K: ContactKind> DynContact for K {
             Some(state) => ContactKind::stiffness(self, state, tolerance),
             None => Err(NoStiffness::Undefined("the state is of another kind of contact".into())),
         }
+    }
+
+    fn stiffness_of_fields(
+        &self,
+        [pressure, gap]: [&ArrayRef2<f64>; 2],
+        tolerance: f64,
+    ) -> Result<Stiffness, NoStiffness> {
+        ContactKind::stiffness_of_fields(self, pressure, gap, tolerance)
     }
 
     fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
@@ -345,6 +367,20 @@ impl Posed {
     /// Returns the reason why there is no stiffness, or why it is less exact than requested.
     pub fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         self.0.stiffness(state, tolerance)
+    }
+
+    /// Computes the [`stiffness`](Self::stiffness) of the state along a path with this pressure and gap, also where
+    /// they do not determine the state.
+    ///
+    /// # Errors
+    /// Returns an error as [`stiffness`](Self::stiffness), and for a contact of another kind.
+    pub fn stiffness_of_fields(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        gap: &ArrayRef2<f64>,
+        tolerance: f64,
+    ) -> Result<Stiffness, NoStiffness> {
+        self.0.stiffness_of_fields([pressure, gap], tolerance)
     }
 
     /// Computes the derivatives of a scalar under a `load` of this kind, from its derivatives `of` with respect to a

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use gfmd_cli::contact::{Args, measure, stiffness};
+use gfmd_cli::contact::{Args, measure};
 use gfmd_cli::kinds::kinds;
 use gfmd_contact::{
     Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
@@ -232,7 +232,7 @@ impl Problem {
             let (state, failure) = reached(args.press(contact, drive).starting_from(start).watch(&mut watch).solve())?;
             let stiffness = match &failure {
                 Some(_) => Err(NOT_SOLVED.into()),
-                None => stiffness(contact, &state, args.stiffness_tolerance, |text| tracing::warn!("{text}")),
+                None => args.stiffness.of(contact, &state, |text| tracing::warn!("{text}")),
             };
             let finer = finer.iter_mut().map(|finer| match &failure {
                 Some(_) => Ok(Err(NOT_SOLVED.to_owned())),

@@ -7,6 +7,7 @@ mod layout;
 mod prepared;
 mod pressed;
 mod slopes;
+mod stiffness;
 mod watching;
 
 use std::borrow::Cow;
@@ -35,6 +36,7 @@ pub use layout::SeriesLayout;
 pub use prepared::{Asked, Prepared, check_drive};
 pub use pressed::ContactArgs;
 pub use slopes::Slopes;
+pub use stiffness::StiffnessArgs;
 pub use watching::Watching;
 
 /// Series of states.

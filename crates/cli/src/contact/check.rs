@@ -8,7 +8,7 @@ use gfmd_record::{NOT_SOLVED, Record, StateContext, Statistics, repulsion};
 use ndarray::{Array2, ArrayView2};
 
 use super::statistics::Findings;
-use super::{Args, Loads, stiffness};
+use super::{Args, Loads};
 use crate::checking::{Checked, Checking};
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
@@ -80,9 +80,8 @@ fn compare(
         let Some(state) = stored.state(index, *drive)? else { continue };
         stored.compare_fields(index, &state, comparison)?;
         let at = stored.at(index, &state);
-        let tolerance = args.problem.stiffness_tolerance;
         let stiffness = if at.has_converged() {
-            stiffness(stored.contact, &state, tolerance, |_| {})
+            args.problem.stiffness.of(stored.contact, &state, |_| {})
         } else {
             Err(NOT_SOLVED.into())
         };

@@ -8,7 +8,7 @@ use gfmd_problem::{AnyState, MemoryNeed, Posed};
 use gfmd_record::{Record, StateContext, Statistics};
 use ndarray::ArrayView2;
 
-use super::{Args, Conducting, stiffness};
+use super::{Args, Conducting};
 use gfmd_input::failure::Failure;
 use gfmd_input::memory;
 use gfmd_input::source::Surface;
@@ -54,7 +54,7 @@ pub fn measure(
         memory::fits(MemoryNeed::FLOW_ALONE, "flow", prepared.surface.grid.points())?;
     }
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
-    let stiffness = stiffness(contact, state, args.problem.stiffness_tolerance, &mut warn);
+    let stiffness = args.problem.stiffness.of(contact, state, &mut warn);
     let at = StateContext { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.search.tolerance) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use gfmd_record::{Table, lines, table_of};
+use gfmd_measure::GridLimit;
+use gfmd_record::{Table, lines, table_of, with_limit};
 
 use super::Report;
 use crate::path::FLOW;
@@ -65,6 +66,10 @@ impl Report {
                         "\nthe flow along {axis} stops between p* = {p:.5e} and {q:.5e}, area {a:.4} and {b:.4} \
                          (corrected {c:.4} and {d:.4})"
                     )?;
+                    if let Some(GridLimit { limit, half_width }) = found.limit_of("p_star") {
+                        let limit = with_limit(limit, limit, half_width);
+                        writeln!(f, "on an infinitely fine grid: p* = {limit}")?;
+                    }
                 }
                 None => writeln!(f, "\nthe flow along {axis} does not stop between the lowest and the highest load")?,
             }

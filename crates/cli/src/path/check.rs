@@ -57,14 +57,15 @@ impl Checked for Args {
             // A state with shear, of a body with a memory or of one that yields does not follow from its fields alone.
             if prepared.prony.is_some() || prepared.facts.yields || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
+                check.stiffness(waypoint, index, comparison)?;
                 let is_last = index + 1 == input.drives.len();
                 check.state((waypoint, index), is_last, comparison)?;
                 if is_last {
-                    strain::check(&stored, (index, waypoint), *drive, comparison)?;
+                    strain::check(&stored, (index, waypoint), *drive, args.stiffness, comparison)?;
                 }
             } else {
                 let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
-                stored.compare_waypoint((index, waypoint), *drive, flow, comparison)?;
+                stored.compare_waypoint((index, waypoint), *drive, flow, args.stiffness, comparison)?;
             }
         }
         Ok(())
@@ -200,6 +201,19 @@ impl StepCheck<'_> {
         for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
             comparison.number(&format!("/path/{name}"), number(name), found.conductivity[row][column], 1e-3);
         }
+        Ok(())
+    }
+
+    /// Compares the stiffness with that of the stored pressure and gap. It has none where they shear each other.
+    fn stiffness(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
+        let file = self.stored;
+        let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
+        let found = self.args.stiffness.of_fields(file.contact, [&pressure, &gap]);
+        // Infinite in full contact, which a file says by its reason.
+        let finite = |value: f64| if value.is_finite() { value } else { f64::NAN };
+        let [value, error] = found.map_or([f64::NAN; 2], |found| [found.value, found.error].map(finite));
+        comparison.number("/path/stiffness", file.number("stiffness", step), value, 0.0);
+        comparison.number("/path/stiffness_error", file.number("stiffness_error", step), error, 1e-3);
         Ok(())
     }
 

@@ -15,8 +15,8 @@ use gfmd_report::figures::SceneFields;
 use gfmd_run::flow::through;
 use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
-    Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, at_same_place,
-    beside, on_finer_grids, resolved, run_with_journal,
+    Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, StiffnessArgs,
+    at_same_place, beside, on_finer_grids, resolved, run_with_journal,
 };
 
 /// Input of a path, checked before the first solve.
@@ -32,6 +32,7 @@ pub(super) struct PathSettings<'a> {
     pub(super) asked: Asked<'a>,
     /// Flag of its loads or approaches.
     pub(super) option: &'static str,
+    pub(super) stiffness: StiffnessArgs,
     pub(super) resume: ResumeArgs,
     pub(super) refinement: Refinement,
     /// Configuration stored in the file.
@@ -86,7 +87,7 @@ impl PathInput {
     fn follow<'a>(
         &'a self,
         contact: &'a Posed,
-        PathSettings { asked, refinement, config, .. }: &PathSettings,
+        PathSettings { asked, stiffness, refinement, config, .. }: &PathSettings,
         mut kept: Option<&mut UnfinishedRun>,
         session: &'a Session,
     ) -> Result<Followed<'a>, Failure> {
@@ -110,12 +111,14 @@ impl PathInput {
             prepared: finer,
             contact,
             path: Path::new(contact, budget, *refinement),
+            stiffness: *stiffness,
             rise: finer.highest() - prepared.highest(),
             ended: None,
         });
         let mut log = Log {
             contact,
             drives,
+            stiffness: *stiffness,
             finer: finer.collect(),
             tolerance,
             session,
@@ -141,6 +144,7 @@ struct Beside<'a> {
     prepared: &'a Prepared,
     contact: &'a Posed,
     path: Path<'a, Posed>,
+    stiffness: StiffnessArgs,
     /// Height of its highest point above the highest of the other grid, added to each approach.
     rise: f64,
     /// Reason why the path ended, once it has.
@@ -167,6 +171,7 @@ impl Beside<'_> {
         let at = resolved(self.prepared, state, tolerance);
         let flow = leak(self.prepared, state, &at, |_| {})?;
         let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
+        let at = at.stiff(self.contact, self.stiffness.stiffness_tolerance);
         Ok(OnFinerGrid::of(&StateContext { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
     }
 }
@@ -188,6 +193,7 @@ pub(super) fn leak(
 struct Log<'a> {
     contact: &'a Posed,
     drives: &'a [Drive],
+    stiffness: StiffnessArgs,
     /// Paths on finer grids, beside the requested one.
     finer: Vec<Beside<'a>>,
     tolerance: f64,
@@ -202,8 +208,13 @@ struct Log<'a> {
 impl StateHandler for Log<'_> {
     fn record(&mut self, solved: SolvedState<'_>) -> Result<Record, Failure> {
         let SolvedState { index, state, step, at, started, is_cut } = solved;
-        let warn = |text: String| self.session.warn("flow", format!("step {index}: {text}"));
-        let flow = leak(self.prepared, state, &at, warn)?;
+        let warn = |code, text: String| self.session.warn(code, format!("step {index}: {text}"));
+        let stiffness = if is_cut {
+            Err(NOT_SOLVED.into())
+        } else {
+            self.stiffness.of(self.contact, state, |text| warn("stiffness", text))
+        };
+        let flow = leak(self.prepared, state, &at, |text| warn("flow", text))?;
         let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
         let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
         let finer = self.finer.iter_mut().map(|finer| match is_cut {
@@ -212,7 +223,8 @@ impl StateHandler for Log<'_> {
         });
         let finer = finer.collect::<Result<_, Failure>>()?;
         let at =
-            StateContext { seconds, approach: reading.approach, step: Some((step, reading)), finer, measured, ..at };
+            StateContext { approach: reading.approach, step: Some((step, reading)), stiffness, finer, measured, ..at };
+        let at = StateContext { seconds, ..at };
         let record = Record::of(&at);
         if step.is_unsettled {
             self.unsettled.push((index, *step));

@@ -198,7 +198,8 @@ fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fm
 }
 
 /// Columns of the table that may lack a value although others of their kind have one.
-const TABLE: [&str; 5] = ["approach", "elastic_energy", "dissipated", "dissipated_error", "passed_instability"];
+const TABLE: [&str; 6] =
+    ["approach", "elastic_energy", "dissipated", "dissipated_error", "passed_instability", "stiffness"];
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -11,7 +11,7 @@ use gfmd_plasticity::{Cell, PlasticState, PlasticStrain, YieldingContact};
 use gfmd_problem::AnyState;
 use gfmd_problem::options::Plasticity;
 use gfmd_record::{Measured, Record, StateContext};
-use gfmd_run::series::{Prepared, StateFile};
+use gfmd_run::series::{Prepared, StateFile, StiffnessArgs};
 use ndarray::{Array2, Array3};
 
 use super::course::leak;
@@ -115,6 +115,7 @@ pub(super) fn check(
     stored: &Stored,
     (step, place): (usize, usize),
     drive: Drive,
+    stiffness: StiffnessArgs,
     comparison: &mut Comparison,
 ) -> Result<(), Failure> {
     let Prepared { plasticity: Some(Plasticity { hardening, cells }), body, surface, .. } = stored.prepared else {
@@ -139,7 +140,8 @@ pub(super) fn check(
     let at = stored.at(step, &state);
     let flow = leak(stored.prepared, &state, &at, |_| {})?;
     let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
-    let at = StateContext { approach: state.approach(), step: Some((&undivided, reading)), measured, ..at };
+    let stiffness = stiffness.of(stored.contact, &state, |_| {});
+    let at = StateContext { approach: state.approach(), step: Some((&undivided, reading)), stiffness, measured, ..at };
     stored.compare_record(step, (&Record::of(&at), &state), comparison);
     Ok(())
 }

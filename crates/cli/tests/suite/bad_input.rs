@@ -42,7 +42,6 @@ fn flags_out_of_range() {
     contact(&format!("{small} --components both"), &["--components", "both", "held"]);
     for (more, words) in [
         ("all --law morse --param gamma=1e-4,range=0.01", ["all", "--law"]),
-        ("held --law exponential --param gamma=1e-4,range=0.01", ["held", "--law"]),
         ("all --boundary free", ["all", "--boundary free"]),
         ("held --boundary free", ["held", "--boundary free"]),
         ("all --hardness 0.5", ["all", "--hardness"]),

@@ -489,6 +489,41 @@ fn a_surface_that_is_held_sideways_is_stiffer() {
     assert!(largest(&top, 0) < 1e-12 * largest(&top, 2) && largest(&deep, 0) > 1e-3 * largest(&deep, 2));
 }
 
+/// A half-space held sideways answers as a stiffer one that is free, also to a law, in any units.
+#[test]
+fn a_surface_that_is_held_sideways_is_stiffer_below_a_law() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |flags: &str| json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
+    let s: f64 = (1.0 - 0.66) / (2.0 - 0.66);
+    let stiffer = 1.0 / (1.0 - 0.33 * 0.33) / (1.0 - s * s);
+    for unit in [1.0, 1e9] {
+        let load = |load: f64| load * unit;
+        let contact = format!(
+            "contact --n 48 --eps-f-inv 8 --pressure={:e},{:e},{:e} --tolerance 1e-11 --json --law exponential --param \
+             gamma={:e},range=3e-3",
+            load(0.002),
+            load(1e-4),
+            load(-1e-4),
+            load(2e-5)
+        );
+        let held =
+            run(&format!("{contact} --young {unit:e} --poisson 0.33 --components held --statistics --out held.h5"));
+        let free = run(&format!("{contact} --e-star {:.17e}", load(stiffer)));
+        for (a, b) in held["loads"].as_array().unwrap().iter().zip(free["loads"].as_array().unwrap()) {
+            assert_eq!(a["contact_nodes"], b["contact_nodes"]);
+            for name in ["approach", "max_pressure", "elastic_energy", "interface_energy", "stiffness"] {
+                assert_relative_eq!(number(a, name), number(b, name), max_relative = 1e-7);
+            }
+        }
+        assert_eq!(run("check held.h5 --json")["differing"], 0);
+    }
+    // A slab, whose surface is stiffer if it is held, and as stiff as a free one under a uniform pressure.
+    let slab = "contact --n 32 --eps-f-inv 4 --pressure 0.01 --height 0.2 --poisson 0.3 --tolerance 1e-10 --json --law \
+                exponential --param gamma=2e-5,range=3e-3";
+    let approach = |flags: &str| number(&run(&format!("{slab} {flags}"))["loads"][0], "approach");
+    assert!(approach("--components held") < approach(""));
+}
+
 #[test]
 fn the_history_of_a_contact_ends_at_its_state() {
     let folder = tempfile::tempdir().unwrap();

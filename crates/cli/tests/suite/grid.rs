@@ -362,3 +362,53 @@ fn a_pair_of_half_spaces_has_the_grid_error_of_one() {
     }
     assert!(pair["area_fraction_limit"].is_number());
 }
+
+/// The finer grid finds its own threshold of the flow; the thresholds on both grids give the limit and its error.
+#[test]
+fn a_finer_grid_tells_the_error_of_the_threshold_of_a_flow() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let run = |n: usize, more: &str| {
+        let flags = format!(
+            "contact --n {n} --eps-f-inv 8 --hurst 0.8 --seed 4 --p-star 0.05,1.2 --flow-threshold --json -q {more}"
+        );
+        json(path, &words(&flags))["flow_threshold"].clone()
+    };
+    let refined = run(32, "--grid-error refine --out c.h5");
+    let [plain, fine] = [32, 64].map(|n| run(n, "--grid-error none"));
+    let file = gfmd_files::Reader::open(path.join("c.h5")).unwrap();
+    for axis in 0..2 {
+        for name in ["p_star", "mean_pressure", "area_fraction", "area_fraction_corrected", "mean_gap", "approach"] {
+            let sides = |of: &Value| [0, 1].map(|side| of[axis][name][side].as_f64().unwrap());
+            assert_eq!(refined[axis][name], plain[axis][name], "{name}");
+            assert!(plain[axis].get(format!("{name}_limit")).is_none());
+            let ([a, b], [c, d]) = (sides(&plain), sides(&fine));
+            let (coarse, fine) = (0.5 * (a + b), 0.5 * (c + d));
+            let number = |end: &str| refined[axis][format!("{name}_{end}")].as_f64().unwrap();
+            let [limit, error, grid_error] = ["limit", "limit_error", "grid_error"].map(number);
+            if name != "approach" {
+                approx::assert_relative_eq!(limit, fine, max_relative = 1e-6);
+                let expected = 2.5 * (fine - coarse).abs() + 0.5 * (d - c).abs();
+                approx::assert_relative_eq!(error, expected, max_relative = 1e-4);
+            }
+            // An approach counts from the top of the surface, above the highest points of both grids.
+            assert!((limit - fine).abs() <= 0.05 * fine && error >= 0.5 * (d - c).abs(), "{name}");
+            approx::assert_relative_eq!(grid_error, (coarse - limit).abs() + error, max_relative = 1e-12);
+            for (end, number) in [("limit", limit), ("limit_error", error), ("grid_error", grid_error)] {
+                let stored = file.values::<f64>(&format!("/flow_threshold/{name}_{end}")).unwrap();
+                assert_eq!((stored.len(), stored[axis]), (2, number), "{name}_{end}");
+            }
+        }
+    }
+    drop(file);
+    for flags in ["check c.h5", "check c.h5 --rerun"] {
+        let output = gfmd(path, &words(flags));
+        assert!(output.status.success(), "{flags}: {}", String::from_utf8_lossy(&output.stdout));
+    }
+    // The gap stays open: no threshold on either grid, and a warning.
+    let flags = "contact --n 32 --eps-f-inv 8 --p-star 0.01,0.02 --flow-threshold --grid-error refine --json -q";
+    let open = json(path, &words(flags));
+    assert!(open["flow_threshold"][0].is_null());
+    let warnings = open["warnings"].as_array().unwrap();
+    assert!(warnings.iter().any(|warning| warning["code"] == "flow-threshold"));
+}

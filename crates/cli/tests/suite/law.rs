@@ -273,7 +273,7 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
     let adhesive = table(&format!("{surface} --law exponential --param gamma=1e-5,range=3e-3 --approach 0.001,0.002"));
     assert_eq!(
         columns(&adhesive),
-        "pressure p* approach area mean gap steps pairs elastic interface dissipated +- residual"
+        "pressure p* approach area mean gap stiffness steps pairs elastic interface dissipated +- residual"
     );
     let slip = table(&format!("{surface} --p-star 0.05 --friction 0.3 --lateral 0,0.001"));
     assert_eq!(

@@ -32,6 +32,7 @@ mod seams;
 mod second;
 mod slide;
 mod squeezed;
+mod stiffness;
 mod sweep;
 mod theory;
 mod trust;

@@ -33,6 +33,17 @@ pub(crate) struct Adjoint {
     pub(crate) effort: (u64, f64),
 }
 
+/// Bond of a point to the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Bond {
+    /// The law alone acts.
+    Free,
+    /// The wall holds the point.
+    Held,
+    /// The point keeps its pressure, at the hardness.
+    Pressed,
+}
+
 /// Linear problem in u_z at one position.
 pub(crate) struct Linear<'a> {
     model: AllComponents<'a>,
@@ -43,22 +54,27 @@ pub(crate) struct Linear<'a> {
 }
 
 impl<'a> Linear<'a> {
-    /// Creates the problem at `position`; the wall holds the points where `holds` is true.
+    /// Creates the problem at `position`, with the `bond` of each point to the wall.
     pub(crate) fn at(
         interface: &Interface,
         frame: &'a Frame<'a>,
         position: &[f64],
-        holds: impl Fn(usize) -> bool,
+        bond: impl Fn(usize) -> Bond,
     ) -> Self {
         let points = frame.points();
         let [softest, stiffest] = interface.elastic.stiffness_range();
         let mut reaction = Reaction::new(1, points);
         reaction.update(interface.law.as_ref(), frame, position, &mut vec![0.0; points]);
+        let [_, slope] = reaction.normal_mut();
+        let slopes = slope.iter_mut().enumerate().filter(|(i, _)| bond(*i) == Bond::Pressed);
+        slopes.for_each(|(_, slope)| *slope = 0.0);
         let mut model =
             AllComponents::new(interface.elastic.transforms(), frame, super::uniform_compliance(interface, frame));
         let reference = (softest * stiffest).sqrt();
         let weights = model.weight().iter_mut().zip(reaction.diagonal(0)).enumerate();
-        weights.for_each(|(i, (weight, slope))| *weight = if holds(i) { 0.0 } else { weight_of(*slope, reference) });
+        weights.for_each(|(i, (weight, slope))| {
+            *weight = if bond(i) == Bond::Held { 0.0 } else { weight_of(*slope, reference) };
+        });
         let free = model.weight().iter().map(|weight| f64::from(u8::from(*weight > 0.0))).collect();
         Self { model, frame, reaction, free }
     }

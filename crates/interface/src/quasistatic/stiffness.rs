@@ -1,10 +1,16 @@
 //! Stiffness of a state along a path.
 
-use gfmd_contact::{GradientError, Refusal, Stiffness};
+use gfmd_contact::{Fields as _, GradientError, Hardness, Load, Refusal, Stiffness};
+use gfmd_medium::Stiffening;
 use gfmd_relax::Why;
+use ndarray::{Array2, ArrayRef2, Axis};
 
-use super::normal::{Normal, NormalState};
+use super::normal::Normal;
 use super::{QuasistaticContact, QuasistaticState};
+use crate::State;
+
+/// Relative rounding error of the pressure of points at the hardness.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Reasons why a state along a path has no stiffness, or an inexact one.
 #[derive(Debug, thiserror::Error)]
@@ -12,9 +18,6 @@ pub enum StiffnessError {
     /// The surfaces shear each other.
     #[error("not computed of surfaces that shear each other, whose shear changes with the load")]
     Sheared,
-    /// A law acts across the gap of surfaces with a memory.
-    #[error("not computed with a law on a body that relaxes, or on surfaces that yield or wear")]
-    LawAndMemory,
     /// The state is of another kind of contact.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -33,47 +36,105 @@ pub enum StiffnessError {
 
 impl QuasistaticContact {
     /// Computes the stiffness of `state`, d(mean pressure)/d(approach) in stress/length, to the relative error
-    /// `tolerance` ([`Stiffness`]). It is the stiffness of an instant: points in contact stay in contact, points at the
-    /// hardness keep their pressure, nothing wears off, and a body that relaxes has its instantaneous moduli.
+    /// `tolerance` ([`Stiffness`]). It is the stiffness of an instant, in which nothing wears off and a body that
+    /// relaxes has its instantaneous moduli. Points in contact stay in contact, and points at the hardness keep their
+    /// pressure: where some are, it is the stiffness under a growing load, and the contact is stiffer when it is
+    /// unloaded.
     ///
     /// # Errors
     /// Returns the reason why there is no stiffness, or the stiffness reached with a larger error.
     pub fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, StiffnessError> {
+        let fields = (&*state.pressure(), &*state.gap());
+        self.stiffness_of(fields, state.law().map(|law| &law.wall_pressure), tolerance)
+    }
+
+    /// Computes the stiffness of the state with these stored fields, as [`stiffness`](Self::stiffness), also where they
+    /// do not determine the state: of a body with a memory.
+    ///
+    /// # Errors
+    /// Returns an error as [`stiffness`](Self::stiffness), and for fields that do not fit the grid.
+    pub fn stiffness_of_fields(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        gap: &ArrayRef2<f64>,
+        tolerance: f64,
+    ) -> Result<Stiffness, StiffnessError> {
+        self.stiffness_of((pressure, gap), None, tolerance)
+    }
+
+    /// Computes the stiffness from the pressure, the gap, and the pressure of the wall below a law, by default from the
+    /// other two.
+    fn stiffness_of(
+        &self,
+        (pressure, gap): (&ArrayRef2<f64>, &ArrayRef2<f64>),
+        wall_pressure: Option<&Array2<f64>>,
+        tolerance: f64,
+    ) -> Result<Stiffness, StiffnessError> {
         if self.shear.is_some() || self.all_components {
             return Err(StiffnessError::Sheared);
         }
-        let memory = self.medium.as_ref().zip(state.memory.as_ref());
-        let affine = memory.map(|(medium, memory)| medium.begin(memory, 0.0)).transpose()?;
+        let shape = self.normal.surface().grid().points();
+        if let Some(wrong) = [pressure, gap].into_iter().find(|field| <[usize; 2]>::from(field.dim()) != shape) {
+            return Err(Refusal::Start { found: wrong.len(), expected: self.points() }.into());
+        }
         let (length, stress) = (self.units.length(), self.units.stress());
-        let scales = (&self.scaled, self.contact_modulus / self.units.modulus());
-        let solved = state.normal.clone().times(1.0 / length, 1.0 / stress, scales);
-        let found = match (&self.normal, &solved) {
-            (Normal::Law(_), _) if affine.is_some() || self.wear.is_some() || self.hardness.is_some() => {
-                return Err(StiffnessError::LawAndMemory);
-            }
-            (Normal::Law(interface), NormalState::Law(state)) => interface.stiffness(state)?,
-            (Normal::Wall(_), NormalState::Wall(_)) => {
-                let factor = affine.as_ref().map_or(1.0, |affine| affine.factor());
-                let contact = match &affine {
-                    Some(affine) => self.normal.stiffened(&affine.stiffening)?,
-                    None => self.normal.clone(),
-                };
-                let divided = solved.to_step(factor, None, 0.0);
-                let (Normal::Wall(contact), NormalState::Wall(state)) = (&contact, &divided) else {
-                    return Err(Refusal::OtherKind.into());
-                };
-                let scaled = |found: Stiffness| Stiffness { value: factor * found.value, ..found };
-                contact.stiffness(state, tolerance).map(scaled).map_err(|(reached, why)| StiffnessError::Inexact {
-                    reached: self.given_stiffness(scaled(reached)),
-                    why,
-                })?
-            }
-            _ => return Err(Refusal::OtherKind.into()),
+        let (pressure, gap) = (pressure.mapv(|p| p / stress), gap.mapv(|gap| gap / length));
+        let stiffening = match &self.medium {
+            Some(medium) => medium.begin(&medium.rest(), 0.0)?.stiffening,
+            None => Stiffening::All(1.0),
         };
-        Ok(self.given_stiffness(found))
+        match &self.normal {
+            Normal::Law(interface) => {
+                let wall_pressure = wall_pressure.map(|wall| wall.mapv(|p| p / stress)).unwrap_or_else(|| {
+                    ndarray::Zip::from(&pressure).and(&gap).map_collect(|p, gap| interface.wall_pressure(*p, *gap))
+                });
+                let traction = -pressure.insert_axis(Axis(0));
+                // The stiffness depends on the gap, whatever the heights are to which the surfaces are worn.
+                let blank = interface.blank(Load::MeanPressure(0.0).into())?;
+                let state = State { traction, gap, wall_pressure, approach: 0.0, ..blank };
+                let (factor, interface) = match &stiffening {
+                    Stiffening::All(1.0) => (1.0, interface.clone()),
+                    Stiffening::All(factor) => (*factor, interface.weakened(*factor)),
+                    Stiffening::Waves(factors) => (1.0, interface.stiffened(factors)?),
+                };
+                let found = interface.stiffness(&state.times(1.0, 1.0 / factor))?;
+                Ok(self.given_stiffness(found, factor))
+            }
+            Normal::Wall(contact) => {
+                let pressure = self.with_hardness_exact(pressure);
+                // If all waves stiffen alike, the points that touch and those at the hardness tell all.
+                let (factor, found) = match &stiffening {
+                    Stiffening::All(factor) => (*factor, contact.stiffness_of_pressure(&pressure, tolerance)),
+                    Stiffening::Waves(factors) => {
+                        (1.0, contact.stiffened(factors).stiffness_of_pressure(&pressure, tolerance))
+                    }
+                };
+                found.map(|found| self.given_stiffness(found, factor)).map_err(|(reached, why)| {
+                    StiffnessError::Inexact { reached: self.given_stiffness(reached, factor), why }
+                })
+            }
+        }
     }
 
-    fn given_stiffness(&self, found: Stiffness) -> Stiffness {
-        Stiffness { value: found.value * self.units.stress() / self.units.length(), ..found }
+    /// Returns the pressure with exactly the hardness at the points that have it up to rounding.
+    fn with_hardness_exact(&self, mut pressure: Array2<f64>) -> Array2<f64> {
+        let exact = |p: &mut f64, hardness: f64| {
+            if *p >= (1.0 - ROUNDING) * hardness {
+                *p = hardness;
+            }
+        };
+        match &self.hardness {
+            None => {}
+            Some(Hardness::Uniform(hardness)) => pressure.iter_mut().for_each(|p| exact(p, *hardness)),
+            Some(Hardness::Field(field)) => {
+                pressure.iter_mut().zip(field).for_each(|(p, hardness)| exact(p, *hardness))
+            }
+        }
+        pressure
+    }
+
+    /// Returns a stiffness in the units of the input, of a body that is stiffer by `factor`.
+    fn given_stiffness(&self, found: Stiffness, factor: f64) -> Stiffness {
+        Stiffness { value: factor * found.value * self.units.stress() / self.units.length(), ..found }
     }
 }

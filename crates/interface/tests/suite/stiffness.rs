@@ -68,7 +68,10 @@ fn along_a_path_it_is_the_stiffness_of_an_instant() {
         let worn = Parts { wear: Some(Wear { by_distance: 0.05, by_slip: 0.0 }), ..plain.clone() };
         let relaxing = Parts { relaxation: Some((&prony, Relaxes::Both)), ..plain.clone() };
         let all = Parts { hardness: hard.hardness.clone(), wear: worn.wear, ..relaxing.clone() };
-        for (name, parts) in [("wall", plain), ("hard", hard), ("worn", worn), ("relaxing", relaxing), ("all", all)] {
+        let walls = [("wall", plain), ("hard", hard), ("worn", worn), ("relaxing", relaxing), ("all", all)];
+        let law = || Some(Exponential::new(1e-4, 4e-3).unwrap().into_shared());
+        let laws = walls.clone().map(|(name, parts)| (name, Parts { law: law(), ..parts }));
+        for (name, parts) in walls.into_iter().chain(laws) {
             let contact = QuasistaticContact::new(&parts).unwrap();
             let (mut state, mut least) = (None, f64::INFINITY);
             for (approach, time) in [(0.006, 0.3), (0.01, 0.8), (0.0085, 1.0)] {
@@ -80,6 +83,8 @@ fn along_a_path_it_is_the_stiffness_of_an_instant() {
                 let is_met = |slope: f64| (slope / found.value - 1.0).abs() < 2e-4;
                 assert!(is_met(up) || is_met(down), "{boundary:?} {name}: {found:?} {up} {down}");
                 least = least.min(found.value);
+                let of_fields = contact.stiffness_of_fields(&reached.pressure(), &reached.gap(), 1e-9).unwrap();
+                approx::assert_relative_eq!(of_fields.value, found.value, max_relative = 1e-12);
                 state = Some(reached);
             }
             assert!(least > 0.0);
@@ -87,18 +92,38 @@ fn along_a_path_it_is_the_stiffness_of_an_instant() {
     }
 }
 
+/// At the hardness, loading and unloading differ: pressed on, these points keep their pressure; unloaded, they are
+/// points in contact like all others.
+#[test]
+fn at_the_hardness_it_is_the_stiffness_under_a_growing_load() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
+    let heights = &rough(&grid, 3);
+    let prony = Prony::from_fractions(&[(1.0, 0.4)]).unwrap();
+    let wall = Contact::new(&body, &grid, heights).unwrap();
+    for (relaxation, factor) in [(None, 1.0), (Some((&prony, Relaxes::Both)), 1.0 / 0.6)] {
+        let parts = Parts { hardness: Some(0.1.into()), relaxation, ..Parts::new(&body, &grid, heights) };
+        let contact = QuasistaticContact::new(&parts).unwrap();
+        let state = approached(&contact, 0.01, Load::Approach(0.0).into(), None);
+        assert!(state.plastic_fraction > 0.0);
+        let found = contact.stiffness(&state, 1e-9).unwrap().value;
+        let unloaded = factor * wall.stiffness_of_pressure(&state.pressure(), 1e-9).unwrap().value;
+        approx::assert_relative_eq!(quotient(&contact, &state, 1e-7), found, max_relative = 2e-4);
+        approx::assert_relative_eq!(quotient(&contact, &state, -1e-7), unloaded, max_relative = 2e-4);
+        assert!(unloaded > 1.05 * found, "{unloaded} {found}");
+    }
+}
+
 #[test]
 fn what_has_no_stiffness_says_why() {
     let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
     let heights = &rough(&grid, 3);
-    let plain = Parts::new(&body, &grid, heights);
-    let law = Some(Exponential::new(1e-3, 4e-3).unwrap().into_shared());
-    let sheared = Parts { shear: Some(Shear::from(Limit::Coulomb(0.3))), ..plain.clone() };
-    let both = Parts { law, hardness: Some(0.15.into()), ..plain.clone() };
-    for (parts, why) in [(sheared, "shear each other"), (both, "yield or wear")] {
-        let contact = QuasistaticContact::new(&parts).unwrap();
-        let state = approached(&contact, 0.01, Load::Approach(0.0).into(), None);
-        let error = contact.stiffness(&state, 1e-9).unwrap_err();
-        assert!(error.to_string().contains(why) && !matches!(error, StiffnessError::Inexact { .. }), "{error}");
-    }
+    let sheared = Parts { shear: Some(Shear::from(Limit::Coulomb(0.3))), ..Parts::new(&body, &grid, heights) };
+    let contact = QuasistaticContact::new(&sheared).unwrap();
+    let state = approached(&contact, 0.01, Load::Approach(0.0).into(), None);
+    let error = contact.stiffness(&state, 1e-9).unwrap_err();
+    assert!(matches!(error, StiffnessError::Sheared) && error.to_string().contains("shear each other"), "{error}");
+    let plain = QuasistaticContact::new(&Parts::new(&body, &grid, heights)).unwrap();
+    let small = ndarray::Array2::zeros((8, 8));
+    let error = plain.stiffness_of_fields(&small, &small, 1e-9).unwrap_err();
+    assert!(matches!(error, StiffnessError::Refused(_)) && error.to_string().contains("256"), "{error}");
 }

@@ -658,6 +658,19 @@ class Steps(Record):
         """Without unit [step]: lowest curvature met in the last search for a step, over the elastic curvature."""
 
     @property
+    def stiffness(self) -> Array:
+        """Stress/length [step]: d(mean pressure)/d(approach) at the end of the step, of an instant: points in
+        contact stay in contact, those at the hardness keep their pressure (under a growing load; unloaded, the
+        contact is stiffer), nothing wears off, and a body that relaxes has its instantaneous moduli; NaN where it is
+        infinite (full contact with a fixed mean level) or not computed (with shear): the attribute undefined says
+        why.
+        """
+
+    @property
+    def stiffness_error(self) -> Array:
+        """Without unit [step]: relative error of the stiffness, from the residual of its linear problem."""
+
+    @property
     def extra_solves(self) -> npt.NDArray[Any]:
         """Count [step]: further solves to find the energy lost in the step."""
 
@@ -943,6 +956,18 @@ class Steps(Record):
     @property
     def dissipated_grid_error(self) -> Array:
         """Stress * length [step]: error of dissipated by the finite grid: |dissipated - limit| + limit_error."""
+
+    @property
+    def stiffness_limit(self) -> Array:
+        """Stress/length [step]: estimate of stiffness on an infinitely fine grid under the same mean pressure."""
+
+    @property
+    def stiffness_limit_error(self) -> Array:
+        """Stress/length [step]: 95 % of the errors of stiffness_limit are smaller."""
+
+    @property
+    def stiffness_grid_error(self) -> Array:
+        """Stress/length [step]: error of stiffness by the finite grid: |stiffness - limit| + limit_error."""
 
     @property
     def flow_xx_limit(self) -> Array:

@@ -79,6 +79,7 @@ class PathOptions(TypedDict, total=False):
     tolerance: float
     max_iterations: int
     out: Optional[str | os.PathLike[str]]
+    stiffness_tolerance: float
     energy_tolerance: float
     energy_solves: Optional[int]
     threads: Optional[int]

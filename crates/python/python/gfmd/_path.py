@@ -363,6 +363,7 @@ def path(
     max_iterations: int = 100_000,
     energy_tolerance: Optional[float] = None,
     energy_solves: Optional[int] = None,
+    stiffness_tolerance: Optional[float] = None,
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Path:
@@ -406,6 +407,7 @@ def path(
         tolerance, max_iterations: limits for each step, as in `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, and of the shear with friction; see
             docs/interface.md.
+        stiffness_tolerance: largest relative error of `steps.stiffness` of a hard wall, as in `contact`.
         threads: number of threads; all cores by default.
         out: HDF5 file to write, as with `gfmd path --out`. Unlike in `save`, its name is checked before the first step.
 
@@ -449,6 +451,7 @@ def path(
         max_iterations=integer("max_iterations", max_iterations),
         energy_tolerance=None if energy_tolerance is None else number("energy_tolerance", energy_tolerance),
         energy_solves=None if energy_solves is None else integer("energy_solves", energy_solves),
+        stiffness_tolerance=None if stiffness_tolerance is None else number("stiffness_tolerance", stiffness_tolerance),
         friction=None if friction is None else number("friction", friction),
         shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength, "stress"),
         friction_of=word("friction_of", friction_of),

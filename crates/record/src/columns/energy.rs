@@ -8,7 +8,7 @@ use super::{
     undefined::{NO_LEVEL, imbalance, level, lost, relaxing_level, without_law},
 };
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears, yields};
+use crate::when::{any, between, friction, hardness, law, path, relaxing, several_causes, wears, yields};
 use crate::{Cell, StateContext};
 
 /// Energies, losses, stability, stiffness.
@@ -193,15 +193,30 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "stiffness",
         "stress/length",
-        &[(
-            any,
-            "d(mean pressure)/d(approach) with the points in contact kept, those at the hardness with their \
-             pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the attribute \
-             undefined says why",
-        )],
+        &[
+            (
+                yields,
+                "d(mean pressure)/d(approach) at the end of the step with the points in contact kept: elastic, as \
+                 unloading begins; NaN where it is infinite (full contact with a fixed mean level): the attribute \
+                 undefined says why",
+            ),
+            (
+                path,
+                "d(mean pressure)/d(approach) at the end of the step, of an instant: points in contact stay in \
+                 contact, those at the hardness keep their pressure (under a growing load; unloaded, the contact is \
+                 stiffer), nothing wears off, and a body that relaxes has its instantaneous moduli; NaN where it is \
+                 infinite (full contact with a fixed mean level) or not computed (with shear): the attribute \
+                 undefined says why",
+            ),
+            (
+                any,
+                "d(mean pressure)/d(approach) with the points in contact kept, those at the hardness with their \
+                 pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the \
+                 attribute undefined says why",
+            ),
+        ],
         |at| stiff(at, |found| found.value),
     )
-    .with(loads)
     .head("stiffness", Form::Size),
     Column::new(
         "stiffness_error",
@@ -209,7 +224,6 @@ pub(super) const COLUMNS: &[Column] = &[
         &[(any, "relative error of the stiffness, from the residual of its linear problem")],
         |at| stiff(at, |found| found.error),
     )
-    .with(loads)
     .by(Origin::Residual),
 ];
 

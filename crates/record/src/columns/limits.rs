@@ -385,7 +385,7 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
     limits!("elastic_energy", "stress*length", Some(2.8), |limits, _, _| Ok(limits.elastic_energy())),
     limits!("interface_energy", ["interface_energy", ""], "stress*length", of_a_law, None, two_grids),
     limits!("dissipated", ["dissipated", ""], "stress*length", path, None, two_grids),
-    limits!("stiffness", ["stiffness", ""], "stress/length", loads, Some(1.4), |limits, _, value| Ok(
+    limits!("stiffness", ["stiffness", ""], "stress/length", any, Some(1.4), |limits, _, value| Ok(
         limits.stiffness(value)
     )),
     limits!("patches", ["patches.count", ""], "1", statistics, None, |_, _, _| Err(NoLimit::Patches)),

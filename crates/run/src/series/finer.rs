@@ -120,7 +120,7 @@ impl Finer {
             None => {
                 let state = self.last.insert(state);
                 let at = resolved(&self.prepared, state, self.args.solver.search.tolerance);
-                Ok((state, &self.prepared.surface, at.stiff(&self.contact, self.args.stiffness_tolerance)))
+                Ok((state, &self.prepared.surface, at.stiff(&self.contact, self.args.stiffness.stiffness_tolerance)))
             }
         }
     }

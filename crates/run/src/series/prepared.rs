@@ -95,7 +95,7 @@ pub struct Prepared {
     pub wear: Option<Wear>,
     dynamics: Dynamics,
     /// Height of the surface's top above the highest grid point, if this process has the whole surface.
-    rise: Option<f64>,
+    pub rise: Option<f64>,
     /// Numbers of the attraction, if there is one.
     pub adhesion: Option<Adhesion>,
     /// Spectral moments of the surface; under a window for a patch, which is not periodic.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use clap::Args;
-use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Stiffness, Watch};
+use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, Solver, Watch};
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
 };
@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
 use super::prepared::{Asked, Prepared};
+use super::stiffness::StiffnessArgs;
 use gfmd_input::base::BaseArgs;
 use gfmd_input::failure::{Failure, reached};
 use gfmd_input::hardness::GivenHardness;
@@ -74,16 +75,10 @@ pub struct ContactArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub solver: SolverArgs,
-    /// Largest relative error of the stiffness of a hard wall; 1e-9 can be reached
-    #[arg(
-        long,
-        alias = "stiffness-tol",
-        value_name = "TOL",
-        default_value_t = Stiffness::TOLERANCE,
-        help_heading = "Solver"
-    )]
-    #[serde(skip_serializing_if = "is_usual")]
-    pub stiffness_tolerance: f64,
+    /// Accuracy of the stiffness.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub stiffness: StiffnessArgs,
     /// Time step and damping.
     #[command(flatten)]
     #[serde(flatten)]
@@ -113,16 +108,8 @@ pub struct ContactArgs {
     pub range_continuation: bool,
 }
 
-fn is_usual(tolerance: &f64) -> bool {
-    *tolerance == Stiffness::TOLERANCE
-}
-
 /// Ranges of `--range-continuation`, divided by the requested one.
 const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
-
-/// Allowed tolerances of the stiffness; rounding errors are some 1e-10.
-const SMALLEST_TOLERANCE: f64 = 1e-9;
-const LARGEST_TOLERANCE: f64 = 0.1;
 
 impl ContactArgs {
     /// Returns the facts of the contact; `line` is true for a profile.
@@ -178,10 +165,7 @@ impl ContactArgs {
             let why = format!("the law {} has no range; it must be one of {with_range}", self.law.law.name());
             return Err(Failure::input(key("range_continuation"), why));
         }
-        if !(SMALLEST_TOLERANCE..=LARGEST_TOLERANCE).contains(&self.stiffness_tolerance) {
-            let allowed = format!("{SMALLEST_TOLERANCE:e} to {LARGEST_TOLERANCE}");
-            return Err(Failure::value(key("stiffness_tolerance"), self.stiffness_tolerance, allowed));
-        }
+        self.stiffness.check()?;
         self.dynamics.check(match self.solver.solver {
             Solver::VerletCritical => DampedBy::Numbers,
             Solver::VerletModes => DampedBy::Modes,

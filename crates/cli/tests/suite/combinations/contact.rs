@@ -516,10 +516,21 @@ fn squeezed(found: &mut Found, case: &Case, load: &Value, k: usize, file: &Reade
 }
 
 fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], surely: &[bool], elastic: &Elastic) {
+    tangent(found, case, load, pressure, elastic);
+    if !case.statistics {
+        return;
+    }
+    conductance(found, case, load, surely);
+}
+
+/// Compares the stiffness of a state with that of a dense compliance.
+pub(crate) fn tangent(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], elastic: &Elastic) {
     let has_stiffness = case.law.is_none()
         && !case.is_steep
         && !case.has_lower
         && case.components != Components::All
+        && case.friction.is_none()
+        && case.shear_strength.is_none()
         && has_level(case);
     let free = |at: &usize| {
         pressure[*at] > 0.0 && case.hardness.as_ref().is_none_or(|h| pressure[*at] < h[*at] * (1.0 - 1e-12))
@@ -535,12 +546,12 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
             found.is(load, "stiffness", expected, tolerance);
         }
         // The stiffness of a law is compared with differences of states in the tests of its crate.
-        _ if case.law.is_some() && case.hardness.is_none() => {}
+        _ if case.law.is_some() => {}
         _ => found.null(load, "stiffness"),
     }
-    if !case.statistics {
-        return;
-    }
+}
+
+fn conductance(found: &mut Found, case: &Case, load: &Value, surely: &[bool]) {
     // Current through all points in contact at uniform potential, into half-spaces of total unit resistivity, or into
     // layers of this resistivity on electrodes. A periodic surface leaves out the bulk.
     let potential = |q: f64| match case.conductor_height {
@@ -553,7 +564,7 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
         (true, None) => Dense::free(case.plane, love(case.plane, 2.0)),
         (true, Some(height)) => Dense::free(case.plane, layered(case.plane, 2.0, [height; 2], 0.0, potential)),
     };
-    let touching: Vec<usize> = (0..pressure.len()).filter(|at| surely[*at]).collect();
+    let touching: Vec<usize> = (0..surely.len()).filter(|at| surely[*at]).collect();
     let has_level = !(case.is_free && case.is_line && case.conductor_height.is_none());
     let expected = if has_level && !case.is_steep { conductors.stiffness(&touching) } else { f64::INFINITY };
     match expected.is_finite() {

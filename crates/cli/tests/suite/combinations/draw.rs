@@ -476,7 +476,8 @@ impl Case {
             text.push_str(" --boundary free");
         }
         let modulus = body.contact_modulus();
-        let has_law = (plain && dice.chance(0.3)) || wild(dice, 0.3);
+        let may_have_law = plain || components == Components::Held;
+        let has_law = (may_have_law && dice.chance(0.3)) || wild(dice, 0.3);
         let size = gradient * length_x;
         let law = has_law.then(|| {
             let gamma = short(modulus * size * gradient * dice.scale(0.01, 0.1));
@@ -504,8 +505,7 @@ impl Case {
         if let Some(law) = &law {
             let _ = write!(text, " {}", law.words());
         }
-        let has_hardness =
-            (plain && law.is_none() || components == Components::Held) && dice.chance(0.25) || wild(dice, 0.2);
+        let has_hardness = may_have_law && law.is_none() && dice.chance(0.25) || wild(dice, 0.2);
         let hardness = has_hardness.then(|| {
             let most = short(modulus * gradient * dice.scale(0.2, 2.0));
             if dice.chance(0.6) {

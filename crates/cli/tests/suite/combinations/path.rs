@@ -6,7 +6,7 @@ use std::path::Path;
 use gfmd_files::Reader;
 use serde_json::Value;
 
-use super::contact::{Elastic, Rough, counted, elastic, has_level, repulsion, softest, wall};
+use super::contact::{Elastic, Rough, counted, elastic, has_level, repulsion, softest, tangent, wall};
 use super::draw::{Body, Case, Control};
 use super::elastic::{Complex, Plane, without_sines};
 use super::found::{Found, number};
@@ -205,6 +205,7 @@ fn one(
         let allowed = elastic.tolerance.max(100.0 * case.tolerance);
         found.near("displacement_z less that of the tractions", apart, 0.0, allowed * scale);
     }
+    tangent(found, case, step, &pressure, elastic);
     let stored = depth.clone().unwrap_or_else(|| vec![0.0; plane.len()]);
     let approach = number(step, "approach");
     let shift: Vec<f64> =
