@@ -15,14 +15,15 @@ use gfmd_contact::{Contact, Load, Refusal, SolveError};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
 use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
-use gfmd_medium::{SlidingContact, Velocity, VelocityError};
+use gfmd_medium::{SlidingContact, SlidingError, Velocity, VelocityError};
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs};
-use gfmd_problem::{Facts, GridError, key, words};
+use gfmd_problem::{Facts, GridError, SIZES, key, words};
 use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
@@ -62,6 +63,17 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     control: LoadArgs,
+    /// Coulomb friction of the interface with this coefficient, 0 for none: all points slide, and the shear MU p along
+    /// the velocity lifts the surface of a compressible body, adds to the friction, and makes the heat MU p v
+    #[arg(long, value_name = "MU", allow_negative_numbers = true, help_heading = "Contact")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction: Option<f64>,
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
+    /// where it is reached the surfaces are pressed into each other
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::HARDNESS, array)]
+    hardness: Option<GivenHardness>,
     #[command(flatten)]
     #[serde(flatten)]
     #[option(kinds = Kinds::HEAT)]
@@ -103,13 +115,27 @@ impl Args {
     /// The problem that the flags ask for.
     fn asked(&self) -> Result<Asked<'_>, Failure> {
         let body = self.prony.long_term(&self.body)?;
-        Ok(Asked { prony: self.prony.series()?, ..Asked::new(&self.source, Cow::Owned(body), self.search.budget()) })
+        Ok(Asked {
+            prony: self.prony.series()?,
+            hardness: self.hardness.as_ref(),
+            ..Asked::new(&self.source, Cow::Owned(body), self.search.budget())
+        })
     }
 
     /// The resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
         toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
+    }
+
+    /// The coefficient of friction of the interface, if it is given.
+    fn friction(&self) -> Result<Option<f64>, Failure> {
+        match self.friction {
+            Some(found) if !(found >= 0.0 && found <= *SIZES.end()) => {
+                Err(Failure::value(key("friction"), found, format!("at least 0 and at most {:e}", SIZES.end())))
+            }
+            friction => Ok(friction),
+        }
     }
 
     fn velocities(&self) -> Result<Vec<Velocity>, Failure> {
@@ -139,17 +165,19 @@ struct SlideInput {
 impl SlideInput {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.control.check(false)?;
-        let (velocities, heat) = (args.velocities()?, args.heat.source()?);
-        if args.prony.series()?.is_none() && heat.is_none() {
+        let (velocities, friction) = (args.velocities()?, args.friction()?);
+        let heat = args.heat.source(friction)?;
+        if args.prony.series()?.is_none() && friction.is_none() {
             return Err(Failure::refused(words![
                 key("prony"),
                 " and ",
-                key("heat"),
+                key("friction"),
                 " are missing; one of them is needed to slide",
             ]));
         }
         let facts = |line: bool| Facts {
             line,
+            hardness: args.hardness.is_some(),
             relaxes: args.prony.relaxing(),
             approach: args.control.is_approach(),
             grid_error: GridError::None,
@@ -159,13 +187,31 @@ impl SlideInput {
         args.body.check_modulus(prepared.surface.unit.as_deref())?;
         let Prepared { surface, body, prony, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
-        let contact = contact.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
+        let mut contact = contact.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
+        let loads: Vec<Load> = args.control.loads(prepared.unit_pressure()).collect();
+        if let Some(hardness) = &prepared.hardness {
+            contact =
+                contact.with_hardness(hardness.clone()).map_err(|error| Failure::input(key("hardness"), error))?;
+            for load in &loads {
+                if let Load::MeanPressure(mean) = load {
+                    let checked = hardness.check_mean(*mean);
+                    checked.map_err(|refusal| Failure::input(key(args.control.option()), refusal))?;
+                }
+            }
+        }
         let sliding = match prony {
             Some(prony) => SlidingContact::new(contact, body, prony, args.prony.relaxes),
             None => SlidingContact::elastic(contact, body),
         };
-        let sliding = sliding.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
-        let loads = args.control.loads(prepared.unit_pressure()).collect();
+        let mut sliding = sliding.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
+        if let Some(friction) = friction {
+            let of_friction = |error: SlidingError| Failure::input(key("friction"), error);
+            let relaxation = prony.as_ref().map(|prony| (prony, args.prony.relaxes));
+            sliding = sliding.with_friction(body, friction, relaxation).map_err(of_friction)?;
+            for velocity in &velocities {
+                sliding.check(velocity).map_err(|refusal| of_friction(refusal.into()))?;
+            }
+        }
         Ok(Self { prepared, sliding, heat, loads, velocities })
     }
 
@@ -176,7 +222,11 @@ impl SlideInput {
 
     /// Returns the features that decide which numbers the states have.
     fn facts(&self) -> SlidingFacts {
-        SlidingFacts { heat: self.heat.is_some(), shared: self.heat.is_some_and(|heat| heat.is_shared()) }
+        SlidingFacts {
+            heat: self.heat.is_some(),
+            shared: self.heat.is_some_and(|heat| heat.is_shared()),
+            hardness: self.prepared.hardness.is_some(),
+        }
     }
 
     /// Measures a state that was reached in some seconds.
@@ -331,7 +381,8 @@ impl SlideInput {
         report.peak_bytes = peak_bytes();
         if let (None, Some(prefix), Some(last)) = (&failure, &args.plots, &last) {
             let is_viscoelastic = prepared.prony.is_some();
-            report.plots = report.draw(prefix, (velocities.len(), is_viscoelastic), (&prepared.surface, last))?;
+            let of_surface = (&prepared.surface, prepared.hardness.as_ref(), last);
+            report.plots = report.draw(prefix, (velocities.len(), is_viscoelastic), of_surface)?;
         }
         Ok(Outcome { report, failure })
     }

@@ -1004,12 +1004,32 @@ class States(Record):
         """Stress [state]: largest pressure."""
 
     @property
+    def plastic_fraction(self) -> Array:
+        """Without unit [state]: points whose pressure is the hardness over all points. With `hardness` only."""
+
+    @property
+    def plastic_volume(self) -> Array:
+        """Length [state]: mean plastic depth over the whole surface. With `hardness` only."""
+
+    @property
     def friction(self) -> Array:
-        """Without unit [state]: coefficient of friction, by the power lost in the body."""
+        """Without unit [state]: coefficient of friction, lateral force over load: friction_interface +
+        friction_hysteresis.
+        """
+
+    @property
+    def friction_interface(self) -> Array:
+        """Without unit [state]: coefficient of friction of the interface, mean shear over mean pressure."""
+
+    @property
+    def friction_hysteresis(self) -> Array:
+        """Without unit [state]: coefficient of friction by the pressure on the slopes of the deformed body: without
+        friction of the interface, the power lost in the body over velocity and mean pressure.
+        """
 
     @property
     def friction_slope(self) -> Array:
-        """Without unit [state]: coefficient of friction, by the pressure on the slopes."""
+        """Without unit [state]: coefficient of friction, by the pressure on the slopes of the rough surface."""
 
     @property
     def dissipated_power(self) -> Array:
@@ -1075,6 +1095,12 @@ class StateFields(Record):
     @property
     def gap(self) -> Array:
         """Length [state, x, y]: distance between the surfaces. Read-only."""
+
+    @property
+    def plastic_depth(self) -> Array:
+        """Length [state, x, y]: depth by which the surfaces are pressed into each other beyond touching. With
+        `hardness` only. Read-only.
+        """
 
     @property
     def temperature(self) -> Array:

@@ -1,6 +1,6 @@
 //! Numbers of a state that slides steadily.
 
-use gfmd_contact::{Effort, Fields as _};
+use gfmd_contact::{Effort, Fields as _, Plastic};
 use gfmd_heat::Heated;
 use gfmd_measure::{Scales, Summary};
 use gfmd_medium::{Persson, SlidingState};
@@ -20,6 +20,8 @@ pub struct SlidingFacts {
     pub heat: bool,
     /// True if both bodies share the heat.
     pub shared: bool,
+    /// True if a hardness limits the pressure.
+    pub hardness: bool,
 }
 
 /// Field of a state that slides steadily.
@@ -45,6 +47,12 @@ pub const SLIDING_FIELDS: &[SlidingField] = &[
         present: any,
     },
     SlidingField { name: "gap", unit: "length", meaning: "distance between the surfaces", present: any },
+    SlidingField {
+        name: "plastic_depth",
+        unit: "length",
+        meaning: "depth by which the surfaces are pressed into each other beyond touching",
+        present: hardness,
+    },
     SlidingField {
         name: "temperature",
         unit: "temperature",
@@ -120,6 +128,15 @@ fn heat(facts: &SlidingFacts) -> bool {
     facts.heat
 }
 
+fn hardness(facts: &SlidingFacts) -> bool {
+    facts.hardness
+}
+
+/// A number of the plastic points.
+fn of_plastic(at: &SlidingContext, of: fn(&Plastic) -> f64) -> Cell {
+    at.state.solution.plastic.as_ref().map_or(f64::NAN, of).into()
+}
+
 /// A number of the flash temperature, or the reason why nothing is heated.
 fn of_heat(at: &SlidingContext, of: fn(&Heated) -> f64) -> Cell {
     at.heated.map_or_else(|| Cell::undefined("the temperature was not found"), |heated| of(heated).into())
@@ -156,13 +173,45 @@ const COLUMNS: &[Column] = &[
     .head("area", Form::Unsure),
     Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into()),
     Column::new("max_pressure", "stress", &[(any, "largest pressure")], |at| at.summary.max_pressure.into()),
-    Column::new("friction", "1", &[(any, "coefficient of friction, by the power lost in the body")], |at| {
-        at.state.friction.into()
+    Column::new("plastic_fraction", "1", &[(any, "points whose pressure is the hardness over all points")], |at| {
+        of_plastic(at, |plastic| plastic.fraction)
     })
+    .with(hardness)
+    .head("plastic", Form::Share),
+    Column::new("plastic_volume", "length", &[(any, "mean plastic depth over the whole surface")], |at| {
+        of_plastic(at, |plastic| plastic.volume)
+    })
+    .with(hardness)
+    .head("depth", Form::Size),
+    Column::new(
+        "friction",
+        "1",
+        &[(any, "coefficient of friction, lateral force over load: friction_interface + friction_hysteresis")],
+        |at| at.state.friction.into(),
+    )
     .head("friction", Form::Unsure),
-    Column::new("friction_slope", "1", &[(any, "coefficient of friction, by the pressure on the slopes")], |at| {
-        at.state.friction_slope.into()
-    })
+    Column::new(
+        "friction_interface",
+        "1",
+        &[(any, "coefficient of friction of the interface, mean shear over mean pressure")],
+        |at| at.state.friction_interface.into(),
+    ),
+    Column::new(
+        "friction_hysteresis",
+        "1",
+        &[(
+            any,
+            "coefficient of friction by the pressure on the slopes of the deformed body: without friction of the \
+             interface, the power lost in the body over velocity and mean pressure",
+        )],
+        |at| at.state.friction_hysteresis.into(),
+    ),
+    Column::new(
+        "friction_slope",
+        "1",
+        &[(any, "coefficient of friction, by the pressure on the slopes of the rough surface")],
+        |at| at.state.friction_slope.into(),
+    )
     .head("by slopes", Form::Unsure),
     Column::new("dissipated_power", "stress*length/time", &[(any, "power lost in the body, per area")], |at| {
         at.state.dissipated_power.into()
@@ -235,5 +284,6 @@ const COLUMNS: &[Column] = &[
     residual!("load", "|mean p - asked| / asked, from the final fields"),
     residual!("negative_pressure", "max(0, -min p) / mean p, from the final fields"),
     residual!("penetration", "max(0, -min gap) / h_rms, from the final fields"),
+    residual!("saturation", "largest gap / h_rms where the pressure is the hardness").with(hardness),
     Column::new("seconds", "s", &[(any, "wall time")], |at| at.seconds.into()).by(Origin::Clock),
 ];
