@@ -22,12 +22,12 @@ use gfmd_input::source::SourceArgs;
 use gfmd_medium::{SlidingContact, SlidingError, Velocity, VelocityError};
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
-use gfmd_problem::options::{BodyArgs, PronyArgs};
-use gfmd_problem::{Facts, GridError, SIZES, key, words};
+use gfmd_problem::options::{BodyArgs, PronyArgs, named, parse_choice};
+use gfmd_problem::{Facts, GridError, SIZES, Unusable, key, words};
 use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
-use gfmd_run::series::{Asked, Head, Prepared, run_with_journal};
+use gfmd_run::series::{Asked, Head, Prepared, at_same_place, run_with_journal, sources};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
@@ -97,6 +97,16 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     search: SearchArgs,
+    /// Way in which the error of areas and frictions by the finite grid is found, none or refine: refine solves each
+    /// state on the finer grid, too
+    #[arg(
+        long,
+        value_parser = parse_choice::<GridError>(),
+        default_value_t = GridError::None,
+        help_heading = "Accuracy"
+    )]
+    #[serde(skip_serializing_if = "is_none", with = "named")]
+    grid_error: GridError,
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
@@ -109,6 +119,10 @@ pub struct Args {
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
+}
+
+fn is_none(how: &GridError) -> bool {
+    *how == GridError::None
 }
 
 impl Args {
@@ -162,9 +176,58 @@ struct SlideInput {
     velocities: Vec<Velocity>,
 }
 
+/// The same problem on a grid with twice as many points along each side.
+struct Finer {
+    args: Args,
+    input: SlideInput,
+    /// Height of its highest point above the highest point of the coarser grid.
+    rise: f64,
+    last: Option<SteadyState>,
+}
+
+impl Finer {
+    /// Poses a problem on finer grids, if it is asked for.
+    fn pose(args: &Args, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
+        let pose = |source: SourceArgs| {
+            let args = Args { source, grid_error: GridError::None, ..args.clone() };
+            let input = SlideInput::new(&args, &Session::silent())?;
+            let rise = input.prepared.highest() - prepared.highest();
+            Ok(Self { args, input, rise, last: None })
+        };
+        sources(&args.asked()?, prepared)?.into_iter().map(pose).collect()
+    }
+
+    /// Solves a state of the coarser grid, and returns its numbers, or the reason why there are none.
+    fn reach(
+        &mut self,
+        (load, velocity): (Load, &Velocity),
+        is_first: bool,
+        session: &Session,
+    ) -> Result<Result<Record<Sliding>, String>, Failure> {
+        let at = (at_same_place(load.into(), self.rise).load, velocity);
+        let start = self.last.take().filter(|_| !is_first);
+        Ok(match self.input.reach(at, start.as_ref(), &self.args, session) {
+            Ok((_, Some(failure @ Failure::Interrupted(_)))) => return Err(failure),
+            Ok((_, Some(failure))) => Err(failure.to_string()),
+            Ok((reached, None)) => {
+                let record = self.input.record(at, &reached, self.args.search.tolerance, f64::NAN, Vec::new());
+                self.last = Some(reached);
+                Ok(record)
+            }
+            Err(refusal) => Err(refusal.to_string()),
+        })
+    }
+}
+
 impl SlideInput {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.control.check(false)?;
+        if args.grid_error == GridError::Estimate {
+            let why = "the error of a single solution is not known while surfaces slide";
+            return Err(Failure::from(
+                Unusable::value(key("grid_error"), args.grid_error, words!["none or refine"]).because(why),
+            ));
+        }
         let (velocities, friction) = (args.velocities()?, args.friction()?);
         let heat = args.heat.source(friction)?;
         if args.prony.series()?.is_none() && friction.is_none() {
@@ -180,7 +243,8 @@ impl SlideInput {
             hardness: args.hardness.is_some(),
             relaxes: args.prony.relaxing(),
             approach: args.control.is_approach(),
-            grid_error: GridError::None,
+            grid_error: args.grid_error,
+            resume: args.resume.resume,
             ..args.body.facts()
         };
         let prepared = Prepared::new(&args.asked()?, facts, session)?;
@@ -226,20 +290,23 @@ impl SlideInput {
             heat: self.heat.is_some(),
             shared: self.heat.is_some_and(|heat| heat.is_shared()),
             hardness: self.prepared.hardness.is_some(),
+            refined: self.prepared.facts.grid_error == GridError::Refine,
         }
     }
 
-    /// Measures a state that was reached in some seconds.
+    /// Measures a state that was reached in some seconds, with its numbers on finer grids.
     fn record(
         &self,
         (_, velocity): (Load, &Velocity),
         SteadyState { state, heated }: &SteadyState,
         tolerance: f64,
         seconds: f64,
+        finer: Vec<Result<Record<Sliding>, String>>,
     ) -> Record<Sliding> {
         let persson = self.sliding.persson(velocity, state.solution.mean_pressure);
         let scales = (&self.prepared.scales(), tolerance);
-        let at = SlidingContext::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds);
+        let at =
+            SlidingContext::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds).beside(finer);
         Record::compute(&self.facts(), &at)
     }
 
@@ -312,10 +379,13 @@ impl SlideInput {
         let Self { prepared, sliding, velocities, .. } = self;
         let mut head = Head::new(&args.asked()?, prepared, sliding.contact().surface());
         head.relaxation = args.prony.relaxation(&args.body)?;
+        // The orders are those of contacts at rest.
+        head.grid_error.iter_mut().for_each(|found| found.orders.clear());
         let direction = velocities[0].direction();
         let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
         let count = self.states().count();
         let provenance = session.provenance(args.config()?);
+        let mut finer = Finer::pose(args, prepared)?;
         let file = output.map(|output| StatesFile::new(output, &provenance, prepared, self.facts(), count));
         let mut file = file.transpose()?;
         let progress = Progress::new(session.quiet, "states", count as f64);
@@ -349,7 +419,16 @@ impl SlideInput {
                     break;
                 }
             };
-            let record = self.record(at, &reached, args.search.tolerance, started.elapsed().as_secs_f64());
+            let is_first = index.is_multiple_of(velocities.len());
+            let beside = |finer: &mut Finer| match &failed {
+                Some(failed) => Ok(Err(failed.to_string())),
+                None => finer.reach(at, is_first, session),
+            };
+            let (beside, failed) = match finer.iter_mut().map(beside).collect() {
+                Ok(beside) => (beside, failed),
+                Err(failure) => (finer.iter().map(|_| Err(failure.to_string())).collect(), Some(failure)),
+            };
+            let record = self.record(at, &reached, args.search.tolerance, started.elapsed().as_secs_f64(), beside);
             let number = match record.value("heat_max_rise") {
                 Some(rise) => format!("largest rise {rise:.4e}"),
                 None => format!("friction {:.4}", record.number("friction")),

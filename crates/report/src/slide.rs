@@ -104,8 +104,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let column = |name: &str| stored.column(name);
     let [velocity, p_star, mean, friction, converged] =
         ["velocity", "p_star", "mean_pressure", "friction", "converged"].map(column);
-    let [theory, area, of_interface, of_body] =
-        ["persson_friction", "area_fraction", "friction_interface", "friction_hysteresis"].map(column);
+    let [theory, of_interface] = ["persson_friction", "friction_interface"].map(column);
     let solved: Vec<usize> =
         (0..stored.len()).filter(|&state| mean[state].is_finite() && converged[state] != 0.0).collect();
     let (is_viscoelastic, has_heat) = (table.contains_key("prony"), stored.has("heat_max_rise"));
@@ -115,6 +114,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let of_largest = |values: &[f64]| solved.iter().copied().max_by(|a, b| values[*a].total_cmp(&values[*b]));
     let largest = of_largest(if is_viscoelastic || has_friction { &friction } else { &max_rise });
     let units = stored.units();
+    let limit = |name: &str, state: usize| {
+        let of = |end: &str| column(&format!("{name}{end}"))[state];
+        powers(&with_limit(of(""), of("_limit"), of("_limit_error")))
+    };
     let place = |state: usize| {
         let velocity = with_unit(velocity[state], "length/time", &units);
         html! { "at the velocity " (velocity) ", " i { "p" } "* = " (given(p_star[state])) }
@@ -127,15 +130,15 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             page.cited.push(OF_FRICTION);
         }
         page.answer.push(html! {
-            p.headline { "Coefficient of friction " (rough(friction[state])) " " span { (place(state)) } }
+            p.headline { "Coefficient of friction " (limit("friction", state)) " " span { (place(state)) } }
             p {
                 "The largest of " (solved.len()) " states. "
                 @if has_friction {
                     "The interface has " (given(of_interface[state])) ", the deformation of the body "
-                    (rough(of_body[state])) ". "
+                    (limit("friction_hysteresis", state)) ". "
                 }
                 @if is_viscoelastic { "Persson's theory of hysteresis has " (number(theory[state])) ". " }
-                "The contact area is " (rough(100.0 * area[state])) " % of the surface. "
+                "The contact area is " (limit("area_fraction", state)) " of the surface. "
                 @if has_hardness { "At " (rough(100.0 * plastic[state])) " % of it the pressure is the hardness. " }
             }
         });

@@ -227,6 +227,35 @@ fn friction_adds_to_the_hysteresis_of_an_incompressible_half_space() {
     }
 }
 
+/// The state on the finer grid is that of the program itself on this grid.
+#[test]
+fn grid_errors_follow_from_a_finer_grid() {
+    let folder = tempfile::tempdir().unwrap();
+    let prony = "--prony 0.1:0.3,10:0.4 --poisson 0.4 --friction 0.3 --velocity 0.1,1";
+    let of = |flags: &str| json(folder.path(), &words(&format!("slide --eps-f-inv 6 {prony} {flags} --json")));
+    let coarse = of("--n 24 --p-star 0.05 --grid-error refine --out r.h5");
+    assert_eq!(coarse["grid_error"]["mode"], "refine");
+    let load = &coarse["states"][0]["mean_pressure"];
+    let fine = of(&format!("--n 48 --pressure {load}"));
+    for (state, finer) in coarse["states"].as_array().unwrap().iter().zip(fine["states"].as_array().unwrap()) {
+        for name in ["friction", "friction_hysteresis", "area_fraction"] {
+            let number = |end: &str| state[format!("{name}{end}")].as_f64().unwrap();
+            approx::assert_relative_eq!(number("_limit"), finer[name].as_f64().unwrap(), max_relative = 1e-6);
+            let apart = (number("") - number("_limit")).abs();
+            approx::assert_relative_eq!(number("_limit_error"), 2.5 * apart, max_relative = 1e-12);
+            approx::assert_relative_eq!(number("_grid_error"), 3.5 * apart, max_relative = 1e-12);
+        }
+    }
+    assert_eq!(json(folder.path(), &["check", "r.h5", "--rerun", "--json"])["differing"], 0);
+    // At an approach, the finer grid has other highest points.
+    let held = of("--n 24 --approach 0.01 --grid-error refine");
+    assert!(held["states"][0]["friction_grid_error"].as_f64().unwrap() < 0.1);
+    let printed =
+        gfmd(folder.path(), &words(&format!("slide --n 24 --eps-f-inv 6 {prony} --p-star 0.05 --grid-error refine")));
+    let text = String::from_utf8(printed.stdout).unwrap();
+    assert!(text.contains("0.3") && text.contains('('), "{text}");
+}
+
 #[test]
 fn a_hardness_is_written_checked_and_drawn() {
     let folder = tempfile::tempdir().unwrap();
@@ -367,6 +396,14 @@ fn unusable_input_is_refused_in_one_line() {
             "--friction: the pressure of a wave leads its displacement by",
         ),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01,0.2 --hardness 0.2", "--pressure: the mean pressure is 0.2"),
+        (
+            "--prony 1:0.5 --velocity 1 --pressure 0.01 --grid-error estimate",
+            "--grid-error is estimate; it must be none or refine",
+        ),
+        (
+            "--prony 1:0.5 --velocity 1 --pressure 0.01 --grid-error refine --resume --out x.h5",
+            "--grid-error is refine; it must be none or estimate with --resume",
+        ),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --hardness 0", "--hardness is 0; it must be positive and finite"),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --hardness nan", "--hardness is NaN; it must be positive"),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --hardness none.npy", "--hardness: none.npy"),

@@ -1078,6 +1078,58 @@ class States(Record):
         """Flag [state]: true if the residual is at most the tolerance."""
 
     @property
+    def area_fraction_limit(self) -> Array:
+        """Without unit [state]: estimate of area_fraction on an infinitely fine grid under the same load. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def area_fraction_limit_error(self) -> Array:
+        """Without unit [state]: 95 % of the errors of area_fraction_limit are smaller. With `grid_error="refine"`
+        only.
+        """
+
+    @property
+    def area_fraction_grid_error(self) -> Array:
+        """Without unit [state]: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error.
+        With `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_limit(self) -> Array:
+        """Without unit [state]: estimate of friction on an infinitely fine grid under the same load. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_limit_error(self) -> Array:
+        """Without unit [state]: 95 % of the errors of friction_limit are smaller. With `grid_error="refine"` only."""
+
+    @property
+    def friction_grid_error(self) -> Array:
+        """Without unit [state]: error of friction by the finite grid: |friction - limit| + limit_error. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_hysteresis_limit(self) -> Array:
+        """Without unit [state]: estimate of friction_hysteresis on an infinitely fine grid under the same load. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_hysteresis_limit_error(self) -> Array:
+        """Without unit [state]: 95 % of the errors of friction_hysteresis_limit are smaller. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_hysteresis_grid_error(self) -> Array:
+        """Without unit [state]: error of friction_hysteresis by the finite grid: |friction_hysteresis - limit| +
+        limit_error. With `grid_error="refine"` only.
+        """
+
+    @property
     def seconds(self) -> Array:
         """Seconds [state]: wall time."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -135,6 +135,7 @@ def slide(
     stress_unit: Optional[str] = None,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
+    grid_error: Literal["none", "refine"] = "none",
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Slide:
@@ -156,6 +157,8 @@ def slide(
         hardness: largest pressure, stress, a number or an array of the shape of the heights, as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
         tolerance, max_iterations: limits for each state, as in `contact`.
+        grid_error: "refine" to solve each state on a grid of twice as many points along each side, too, for the errors
+            of areas and frictions by the finite grid.
         threads: number of threads; all cores by default.
         out: HDF5 file to write, as with `gfmd slide --out`. Unlike in `save`, its name is checked before the first
             state.
@@ -185,6 +188,7 @@ def slide(
         friction=None if friction is None else number("friction", friction),
         tolerance=number("tolerance", tolerance),
         max_iterations=integer("max_iterations", max_iterations),
+        grid_error=word("grid_error", grid_error),
         size=list(made.size),
         **_command.body_keys(elastic),
         **_command.relaxation_keys(elastic),

@@ -2,12 +2,12 @@
 
 use gfmd_contact::{Effort, Fields as _, Plastic};
 use gfmd_heat::Heated;
-use gfmd_measure::{Scales, Summary};
+use gfmd_measure::{GridLimit, Scales, Summary};
 use gfmd_medium::{Persson, SlidingState};
 use gfmd_relax::worst;
 
-use crate::Cell;
 use crate::column::{Form, Origin, Subject, Table};
+use crate::{Cell, Record};
 
 /// States that slide steadily.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,8 @@ pub struct SlidingFacts {
     pub shared: bool,
     /// True if a hardness limits the pressure.
     pub hardness: bool,
+    /// True if states on a finer grid give the error of the grid.
+    pub refined: bool,
 }
 
 /// Field of a state that slides steadily.
@@ -77,6 +79,7 @@ pub struct SlidingContext<'a> {
     summary: Summary,
     tolerance: f64,
     seconds: f64,
+    finer: Vec<Result<Record<Sliding>, String>>,
 }
 
 impl<'a> SlidingContext<'a> {
@@ -88,7 +91,27 @@ impl<'a> SlidingContext<'a> {
         (scales, tolerance): (&Scales, f64),
         seconds: f64,
     ) -> Self {
-        Self { speed, state, heated, persson, summary: state.summary_in(scales), tolerance, seconds }
+        Self { speed, state, heated, persson, summary: state.summary_in(scales), tolerance, seconds, finer: Vec::new() }
+    }
+
+    /// Adds the numbers of the state on grids with twice as many points along each side, or why there are none.
+    #[must_use]
+    pub fn beside(self, finer: Vec<Result<Record<Sliding>, String>>) -> Self {
+        Self { finer, ..self }
+    }
+
+    /// Returns a number of the limit of a column on infinitely fine grids.
+    fn limit(&self, name: &str, of: fn(&GridLimit, f64) -> f64) -> Cell {
+        let column = COLUMNS.iter().find(|column| column.name == name);
+        let value = column.map_or(f64::NAN, |column| (column.value)(self).number());
+        let limits = self.finer.iter().map(|finer| match finer {
+            Ok(finer) => Ok(GridLimit::of_two_grids(value, finer.number(name))),
+            Err(reason) => Err(reason.clone()),
+        });
+        match limits.collect::<Result<Vec<_>, String>>() {
+            Ok(limits) => of(&GridLimit::between(&limits), value).into(),
+            Err(reason) => Cell::Undefined(reason.into()),
+        }
     }
 
     fn effort(&self) -> Effort {
@@ -150,6 +173,47 @@ macro_rules! residual {
             .by(Origin::Residual)
     };
 }
+
+/// Columns for the limit of a number on infinitely fine grids, its error, and the grid error of the number, as those of
+/// [`State`](crate::State).
+macro_rules! limits {
+    ($name:literal, $unit:literal) => {
+        [
+            Column::new(
+                concat!($name, "_limit"),
+                $unit,
+                &[(any, concat!("estimate of ", $name, " on an infinitely fine grid under the same load"))],
+                |at| at.limit($name, |found, _| found.limit),
+            )
+            .with(refined)
+            .by(Origin::Grid),
+            Column::new(
+                concat!($name, "_limit_error"),
+                $unit,
+                &[(any, concat!("95 % of the errors of ", $name, "_limit are smaller"))],
+                |at| at.limit($name, |found, _| found.half_width),
+            )
+            .with(refined)
+            .by(Origin::Grid),
+            Column::new(
+                concat!($name, "_grid_error"),
+                $unit,
+                &[(any, concat!("error of ", $name, " by the finite grid: |", $name, " - limit| + limit_error"))],
+                |at| at.limit($name, GridLimit::error_of),
+            )
+            .with(refined)
+            .by(Origin::Grid),
+        ]
+    };
+}
+
+fn refined(facts: &SlidingFacts) -> bool {
+    facts.refined
+}
+
+const FRICTION: [Column; 3] = limits!("friction", "1");
+const HYSTERESIS: [Column; 3] = limits!("friction_hysteresis", "1");
+const AREA: [Column; 3] = limits!("area_fraction", "1");
 
 /// Numbers of a state, in the order in which they are printed.
 const COLUMNS: &[Column] = &[
@@ -285,5 +349,14 @@ const COLUMNS: &[Column] = &[
     residual!("negative_pressure", "max(0, -min p) / mean p, from the final fields"),
     residual!("penetration", "max(0, -min gap) / h_rms, from the final fields"),
     residual!("saturation", "largest gap / h_rms where the pressure is the hardness").with(hardness),
+    AREA[0],
+    AREA[1],
+    AREA[2],
+    FRICTION[0],
+    FRICTION[1],
+    FRICTION[2],
+    HYSTERESIS[0],
+    HYSTERESIS[1],
+    HYSTERESIS[2],
     Column::new("seconds", "s", &[(any, "wall time")], |at| at.seconds.into()).by(Origin::Clock),
 ];

@@ -264,6 +264,7 @@ const FLOW: &str = "\nFLOW: dict[str, str]\n";
 fn states() -> Vec<Property> {
     let none = SlidingFacts::default();
     let facts = [none, SlidingFacts { heat: true, shared: true, ..none }, SlidingFacts { hardness: true, ..none }];
+    let facts = [facts[0], facts[1], facts[2], SlidingFacts { refined: true, ..none }];
     let place = |column: &Column<Sliding>| {
         let is_listed = !column.json.is_empty() && !column.json.starts_with("residual.");
         is_listed.then(|| (column.name.to_owned(), None))
@@ -273,6 +274,9 @@ fn states() -> Vec<Property> {
         true => None,
         false if present(&none) => Some(String::new()),
         false if facts.iter().any(|facts| present(facts) && facts.hardness) => Some("With `hardness`".to_owned()),
+        false if facts.iter().any(|facts| present(facts) && facts.refined) => {
+            Some("With `grid_error=\"refine\"`".to_owned())
+        }
         false => Some("With `heat`".to_owned()),
     };
     numbers_of::<Sliding>(&facts, (&shape, &words), place, &[])
