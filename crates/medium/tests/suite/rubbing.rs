@@ -57,6 +57,34 @@ fn dense(body: &Body, grid: &Grid, prony: Option<&Prony>, velocity: &Velocity, c
     (0..points).map(|i| (0..points).map(|j| between(i, j)).collect()).collect()
 }
 
+/// Returns −⟨p v·∇d⟩ and −⟨t v·∇u⟩, summed wave by wave with the compliance matrices of all components.
+fn powers(
+    body: &Body,
+    grid: &Grid,
+    prony: Option<&Prony>,
+    velocity: &Velocity,
+    coefficient: f64,
+    pressure: &[f64],
+) -> [f64; 2] {
+    let ([nx, ny], [lx, ly], points) = (grid.points(), grid.lengths(), pressure.len() as f64);
+    let ([ex, ey], speed) = (velocity.direction(), velocity.speed());
+    grid.modes().skip(1).fold([0.0; 2], |[slopes, lost], mode| {
+        let of_point = |(i, p): (usize, &f64)| {
+            let [x, y] = [(i / ny) as f64 * lx / nx as f64, (i % ny) as f64 * ly / ny as f64];
+            *p * Complex64::cis(-(mode.wavevector[0] * x + mode.wavevector[1] * y))
+        };
+        let p = pressure.iter().enumerate().map(of_point).sum::<Complex64>() / points;
+        let rate = speed * (mode.wavevector[0] * ex + mode.wavevector[1] * ey);
+        let modulus = prony.map_or(Complex64::ONE, |prony| prony.modulus(-rate));
+        let traction = [coefficient * ex * p, coefficient * ey * p, -p];
+        let g = body.compliance_of(&mode);
+        let image = |row: usize| (0..3).map(|column| g[row][column] * traction[column]).sum::<Complex64>() / modulus;
+        let gradient = |row: usize| Complex64::new(0.0, rate) * image(row);
+        let of_traction: f64 = (0..3).map(|row| (traction[row].conj() * gradient(row)).re).sum();
+        [slopes + mode.weight * (p.conj() * gradient(2)).re, lost - mode.weight * of_traction]
+    })
+}
+
 /// Solves a small system by elimination with pivots.
 fn eliminate(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     let n = rows.len();
@@ -141,6 +169,10 @@ fn pressures_are_those_of_dense_matrices_of_all_components() {
             let found = state.solution.pressure.iter();
             let apart = found.zip(&known).fold(0.0_f64, |worst, (p, q)| worst.max((p - q).abs()));
             assert!(apart <= 1e-9 * most, "body {index}, {coefficient}, {hardness:?}: {apart:e} of {most:e}");
+            let [slopes, lost] = powers(body, &grid, prony, &velocity, coefficient, &known);
+            let hysteresis = slopes / (0.4 * state.solution.mean_pressure);
+            assert!((state.friction_hysteresis - hysteresis).abs() <= 1e-9, "body {index}: {hysteresis:e}");
+            assert!((state.dissipated_power - lost).abs() <= 1e-9 * most, "body {index}: {lost:e}");
             let is_plastic = state.solution.plastic.as_ref().is_some_and(|plastic| plastic.fraction > 0.0);
             assert_eq!(is_plastic, hardness.is_some(), "body {index}");
             // The next contact with friction has plastic points.
