@@ -42,7 +42,9 @@ def test_heat_warms_the_contact_and_is_shared():
     given = dict(velocity=[0.1, 10.0], p_star=0.05, friction=0.3)
     alone = gfmd.slide(surface, gfmd.Body(), heat=(1.0, 0.01), **given)
     assert alone.temperature.shape == (2, 32, 32) and "heat_flux" not in alone and "prony" not in alone
-    assert (alone.states.heat_fraction == 1).all() and (alone.states.friction == 0).all()
+    assert (alone.states.heat_fraction == 1).all() and (alone.states.dissipated_power == 0).all()
+    # The lift moves contacts of a compressible body behind the summits.
+    assert (alone.states.friction < 0.3).all() and (alone.states.friction > 0.28).all()
     flux = 0.3 * alone.states.velocity * alone.states.mean_pressure
     assert alone.states.heat_mean_flux == pytest.approx(flux)
     rise = np.where(alone.pressure > 0, alone.temperature, -np.inf).max(axis=(1, 2))
@@ -101,7 +103,7 @@ def test_what_does_not_go_together_is_refused():
         gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, heat=(1, 1))
     with pytest.raises(gfmd.InputError, match="friction is -1; it must be at least 0"):
         gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, friction=-1)
-    with pytest.raises(gfmd.InputError, match="pressure is 0.05; it must be less than|hardness"):
+    with pytest.raises(gfmd.InputError, match="the mean pressure is 0.05; it must be .*hardness"):
         gfmd.slide(surface, rubber, velocity=1.0, pressure=0.05, hardness=0.05)
     for heat, words in [
         ((1,), "heat has 1 numbers"),
