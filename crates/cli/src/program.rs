@@ -10,7 +10,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
-use gfmd_problem::{Task, rules_of};
+use gfmd_problem::{Task, rules_of, rules_of_sliding};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
@@ -206,6 +206,7 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
             let rules = match command.get_name() {
                 "contact" => rules_of(Task::Loads),
                 "path" => rules_of(Task::Path),
+                "slide" => rules_of_sliding(),
                 _ => Vec::new(),
             };
             let rules = rules.iter().map(|(with, others)| format!("\n  with {with}: {}", others.join(", ")));

@@ -15,18 +15,19 @@ use gfmd_contact::{Contact, Load, Refusal, SolveError};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
 use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
-use gfmd_medium::{SlidingContact, Velocity, VelocityError};
+use gfmd_medium::{SlidingContact, SlidingError, Velocity, VelocityError};
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
-use gfmd_problem::options::{BodyArgs, PronyArgs};
-use gfmd_problem::{Facts, GridError, key, words};
+use gfmd_problem::options::{BodyArgs, PronyArgs, named, parse_choice};
+use gfmd_problem::{Facts, GridError, SIZES, Unusable, key, words};
 use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
-use gfmd_run::series::{Asked, Head, Prepared, run_with_journal};
+use gfmd_run::series::{Asked, Head, Prepared, at_same_place, run_with_journal, sources};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
@@ -62,6 +63,17 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     control: LoadArgs,
+    /// Coulomb friction of the interface with this coefficient, 0 for none: all points slide, and the shear MU p along
+    /// the velocity lifts the surface of a compressible body, adds to the friction, and makes the heat MU p v
+    #[arg(long, value_name = "MU", allow_negative_numbers = true, help_heading = "Contact")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    friction: Option<f64>,
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
+    /// where it is reached the surfaces are pressed into each other
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::HARDNESS, array)]
+    hardness: Option<GivenHardness>,
     #[command(flatten)]
     #[serde(flatten)]
     #[option(kinds = Kinds::HEAT)]
@@ -85,6 +97,16 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     search: SearchArgs,
+    /// Way in which the error of areas and frictions by the finite grid is found, none or refine: refine solves each
+    /// state on the finer grid, too
+    #[arg(
+        long,
+        value_parser = parse_choice::<GridError>(),
+        default_value_t = GridError::None,
+        help_heading = "Accuracy"
+    )]
+    #[serde(skip_serializing_if = "is_none", with = "named")]
+    grid_error: GridError,
     #[command(flatten)]
     #[serde(skip)]
     resume: ResumeArgs,
@@ -99,17 +121,35 @@ pub struct Args {
     plots: Option<PathBuf>,
 }
 
+fn is_none(how: &GridError) -> bool {
+    *how == GridError::None
+}
+
 impl Args {
     /// The problem that the flags ask for.
     fn asked(&self) -> Result<Asked<'_>, Failure> {
         let body = self.prony.long_term(&self.body)?;
-        Ok(Asked { prony: self.prony.series()?, ..Asked::new(&self.source, Cow::Owned(body), self.search.budget()) })
+        Ok(Asked {
+            prony: self.prony.series()?,
+            hardness: self.hardness.as_ref(),
+            ..Asked::new(&self.source, Cow::Owned(body), self.search.budget())
+        })
     }
 
     /// The resolved configuration as TOML.
     fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
         toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
+    }
+
+    /// The coefficient of friction of the interface, if it is given.
+    fn friction(&self) -> Result<Option<f64>, Failure> {
+        match self.friction {
+            Some(found) if !(found >= 0.0 && found <= *SIZES.end()) => {
+                Err(Failure::value(key("friction"), found, format!("at least 0 and at most {:e}", SIZES.end())))
+            }
+            friction => Ok(friction),
+        }
     }
 
     fn velocities(&self) -> Result<Vec<Velocity>, Failure> {
@@ -136,36 +176,106 @@ struct SlideInput {
     velocities: Vec<Velocity>,
 }
 
+/// The same problem on a grid with twice as many points along each side.
+struct Finer {
+    args: Args,
+    input: SlideInput,
+    /// Height of its highest point above the highest point of the coarser grid.
+    rise: f64,
+    last: Option<SteadyState>,
+}
+
+impl Finer {
+    /// Poses a problem on finer grids, if it is asked for.
+    fn pose(args: &Args, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
+        let pose = |source: SourceArgs| {
+            let args = Args { source, grid_error: GridError::None, ..args.clone() };
+            let input = SlideInput::new(&args, &Session::silent())?;
+            let rise = input.prepared.highest() - prepared.highest();
+            Ok(Self { args, input, rise, last: None })
+        };
+        sources(&args.asked()?, prepared)?.into_iter().map(pose).collect()
+    }
+
+    /// Solves a state of the coarser grid, and returns its numbers, or the reason why there are none.
+    fn reach(
+        &mut self,
+        (load, velocity): (Load, &Velocity),
+        is_first: bool,
+        session: &Session,
+    ) -> Result<Result<Record<Sliding>, String>, Failure> {
+        let at = (at_same_place(load.into(), self.rise).load, velocity);
+        let start = self.last.take().filter(|_| !is_first);
+        Ok(match self.input.reach(at, start.as_ref(), &self.args, session) {
+            Ok((_, Some(failure @ Failure::Interrupted(_)))) => return Err(failure),
+            Ok((_, Some(failure))) => Err(failure.to_string()),
+            Ok((reached, None)) => {
+                let record = self.input.record(at, &reached, self.args.search.tolerance, f64::NAN, Vec::new());
+                self.last = Some(reached);
+                Ok(record)
+            }
+            Err(refusal) => Err(refusal.to_string()),
+        })
+    }
+}
+
 impl SlideInput {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.control.check(false)?;
-        let (velocities, heat) = (args.velocities()?, args.heat.source()?);
-        if args.prony.series()?.is_none() && heat.is_none() {
+        if args.grid_error == GridError::Estimate {
+            let why = "the error of a single solution is not known while surfaces slide";
+            return Err(Failure::from(
+                Unusable::value(key("grid_error"), args.grid_error, words!["none or refine"]).because(why),
+            ));
+        }
+        let (velocities, friction) = (args.velocities()?, args.friction()?);
+        let heat = args.heat.source(friction)?;
+        if args.prony.series()?.is_none() && friction.is_none() {
             return Err(Failure::refused(words![
                 key("prony"),
                 " and ",
-                key("heat"),
+                key("friction"),
                 " are missing; one of them is needed to slide",
             ]));
         }
         let facts = |line: bool| Facts {
             line,
+            hardness: args.hardness.is_some(),
             relaxes: args.prony.relaxing(),
             approach: args.control.is_approach(),
-            grid_error: GridError::None,
+            grid_error: args.grid_error,
+            resume: args.resume.resume,
             ..args.body.facts()
         };
         let prepared = Prepared::new(&args.asked()?, facts, session)?;
         args.body.check_modulus(prepared.surface.unit.as_deref())?;
         let Prepared { surface, body, prony, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
-        let contact = contact.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
+        let mut contact = contact.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
+        let loads: Vec<Load> = args.control.loads(prepared.unit_pressure()).collect();
+        if let Some(hardness) = &prepared.hardness {
+            contact =
+                contact.with_hardness(hardness.clone()).map_err(|error| Failure::input(key("hardness"), error))?;
+            for load in &loads {
+                if let Load::MeanPressure(mean) = load {
+                    let checked = hardness.check_mean(*mean);
+                    checked.map_err(|refusal| Failure::input(key(args.control.option()), refusal))?;
+                }
+            }
+        }
         let sliding = match prony {
             Some(prony) => SlidingContact::new(contact, body, prony, args.prony.relaxes),
             None => SlidingContact::elastic(contact, body),
         };
-        let sliding = sliding.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
-        let loads = args.control.loads(prepared.unit_pressure()).collect();
+        let mut sliding = sliding.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
+        if let Some(friction) = friction {
+            let of_friction = |error: SlidingError| Failure::input(key("friction"), error);
+            let relaxation = prony.as_ref().map(|prony| (prony, args.prony.relaxes));
+            sliding = sliding.with_friction(body, friction, relaxation).map_err(of_friction)?;
+            for velocity in &velocities {
+                sliding.check(velocity).map_err(|refusal| of_friction(refusal.into()))?;
+            }
+        }
         Ok(Self { prepared, sliding, heat, loads, velocities })
     }
 
@@ -176,20 +286,27 @@ impl SlideInput {
 
     /// Returns the features that decide which numbers the states have.
     fn facts(&self) -> SlidingFacts {
-        SlidingFacts { heat: self.heat.is_some(), shared: self.heat.is_some_and(|heat| heat.is_shared()) }
+        SlidingFacts {
+            heat: self.heat.is_some(),
+            shared: self.heat.is_some_and(|heat| heat.is_shared()),
+            hardness: self.prepared.hardness.is_some(),
+            refined: self.prepared.facts.grid_error == GridError::Refine,
+        }
     }
 
-    /// Measures a state that was reached in some seconds.
+    /// Measures a state that was reached in some seconds, with its numbers on finer grids.
     fn record(
         &self,
         (_, velocity): (Load, &Velocity),
         SteadyState { state, heated }: &SteadyState,
         tolerance: f64,
         seconds: f64,
+        finer: Vec<Result<Record<Sliding>, String>>,
     ) -> Record<Sliding> {
         let persson = self.sliding.persson(velocity, state.solution.mean_pressure);
         let scales = (&self.prepared.scales(), tolerance);
-        let at = SlidingContext::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds);
+        let at =
+            SlidingContext::new(velocity.speed(), (state, heated.as_ref()), persson, scales, seconds).beside(finer);
         Record::compute(&self.facts(), &at)
     }
 
@@ -262,10 +379,13 @@ impl SlideInput {
         let Self { prepared, sliding, velocities, .. } = self;
         let mut head = Head::new(&args.asked()?, prepared, sliding.contact().surface());
         head.relaxation = args.prony.relaxation(&args.body)?;
+        // The orders are those of contacts at rest.
+        head.grid_error.iter_mut().for_each(|found| found.orders.clear());
         let direction = velocities[0].direction();
         let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
         let count = self.states().count();
         let provenance = session.provenance(args.config()?);
+        let mut finer = Finer::pose(args, prepared)?;
         let file = output.map(|output| StatesFile::new(output, &provenance, prepared, self.facts(), count));
         let mut file = file.transpose()?;
         let progress = Progress::new(session.quiet, "states", count as f64);
@@ -299,7 +419,16 @@ impl SlideInput {
                     break;
                 }
             };
-            let record = self.record(at, &reached, args.search.tolerance, started.elapsed().as_secs_f64());
+            let is_first = index.is_multiple_of(velocities.len());
+            let beside = |finer: &mut Finer| match &failed {
+                Some(failed) => Ok(Err(failed.to_string())),
+                None => finer.reach(at, is_first, session),
+            };
+            let (beside, failed) = match finer.iter_mut().map(beside).collect() {
+                Ok(beside) => (beside, failed),
+                Err(failure) => (finer.iter().map(|_| Err(failure.to_string())).collect(), Some(failure)),
+            };
+            let record = self.record(at, &reached, args.search.tolerance, started.elapsed().as_secs_f64(), beside);
             let number = match record.value("heat_max_rise") {
                 Some(rise) => format!("largest rise {rise:.4e}"),
                 None => format!("friction {:.4}", record.number("friction")),
@@ -331,7 +460,8 @@ impl SlideInput {
         report.peak_bytes = peak_bytes();
         if let (None, Some(prefix), Some(last)) = (&failure, &args.plots, &last) {
             let is_viscoelastic = prepared.prony.is_some();
-            report.plots = report.draw(prefix, (velocities.len(), is_viscoelastic), (&prepared.surface, last))?;
+            let of_surface = (&prepared.surface, prepared.hardness.as_ref(), last);
+            report.plots = report.draw(prefix, (velocities.len(), is_viscoelastic), of_surface)?;
         }
         Ok(Outcome { report, failure })
     }

@@ -34,7 +34,7 @@ pub use memory::MemoryNeed;
 pub use moduli::Moduli;
 pub use pose::{Given, pose};
 pub use posed::{AnyState, ContactKind, NoStiffness, Posed, State};
-pub use rules::{Clash, Part, RULES, Rule, rules_of, table};
+pub use rules::{Clash, Part, RULES, Rule, rules_of, rules_of_sliding, table};
 pub use unknown::{NoUnknown, Unknown};
 pub use unusable::{SIZES, Unusable, check_size};
 pub use words::{Spelling, Words, argument, flag, key, setting};

@@ -369,9 +369,24 @@ impl Part {
 
 /// Returns the rules of loads, or of a path, by part: the part in words, and the parts that are refused with it.
 pub fn rules_of(task: Task) -> Vec<(String, Vec<String>)> {
+    rules_among(|part| part.is_of(task))
+}
+
+/// Returns the rules of steady sliding, as [`rules_of`] does.
+pub fn rules_of_sliding() -> Vec<(String, Vec<String>)> {
+    rules_among(|part| OF_SLIDING.contains(&part))
+}
+
+/// Parts that steady sliding can have; friction is there whatever relaxes, on a half-space.
+const OF_SLIDING: [Part; 10] = {
+    use Part::*;
+    [Hardness, HalfSpace, Plate, Sliding, OtherBase, SecondBody, Layers, Prony, Shear, Line]
+};
+
+fn rules_among(is_possible: impl Fn(Part) -> bool) -> Vec<(String, Vec<String>)> {
     let facts = Facts::default();
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
-    for Rule { part, with, .. } in RULES.iter().filter(|rule| rule.part.is_of(task) && rule.with.is_of(task)) {
+    for Rule { part, with, .. } in RULES.iter().filter(|rule| is_possible(rule.part) && is_possible(rule.with)) {
         let (part, with) = (part.given(), with.beside(&facts));
         let words = format!("no {part}");
         match groups.iter_mut().find(|(other, _)| *other == with) {

@@ -42,7 +42,9 @@ def test_heat_warms_the_contact_and_is_shared():
     given = dict(velocity=[0.1, 10.0], p_star=0.05, friction=0.3)
     alone = gfmd.slide(surface, gfmd.Body(), heat=(1.0, 0.01), **given)
     assert alone.temperature.shape == (2, 32, 32) and "heat_flux" not in alone and "prony" not in alone
-    assert (alone.states.heat_fraction == 1).all() and (alone.states.friction == 0).all()
+    assert (alone.states.heat_fraction == 1).all() and (alone.states.dissipated_power == 0).all()
+    # The lift moves contacts of a compressible body behind the summits.
+    assert (alone.states.friction < 0.3).all() and (alone.states.friction > 0.28).all()
     flux = 0.3 * alone.states.velocity * alone.states.mean_pressure
     assert alone.states.heat_mean_flux == pytest.approx(flux)
     rise = np.where(alone.pressure > 0, alone.temperature, -np.inf).max(axis=(1, 2))
@@ -70,18 +72,39 @@ def test_bodies_that_no_material_is_are_refused(given, words):
     assert words in str(error.value)
 
 
+def test_friction_and_a_hardness_while_sliding():
+    surface = gfmd.self_affine(n=24, eps_f_inv=6)
+    given = dict(velocity=[0.1, 1.0], p_star=0.1)
+    rubber = gfmd.Body(poisson=0.5, prony=[(0.1, 0.3), (10.0, 0.4)])
+    plain, rubbing = gfmd.slide(surface, rubber, **given), gfmd.slide(surface, rubber, friction=0.3, **given)
+    assert np.array_equal(plain.pressure, rubbing.pressure)
+    assert np.array_equal(rubbing.states.friction, 0.3 + plain.states.friction)
+    assert np.array_equal(rubbing.states.friction_hysteresis, plain.states.friction)
+    assert np.all(rubbing.states.friction_interface == 0.3) and np.all(plain.states.friction_interface == 0)
+    elastic = gfmd.slide(surface, gfmd.Body(poisson=0.2), friction=0.3, **given)
+    assert np.all(elastic.states.friction_hysteresis < 0) and np.all(elastic.states.dissipated_power == 0)
+    hard = gfmd.slide(surface, rubber, hardness=0.05, **given)
+    each = gfmd.slide(surface, rubber, hardness=np.full((24, 24), 0.05), **given)
+    assert hard.hardness == 0.05 and each.hardness.shape == (24, 24)
+    assert hard.pressure.max() == 0.05 and np.all(hard.states.plastic_fraction > 0)
+    assert np.array_equal(hard.plastic_depth, each.plastic_depth)
+    assert np.allclose(hard.plastic_depth.mean(axis=(1, 2)), hard.states.plastic_volume)
+
+
 def test_what_does_not_go_together_is_refused():
     surface, rubber = gfmd.self_affine(n=16, eps_f_inv=4), gfmd.Body(**RUBBER)
     with pytest.raises(gfmd.InputError, match="body is viscoelastic; it must be elastic here"):
         gfmd.contact(surface, rubber, p_star=0.05)
     with pytest.raises(gfmd.InputError, match="time is missing"):
         gfmd.path(surface, rubber, p_star=0.05)
-    with pytest.raises(gfmd.InputError, match="body is elastic; it must be viscoelastic to slide without heat"):
+    with pytest.raises(gfmd.InputError, match="body is elastic; it must be viscoelastic to slide without friction"):
         gfmd.slide(surface, gfmd.Body(), velocity=1.0, p_star=0.05)
     with pytest.raises(gfmd.InputError, match="friction is missing; it is needed with heat"):
         gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, heat=(1, 1))
-    with pytest.raises(gfmd.InputError, match="friction is given; it must be left out without heat"):
-        gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, friction=0.3)
+    with pytest.raises(gfmd.InputError, match="friction is -1; it must be at least 0"):
+        gfmd.slide(surface, rubber, velocity=1.0, p_star=0.05, friction=-1)
+    with pytest.raises(gfmd.InputError, match="the mean pressure is 0.05; it must be .*hardness"):
+        gfmd.slide(surface, rubber, velocity=1.0, pressure=0.05, hardness=0.05)
     for heat, words in [
         ((1,), "heat has 1 numbers"),
         (1, "heat is 1;"),

@@ -256,11 +256,11 @@ pub fn work_imbalance(column: impl Fn(&str) -> Vec<f64>) -> Option<f64> {
     (!known.is_empty()).then_some(sum)
 }
 
-/// Returns the interface of a path in words: the law or the wall, and the further parts.
-fn interface(table: &toml::Table) -> String {
+/// Returns the interface of a path, or of steady sliding, in words: the law or the wall, and the further parts.
+pub(crate) fn interface(table: &toml::Table) -> String {
     let word = |name: &str| table.get(name).and_then(toml::Value::as_str).unwrap_or_default();
     let mut parts = vec![match word("law") {
-        "hard-wall" => "hard wall",
+        "hard-wall" | "" => "hard wall",
         law => law,
     }];
     let further = [

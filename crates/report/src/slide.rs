@@ -10,7 +10,9 @@ use maud::html;
 
 use crate::figures::{Drawn, field};
 use crate::page::{Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, with_unit};
+use crate::path::interface;
 use gfmd_input::failure::Failure;
+use gfmd_input::hardness;
 
 const OF_FRICTION: &str = "B. N. J. Persson, Theory of rubber friction and contact mechanics, Journal of Chemical \
      Physics 115, 3840–3861 (2001).";
@@ -53,8 +55,13 @@ pub fn chart(states: &[Record<Sliding>], velocities: usize, units: &Units) -> Ch
         series,
         ..Panel::default()
     };
+    // Persson's theory has no friction of the interface.
+    let (label, name) = match states.iter().any(|state| state.number("friction_interface") > 0.0) {
+        true => ("friction by hysteresis", "friction_hysteresis"),
+        false => ("friction", "friction"),
+    };
     let panels = vec![
-        panel("friction", curves(["friction", "persson_friction"])),
+        panel(label, curves([name, "persson_friction"])),
         panel("contact area", curves(["area_fraction", "persson_area_fraction"])),
     ];
     Chart { share_y: false, ..Chart::new(panels) }
@@ -97,14 +104,20 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let column = |name: &str| stored.column(name);
     let [velocity, p_star, mean, friction, converged] =
         ["velocity", "p_star", "mean_pressure", "friction", "converged"].map(column);
-    let [theory, area] = ["persson_friction", "area_fraction"].map(column);
+    let [theory, of_interface] = ["persson_friction", "friction_interface"].map(column);
     let solved: Vec<usize> =
         (0..stored.len()).filter(|&state| mean[state].is_finite() && converged[state] != 0.0).collect();
     let (is_viscoelastic, has_heat) = (table.contains_key("prony"), stored.has("heat_max_rise"));
+    let (has_friction, has_hardness) = (table.contains_key("friction"), stored.has("plastic_fraction"));
+    let plastic = column("plastic_fraction");
     let [max_rise, mean_rise, fraction] = ["heat_max_rise", "heat_mean_rise", "heat_fraction"].map(column);
     let of_largest = |values: &[f64]| solved.iter().copied().max_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let largest = of_largest(if is_viscoelastic { &friction } else { &max_rise });
+    let largest = of_largest(if is_viscoelastic || has_friction { &friction } else { &max_rise });
     let units = stored.units();
+    let limit = |name: &str, state: usize| {
+        let of = |end: &str| column(&format!("{name}{end}"))[state];
+        powers(&with_limit(of(""), of("_limit"), of("_limit_error")))
+    };
     let place = |state: usize| {
         let velocity = with_unit(velocity[state], "length/time", &units);
         html! { "at the velocity " (velocity) ", " i { "p" } "* = " (given(p_star[state])) }
@@ -112,13 +125,21 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     if largest.is_none() {
         page.answer.push(html! { p.headline { "No state converged: there is no result" } });
     }
-    if let (Some(state), true) = (largest, is_viscoelastic) {
-        page.cited.push(OF_FRICTION);
+    if let (Some(state), true) = (largest, is_viscoelastic || has_friction) {
+        if is_viscoelastic {
+            page.cited.push(OF_FRICTION);
+        }
         page.answer.push(html! {
-            p.headline { "Coefficient of friction " (rough(friction[state])) " " span { (place(state)) } }
+            p.headline { "Coefficient of friction " (limit("friction", state)) " " span { (place(state)) } }
             p {
-                "The largest of " (solved.len()) " states. Persson's theory has " (number(theory[state]))
-                "; the contact area is " (rough(100.0 * area[state])) " % of the surface. "
+                "The largest of " (solved.len()) " states. "
+                @if has_friction {
+                    "The interface has " (given(of_interface[state])) ", the deformation of the body "
+                    (limit("friction_hysteresis", state)) ". "
+                }
+                @if is_viscoelastic { "Persson's theory of hysteresis has " (number(theory[state])) ". " }
+                "The contact area is " (limit("area_fraction", state)) " of the surface. "
+                @if has_hardness { "At " (rough(100.0 * plastic[state])) " % of it the pressure is the hardness. " }
             }
         });
     }
@@ -136,7 +157,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         });
     }
     let surface = StoredSurface::read(reader);
-    page.asked(&surface, &table, "hard wall");
+    page.asked(&surface, &table, &interface(&table));
     for (term, key, kinds) in [
         ("branches (relaxation time, fraction)", "prony", Kinds::PRONY),
         ("modulus that the branches relax", "moduli", Kinds::NUMBER),
@@ -147,6 +168,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("direction of sliding, degrees", "direction", Kinds::NUMBER),
         ("conductivity and diffusivity", "heat", Kinds::HEAT),
         ("friction of the interface", "friction", Kinds::NUMBER),
+        ("hardness", "hardness", Kinds::HARDNESS),
     ] {
         if let Some(value) = table.get(key) {
             page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
@@ -157,7 +179,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     // The states of a load end where the first velocity occurs again.
     let again = velocity.iter().skip(1).position(|other| Some(other) == velocity.first());
     let velocities = again.map_or(velocity.len(), |place| place + 1);
-    let states = stored.records::<Sliding>(&SlidingFacts { heat: has_heat, ..SlidingFacts::default() });
+    let facts = SlidingFacts { heat: has_heat, hardness: has_hardness, ..SlidingFacts::default() };
+    let states = stored.records::<Sliding>(&facts);
     if solved.len() == stored.len() && velocities > 1 {
         if is_viscoelastic {
             let caption = html! { "Friction and contact area against the velocity, and Persson's theory (lines)." };
@@ -174,7 +197,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             let caption = html! { "Temperature above the mean of the surface, state " (state) "." };
             page.field(&temperature(&of.grid, &values, &of.unit, &of.units), "temperature", &caption);
         }
-        page.fields(reader, &surface, (Some(state), &format!("state {state}"), modulus), None);
+        let hardness = hardness::of_result(reader, &table, &of.grid);
+        page.fields(reader, &surface, (Some(state), &format!("state {state}"), modulus), hardness.as_ref());
     }
     page.numbers::<Sliding>(&stored, stored.len(), "state");
     page.residual(&stored, tolerance);

@@ -29,7 +29,7 @@ use gfmd_input::session::Session;
 
 pub use file::{Chosen, StateFile};
 pub use file::{Field, fields};
-pub use finer::{Finer, at_same_place, beside, on_finer_grids, resolved};
+pub use finer::{Finer, at_same_place, beside, on_finer_grids, resolved, sources};
 pub use head::is_normal;
 pub use head::{Head, Lower};
 pub use layout::SeriesLayout;

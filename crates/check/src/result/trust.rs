@@ -175,6 +175,12 @@ const SLIDE: &[Row] = &[
     row(&["/states/seconds"], Checksum, Checksum, ""),
     row(&["/states/iterations", "/states/transform_pairs"], Checksum, Verified, "the second run"),
     row(
+        &["/states/*_limit", "/states/*_limit_error", "/states/*_grid_error"],
+        Checksum,
+        Verified,
+        "the second run, on the finer grid, too",
+    ),
+    row(
         &["/states/residual", "/states/heat_residual"],
         InPart,
         Verified,

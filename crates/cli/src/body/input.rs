@@ -310,7 +310,7 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
             let text = "of this contact moves and its body relaxes; the stress inside is not available";
             return Err(format!("the {} {text}", key.replace('_', " ")));
         }
-        // The interface friction makes heat; its shear traction is not part of the contact.
+        // The shear traction of the friction is not part of the result.
         if let Some(key) = FRICTION.iter().find(|key| record.contains_key(**key)) {
             let text =
                 "of this contact causes a shear traction on a body that relaxes; the stress inside is not available";

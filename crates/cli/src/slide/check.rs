@@ -40,9 +40,9 @@ impl Checked for Args {
                 let floor = if name == "gap" { height } else { 0.0 };
                 comparison.values(&format!("/fields/{name}"), &slab(name)?, &reached.field(name), floor);
             }
-            let record = input.record(at, &reached, args.search.tolerance, f64::NAN);
+            let record = input.record(at, &reached, args.search.tolerance, f64::NAN, Vec::new());
             for (column, cell) in record.cells().filter(|(column, _)| (column.in_file)(&input.facts())) {
-                if matches!(column.origin, Origin::Way | Origin::Clock) {
+                if matches!(column.origin, Origin::Way | Origin::Clock | Origin::Grid) {
                     continue;
                 }
                 let floor = match (column.origin, column.name) {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes};
 use gfmd_input::failure::Failure;
+use gfmd_input::hardness;
 use gfmd_record::{Record, SLIDING_FIELDS, Sliding, SlidingFacts, SlidingField};
 use gfmd_run::columns::write_columns;
 use gfmd_run::series::Prepared;
@@ -33,8 +34,10 @@ impl<'a> StatesFile<'a> {
         let mut archive = Archive::create(output, provenance)?;
         let [x, y] = axes(&prepared.surface.grid, prepared.surface.unit());
         prepared.surface.write(&mut archive, [&x, &y])?;
-        let state = Dimension::index("state", states, "load and velocity");
         let units = prepared.surface.units();
+        let share = &prepared.surface.share;
+        hardness::write(prepared.hardness.as_ref(), Some(&mut archive), share, [&x, &y], &units)?;
+        let state = Dimension::index("state", states, "load and velocity");
         for field in fields(facts) {
             let units = &*units.name(field.unit);
             let variable = Variable { dimensions: &[&state, &x, &y], units, long_name: field.meaning };

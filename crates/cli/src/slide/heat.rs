@@ -7,7 +7,7 @@ use gfmd_heat::{Flash, HeatError, Heated, Thermal, Watch};
 use gfmd_input::failure::Failure;
 use gfmd_medium::Velocity;
 use gfmd_problem::options::{Kinds, Options};
-use gfmd_problem::{SIZES, key, words};
+use gfmd_problem::{key, words};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
@@ -21,10 +21,6 @@ pub(super) struct HeatArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::HEAT)]
     heat: Vec<f64>,
-    /// Coefficient of friction of the interface, which makes the heat friction p v
-    #[arg(long, value_name = "MU", allow_negative_numbers = true)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    friction: Option<f64>,
 }
 
 /// The heat that friction makes: its coefficient, and the properties of the body and of the rough surface.
@@ -36,16 +32,13 @@ pub(super) struct Source {
 }
 
 impl HeatArgs {
-    /// The heat that is asked for, if any is.
-    pub(super) fn source(&self) -> Result<Option<Source>, Failure> {
+    /// The heat that is asked for, if any is: that of this `friction`.
+    pub(super) fn source(&self, friction: Option<f64>) -> Result<Option<Source>, Failure> {
         let thermal = |conductivity: f64, diffusivity: f64| {
             Thermal::new(conductivity, diffusivity).map_err(|error| Failure::input(key("heat"), error))
         };
-        let (body, indenter) = match (&self.heat[..], self.friction) {
-            ([], None) => return Ok(None),
-            ([], Some(_)) => {
-                return Err(Failure::value(key("friction"), "given", words!["left out without ", key("heat")]));
-            }
+        let (body, indenter) = match (&self.heat[..], friction) {
+            ([], _) => return Ok(None),
             (_, None) => return Err(Failure::missing("friction", words!["it is needed with ", key("heat")])),
             ([k, alpha], _) => (thermal(*k, *alpha)?, None),
             ([k, alpha, k2, alpha2], _) => (thermal(*k, *alpha)?, Some(thermal(*k2, *alpha2)?)),
@@ -57,12 +50,10 @@ impl HeatArgs {
                 ]));
             }
         };
-        match self.friction {
-            Some(friction) if friction > 0.0 && friction <= *SIZES.end() => {
-                Ok(Some(Source { friction, body, indenter }))
-            }
+        match friction {
+            Some(friction) if friction > 0.0 => Ok(Some(Source { friction, body, indenter })),
             found => {
-                let allowed = format!("positive and at most {:e}", SIZES.end());
+                let allowed = words!["positive with ", key("heat")];
                 Err(Failure::value(key("friction"), found.unwrap_or(f64::NAN), allowed))
             }
         }

@@ -3,8 +3,10 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use gfmd_contact::Hardness;
 use gfmd_files::contiguous;
 use gfmd_input::failure::Failure;
+use gfmd_input::hardness::GivenHardness;
 use gfmd_input::source::Surface;
 use gfmd_record::{ROUGH, Record, Sliding, Table, table_of};
 use gfmd_report::figures::{Scene, SceneFields, named};
@@ -37,7 +39,7 @@ impl Report {
         &self,
         prefix: &Path,
         (velocities, is_viscoelastic): (usize, bool),
-        (surface, last): (&Surface, &SteadyState),
+        (surface, hardness, last): (&Surface, Option<&Hardness>, &SteadyState),
     ) -> Result<Vec<PathBuf>, Failure> {
         let (states, units) = (&self.states, &surface.units());
         let mut files = Vec::new();
@@ -50,8 +52,9 @@ impl Report {
             let map = temperature(&surface.grid, &values, surface.unit(), units);
             files.extend(map.save(&named(prefix, "temperature"))?);
         }
-        let shown = SceneFields::of(&last.state, None, None);
-        files.extend(Scene::upper(surface, &shown, self.head.e_star, None).draw(prefix)?);
+        let depth = last.state.solution.plastic.as_ref().map(|plastic| &plastic.depth);
+        let shown = SceneFields::of(&last.state, None, depth);
+        files.extend(Scene::upper(surface, &shown, self.head.e_star, hardness).draw(prefix)?);
         Ok(files)
     }
 }
@@ -60,6 +63,13 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.head)?;
         let units = self.head.units();
+        if let Some(hardness) = &self.head.hardness {
+            let hardness = match hardness {
+                GivenHardness::Number(number) => self.head.read(*number, "stress", ""),
+                GivenHardness::Field(given) => given.to_string(),
+            };
+            writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth\n")?;
+        }
         let mut lines = table_of(&self.states, &[Table::State], &units, f.width());
         for (line, state) in lines.iter_mut().skip(1).zip(&self.states) {
             *line += if state.is("converged") { "" } else { "  NOT CONVERGED" };

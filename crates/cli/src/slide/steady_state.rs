@@ -22,6 +22,7 @@ impl SteadyState {
             "pressure" => Some(&solution.pressure),
             "displacement_z" => Some(&solution.displacement),
             "gap" => Some(&solution.gap),
+            "plastic_depth" => solution.plastic.as_ref().map(|plastic| &plastic.depth),
             "temperature" => heated(|heated| &heated.temperature),
             _ => heated(|heated| &heated.into_body),
         };

@@ -409,7 +409,13 @@ fn histories_tables_and_theories() {
         ),
         ("path-relaxing-law", format!("path {rough} {prony} {law} --approach 0.005,-0.005 --time 1,0 --out l.h5")),
         ("slide", format!("slide {rough} {prony} --p-star 0.05 --velocity 0.1,1 --out v.h5")),
-        ("slide-heat", format!("slide {rough} --p-star 0.05 --velocity 1 --heat 1,0.01 --friction 0.3 --out h.h5")),
+        (
+            "slide-heat",
+            format!(
+                "slide {rough} --poisson 0.5 --e-star 1 --p-star 0.05 --velocity 1 --heat 1,0.01 --friction 0.3 \
+                 --out h.h5"
+            ),
+        ),
         ("wear", format!("wear {rough} --p-star 0.05 --coefficient 1 --distance 0,0.01 --steps 2 --flow --out w.h5")),
         (
             "contact-law-table",

@@ -284,7 +284,7 @@ fn messages_name_the_flag_that_is_to_blame() {
         ("kappa-sweep --target 2 --dry-run".into(), "--target is 2; it must be from 1e-5 to 1"),
         (
             format!("slide {rough} --heat 1,0.1,0.3,0.2 --friction 1e300 --velocity 1"),
-            "--friction is 1e300; it must be positive and at most 1e140",
+            "--friction is 1e300; it must be at least 0 and at most 1e140",
         ),
         ("punch --n 16 --shift 1e300".into(), "--shift is 1e300; it must be from -1e140 to 1e140"),
         ("punch --n 16 --shift=0,-1e300".into(), "--shift is -1e300"),

@@ -1,6 +1,7 @@
 //! Tests of `gfmd-medium` as one program. `cargo test -p gfmd-medium --test suite FILE::` runs one file.
 
 mod hunter;
+mod rubbing;
 mod sliding;
 
 use gfmd_field::Grid;

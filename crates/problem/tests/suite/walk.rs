@@ -12,7 +12,8 @@ use gfmd_contact::{
 use gfmd_green::BaseKind;
 use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, StoredFields, Wear};
 use gfmd_law::LawKind;
-use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, WearBy, pose, rules_of, table};
+use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, WearBy, pose, rules_of};
+use gfmd_problem::{rules_of_sliding, table};
 use gfmd_relax::Budget;
 
 fn same(a: &impl Fields, b: &impl Fields) {
@@ -303,9 +304,9 @@ fn rules_of_bases_name_them() {
 /// Compares the page of the rules. `GFMD_DOCS=write cargo test -p gfmd-problem` writes it.
 #[test]
 fn the_page_has_the_rules() {
-    let lines = |task| {
+    let lines = |rules: Vec<(String, Vec<String>)>| {
         let line = |(with, others): (String, Vec<String>)| format!("- with {with}: {}\n", others.join(", "));
-        rules_of(task).into_iter().map(line).collect::<String>()
+        rules.into_iter().map(line).collect::<String>()
     };
     let text = format!(
         "# Combinations of options\n\n\
@@ -314,10 +315,14 @@ fn the_page_has_the_rules() {
          `check` and the\n\
          tests use one table of refused combinations. All other combinations are solved, and a test tries each on a \
          small grid.\n\
-         `gfmd contact --help` and `gfmd path --help` print the same lists.\n\n\
-         ## `contact`\n\n{}\n## `path`\n\n{}\n## Reasons\n\n{}",
-        lines(Task::Loads),
-        lines(Task::Path),
+         `gfmd contact --help`, `gfmd path --help` and `gfmd slide --help` print the same lists.\n\n\
+         ## `contact`\n\n{}\n## `path`\n\n{}\n## `slide`\n\n{}\n\
+         Steady sliding has neither laws, wear, free boundaries, nor lateral paths. Compressible slabs that\n\
+         relax in shear alone have no --friction there, since the lift by the shear is not known.\n\n\
+         ## Reasons\n\n{}",
+        lines(rules_of(Task::Loads)),
+        lines(rules_of(Task::Path)),
+        lines(rules_of_sliding()),
         table()
     );
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/together.md");

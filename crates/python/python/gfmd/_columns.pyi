@@ -1101,12 +1101,32 @@ class States(Record):
         """Stress [state]: largest pressure."""
 
     @property
+    def plastic_fraction(self) -> Array:
+        """Without unit [state]: points whose pressure is the hardness over all points. With `hardness` only."""
+
+    @property
+    def plastic_volume(self) -> Array:
+        """Length [state]: mean plastic depth over the whole surface. With `hardness` only."""
+
+    @property
     def friction(self) -> Array:
-        """Without unit [state]: coefficient of friction, by the power lost in the body."""
+        """Without unit [state]: coefficient of friction, lateral force over load: friction_interface +
+        friction_hysteresis.
+        """
+
+    @property
+    def friction_interface(self) -> Array:
+        """Without unit [state]: coefficient of friction of the interface, mean shear over mean pressure."""
+
+    @property
+    def friction_hysteresis(self) -> Array:
+        """Without unit [state]: coefficient of friction by the pressure on the slopes of the deformed body: without
+        friction of the interface, the power lost in the body over velocity and mean pressure.
+        """
 
     @property
     def friction_slope(self) -> Array:
-        """Without unit [state]: coefficient of friction, by the pressure on the slopes."""
+        """Without unit [state]: coefficient of friction, by the pressure on the slopes of the rough surface."""
 
     @property
     def dissipated_power(self) -> Array:
@@ -1155,6 +1175,58 @@ class States(Record):
         """Flag [state]: true if the residual is at most the tolerance."""
 
     @property
+    def area_fraction_limit(self) -> Array:
+        """Without unit [state]: estimate of area_fraction on an infinitely fine grid under the same load. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def area_fraction_limit_error(self) -> Array:
+        """Without unit [state]: 95 % of the errors of area_fraction_limit are smaller. With `grid_error="refine"`
+        only.
+        """
+
+    @property
+    def area_fraction_grid_error(self) -> Array:
+        """Without unit [state]: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error.
+        With `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_limit(self) -> Array:
+        """Without unit [state]: estimate of friction on an infinitely fine grid under the same load. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_limit_error(self) -> Array:
+        """Without unit [state]: 95 % of the errors of friction_limit are smaller. With `grid_error="refine"` only."""
+
+    @property
+    def friction_grid_error(self) -> Array:
+        """Without unit [state]: error of friction by the finite grid: |friction - limit| + limit_error. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_hysteresis_limit(self) -> Array:
+        """Without unit [state]: estimate of friction_hysteresis on an infinitely fine grid under the same load. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_hysteresis_limit_error(self) -> Array:
+        """Without unit [state]: 95 % of the errors of friction_hysteresis_limit are smaller. With
+        `grid_error="refine"` only.
+        """
+
+    @property
+    def friction_hysteresis_grid_error(self) -> Array:
+        """Without unit [state]: error of friction_hysteresis by the finite grid: |friction_hysteresis - limit| +
+        limit_error. With `grid_error="refine"` only.
+        """
+
+    @property
     def seconds(self) -> Array:
         """Seconds [state]: wall time."""
 
@@ -1172,6 +1244,12 @@ class StateFields(Record):
     @property
     def gap(self) -> Array:
         """Length [state, x, y]: distance between the surfaces. Read-only."""
+
+    @property
+    def plastic_depth(self) -> Array:
+        """Length [state, x, y]: depth by which the surfaces are pressed into each other beyond touching. With
+        `hardness` only. Read-only.
+        """
 
     @property
     def temperature(self) -> Array:

@@ -1,17 +1,17 @@
-"""Steady sliding: hysteresis of viscoelastic bodies, flash temperature."""
+"""Steady sliding: friction by hysteresis and of the interface, flash temperature."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import Any, Optional
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
-from ._check import integer, number, quantities, quantity, shown, word
+from ._check import Array, Quantity, integer, number, quantities, quantity, shown, word
 from ._errors import InputError
 from ._hints import hinted
 from ._columns import StateFields, States
@@ -19,7 +19,7 @@ from ._load import Residual, residual_of
 from ._path import drive_keys
 from ._record import Record
 from ._result import Computed
-from ._surface import Surface, as_surface
+from ._surface import Surface, as_hardness, as_surface
 
 
 class Slide(Computed, StateFields):
@@ -30,6 +30,7 @@ class Slide(Computed, StateFields):
             residual are `residual_...`. Fields are NaN at states that were not reached.
         direction: unit vector of the velocity.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
+        hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
         warnings: a Record for each warning of the computation: `code`, `text`.
         surface, n, size, unit, rms_gradient, rms_height, e_star: parameters of the problem.
 
@@ -46,6 +47,7 @@ class Slide(Computed, StateFields):
     relaxes: str
     young_long_term: float
     young_instantaneous: float
+    hardness: Union[float, Array]
     surface: Surface
     n: list[int]
     size: list[float]
@@ -129,9 +131,11 @@ def slide(
     direction: float = 0.0,
     heat: Any = None,
     friction: Optional[float] = None,
+    hardness: Quantity | npt.ArrayLike | None = None,
     stress_unit: Optional[str] = None,
     tolerance: float = 1e-8,
     max_iterations: int = 100_000,
+    grid_error: Literal["none", "refine"] = "none",
     threads: Optional[int] = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Slide:
@@ -139,7 +143,7 @@ def slide(
 
     Args:
         surface: as in `contact`.
-        body: a viscoelastic body, `Body(prony=...)`; with `heat` also an elastic body.
+        body: a viscoelastic body, `Body(prony=...)`; with `friction` also an elastic body.
         velocity: velocities of the surface relative to the body, a number or a sequence; length divided by the time
             unit of relaxation times and diffusivity.
         pressure, p_star, approach: loads by one of the three (stress, 1, length), a number or a sequence. Stresses
@@ -147,10 +151,14 @@ def slide(
         direction: direction of the velocity, degrees from x.
         heat: conductivity and diffusivity of the body, then of the surface if it shares the heat: two or four numbers,
             or strings with a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
-        friction: coefficient of friction of the interface, for the heat source friction * pressure * velocity; required
-            with `heat`.
+        friction: coefficient of friction of the interface, all of whose points slide: the shear friction * pressure
+            lifts the surface of a compressible body, adds to the friction, and makes the heat friction * pressure *
+            velocity; required with `heat`.
+        hardness: largest pressure, stress, a number or an array of the shape of the heights, as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
         tolerance, max_iterations: limits for each state, as in `contact`.
+        grid_error: "refine" to solve each state on a grid of twice as many points along each side, too, for the errors
+            of areas and frictions by the finite grid.
         threads: number of threads; all cores by default.
         out: HDF5 file to write, as with `gfmd slide --out`. Unlike in `save`, its name is checked before the first
             state.
@@ -166,8 +174,8 @@ def slide(
         True
     """
     made, elastic = as_surface(surface), as_body(body, in_time=True)
-    if not elastic.prony and heat is None:
-        raise InputError("body is elastic; it must be viscoelastic to slide without heat: gfmd.Body(prony=...)")
+    if not elastic.prony and friction is None:
+        raise InputError("body is elastic; it must be viscoelastic to slide without friction: gfmd.Body(prony=...)")
     if "compliance" in elastic:
         raise InputError("body has a table of compliances; it must have moduli to slide")
     problem: dict[str, Any] = dict(
@@ -180,11 +188,15 @@ def slide(
         friction=None if friction is None else number("friction", friction),
         tolerance=number("tolerance", tolerance),
         max_iterations=integer("max_iterations", max_iterations),
+        grid_error=word("grid_error", grid_error),
         size=list(made.size),
         **_command.body_keys(elastic),
         **_command.relaxation_keys(elastic),
     )
-    values, failure, fields, file = _command.solve("slide", problem, {"surface": made.heights}, threads, out, made)
+    bound = as_hardness(hardness, made)
+    arrays: dict[str, Any] = {"surface": made.heights}
+    (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
+    values, failure, fields, file = _command.solve("slide", problem, arrays, threads, out, made)
     rows = []
     for state in values.pop("states"):
         state.pop("undefined", None)
@@ -194,5 +206,7 @@ def slide(
         rows.append({**state, **theory, **warm, **parts})
     columns = {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
     reported = {name: _command.records(value) for name, value in values.items()}
+    if isinstance(bound, np.ndarray):
+        reported["hardness"] = bound
     result = Slide({**reported, "unit": made.unit, "surface": made, "states": States(columns), **fields}, file)
     return _command.ended(result, failure)

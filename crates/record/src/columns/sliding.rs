@@ -1,13 +1,13 @@
 //! Numbers of a state that slides steadily.
 
-use gfmd_contact::{Effort, Fields as _};
+use gfmd_contact::{Effort, Fields as _, Plastic};
 use gfmd_heat::Heated;
-use gfmd_measure::{Scales, Summary};
+use gfmd_measure::{GridLimit, Scales, Summary};
 use gfmd_medium::{Persson, SlidingState};
 use gfmd_relax::worst;
 
-use crate::Cell;
 use crate::column::{Form, Origin, Subject, Table};
+use crate::{Cell, Record};
 
 /// States that slide steadily.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +20,10 @@ pub struct SlidingFacts {
     pub heat: bool,
     /// True if both bodies share the heat.
     pub shared: bool,
+    /// True if a hardness limits the pressure.
+    pub hardness: bool,
+    /// True if states on a finer grid give the error of the grid.
+    pub refined: bool,
 }
 
 /// Field of a state that slides steadily.
@@ -46,6 +50,12 @@ pub const SLIDING_FIELDS: &[SlidingField] = &[
     },
     SlidingField { name: "gap", unit: "length", meaning: "distance between the surfaces", present: any },
     SlidingField {
+        name: "plastic_depth",
+        unit: "length",
+        meaning: "depth by which the surfaces are pressed into each other beyond touching",
+        present: hardness,
+    },
+    SlidingField {
         name: "temperature",
         unit: "temperature",
         meaning: "temperature of the body's surface, above its mean",
@@ -69,6 +79,7 @@ pub struct SlidingContext<'a> {
     summary: Summary,
     tolerance: f64,
     seconds: f64,
+    finer: Vec<Result<Record<Sliding>, String>>,
 }
 
 impl<'a> SlidingContext<'a> {
@@ -80,7 +91,27 @@ impl<'a> SlidingContext<'a> {
         (scales, tolerance): (&Scales, f64),
         seconds: f64,
     ) -> Self {
-        Self { speed, state, heated, persson, summary: state.summary_in(scales), tolerance, seconds }
+        Self { speed, state, heated, persson, summary: state.summary_in(scales), tolerance, seconds, finer: Vec::new() }
+    }
+
+    /// Adds the numbers of the state on grids with twice as many points along each side, or why there are none.
+    #[must_use]
+    pub fn beside(self, finer: Vec<Result<Record<Sliding>, String>>) -> Self {
+        Self { finer, ..self }
+    }
+
+    /// Returns a number of the limit of a column on infinitely fine grids.
+    fn limit(&self, name: &str, of: fn(&GridLimit, f64) -> f64) -> Cell {
+        let column = COLUMNS.iter().find(|column| column.name == name);
+        let value = column.map_or(f64::NAN, |column| (column.value)(self).number());
+        let limits = self.finer.iter().map(|finer| match finer {
+            Ok(finer) => Ok(GridLimit::of_two_grids(value, finer.number(name))),
+            Err(reason) => Err(reason.clone()),
+        });
+        match limits.collect::<Result<Vec<_>, String>>() {
+            Ok(limits) => of(&GridLimit::between(&limits), value).into(),
+            Err(reason) => Cell::Undefined(reason.into()),
+        }
     }
 
     fn effort(&self) -> Effort {
@@ -120,6 +151,15 @@ fn heat(facts: &SlidingFacts) -> bool {
     facts.heat
 }
 
+fn hardness(facts: &SlidingFacts) -> bool {
+    facts.hardness
+}
+
+/// A number of the plastic points.
+fn of_plastic(at: &SlidingContext, of: fn(&Plastic) -> f64) -> Cell {
+    at.state.solution.plastic.as_ref().map_or(f64::NAN, of).into()
+}
+
 /// A number of the flash temperature, or the reason why nothing is heated.
 fn of_heat(at: &SlidingContext, of: fn(&Heated) -> f64) -> Cell {
     at.heated.map_or_else(|| Cell::undefined("the temperature was not found"), |heated| of(heated).into())
@@ -133,6 +173,47 @@ macro_rules! residual {
             .by(Origin::Residual)
     };
 }
+
+/// Columns for the limit of a number on infinitely fine grids, its error, and the grid error of the number, as those of
+/// [`State`](crate::State).
+macro_rules! limits {
+    ($name:literal, $unit:literal) => {
+        [
+            Column::new(
+                concat!($name, "_limit"),
+                $unit,
+                &[(any, concat!("estimate of ", $name, " on an infinitely fine grid under the same load"))],
+                |at| at.limit($name, |found, _| found.limit),
+            )
+            .with(refined)
+            .by(Origin::Grid),
+            Column::new(
+                concat!($name, "_limit_error"),
+                $unit,
+                &[(any, concat!("95 % of the errors of ", $name, "_limit are smaller"))],
+                |at| at.limit($name, |found, _| found.half_width),
+            )
+            .with(refined)
+            .by(Origin::Grid),
+            Column::new(
+                concat!($name, "_grid_error"),
+                $unit,
+                &[(any, concat!("error of ", $name, " by the finite grid: |", $name, " - limit| + limit_error"))],
+                |at| at.limit($name, GridLimit::error_of),
+            )
+            .with(refined)
+            .by(Origin::Grid),
+        ]
+    };
+}
+
+fn refined(facts: &SlidingFacts) -> bool {
+    facts.refined
+}
+
+const FRICTION: [Column; 3] = limits!("friction", "1");
+const HYSTERESIS: [Column; 3] = limits!("friction_hysteresis", "1");
+const AREA: [Column; 3] = limits!("area_fraction", "1");
 
 /// Numbers of a state, in the order in which they are printed.
 const COLUMNS: &[Column] = &[
@@ -156,13 +237,45 @@ const COLUMNS: &[Column] = &[
     .head("area", Form::Unsure),
     Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into()),
     Column::new("max_pressure", "stress", &[(any, "largest pressure")], |at| at.summary.max_pressure.into()),
-    Column::new("friction", "1", &[(any, "coefficient of friction, by the power lost in the body")], |at| {
-        at.state.friction.into()
+    Column::new("plastic_fraction", "1", &[(any, "points whose pressure is the hardness over all points")], |at| {
+        of_plastic(at, |plastic| plastic.fraction)
     })
+    .with(hardness)
+    .head("plastic", Form::Share),
+    Column::new("plastic_volume", "length", &[(any, "mean plastic depth over the whole surface")], |at| {
+        of_plastic(at, |plastic| plastic.volume)
+    })
+    .with(hardness)
+    .head("depth", Form::Size),
+    Column::new(
+        "friction",
+        "1",
+        &[(any, "coefficient of friction, lateral force over load: friction_interface + friction_hysteresis")],
+        |at| at.state.friction.into(),
+    )
     .head("friction", Form::Unsure),
-    Column::new("friction_slope", "1", &[(any, "coefficient of friction, by the pressure on the slopes")], |at| {
-        at.state.friction_slope.into()
-    })
+    Column::new(
+        "friction_interface",
+        "1",
+        &[(any, "coefficient of friction of the interface, mean shear over mean pressure")],
+        |at| at.state.friction_interface.into(),
+    ),
+    Column::new(
+        "friction_hysteresis",
+        "1",
+        &[(
+            any,
+            "coefficient of friction by the pressure on the slopes of the deformed body: without friction of the \
+             interface, the power lost in the body over velocity and mean pressure",
+        )],
+        |at| at.state.friction_hysteresis.into(),
+    ),
+    Column::new(
+        "friction_slope",
+        "1",
+        &[(any, "coefficient of friction, by the pressure on the slopes of the rough surface")],
+        |at| at.state.friction_slope.into(),
+    )
     .head("by slopes", Form::Unsure),
     Column::new("dissipated_power", "stress*length/time", &[(any, "power lost in the body, per area")], |at| {
         at.state.dissipated_power.into()
@@ -235,5 +348,15 @@ const COLUMNS: &[Column] = &[
     residual!("load", "|mean p - asked| / asked, from the final fields"),
     residual!("negative_pressure", "max(0, -min p) / mean p, from the final fields"),
     residual!("penetration", "max(0, -min gap) / h_rms, from the final fields"),
+    residual!("saturation", "largest gap / h_rms where the pressure is the hardness").with(hardness),
+    AREA[0],
+    AREA[1],
+    AREA[2],
+    FRICTION[0],
+    FRICTION[1],
+    FRICTION[2],
+    HYSTERESIS[0],
+    HYSTERESIS[1],
+    HYSTERESIS[2],
     Column::new("seconds", "s", &[(any, "wall time")], |at| at.seconds.into()).by(Origin::Clock),
 ];

@@ -262,22 +262,33 @@ const FLOW: &str = "\nFLOW: dict[str, str]\n";
 
 /// Returns the numbers of sliding states. Python has their residuals one by one.
 fn states() -> Vec<Property> {
-    let facts = [SlidingFacts::default(), SlidingFacts { heat: true, shared: true }];
+    let none = SlidingFacts::default();
+    let facts = [none, SlidingFacts { heat: true, shared: true, ..none }, SlidingFacts { hardness: true, ..none }];
+    let facts = [facts[0], facts[1], facts[2], SlidingFacts { refined: true, ..none }];
     let place = |column: &Column<Sliding>| {
         let is_listed = !column.json.is_empty() && !column.json.starts_with("residual.");
         is_listed.then(|| (column.name.to_owned(), None))
     };
     let shape = Shape { one: " [state]", ..OF_STEPS };
-    numbers_of::<Sliding>(&facts, (&shape, &only("With `heat`")), place, &[])
+    let words = |facts: &[SlidingFacts], present: Holds<SlidingFacts>| match facts.iter().all(present) {
+        true => None,
+        false if present(&none) => Some(String::new()),
+        false if facts.iter().any(|facts| present(facts) && facts.hardness) => Some("With `hardness`".to_owned()),
+        false if facts.iter().any(|facts| present(facts) && facts.refined) => {
+            Some("With `grid_error=\"refine\"`".to_owned())
+        }
+        false => Some("With `heat`".to_owned()),
+    };
+    numbers_of::<Sliding>(&facts, (&shape, &words), place, &[])
 }
 
 fn state_fields() -> Vec<Property> {
-    let words = |present: fn(&SlidingFacts) -> bool| match [false, true]
-        .map(|heat| present(&SlidingFacts { heat, shared: false }))
-    {
-        [true, _] => "",
-        [false, true] => ". With `heat` only",
-        [false, false] => ". With `heat` of both bodies only",
+    let none = SlidingFacts::default();
+    let words = |present: fn(&SlidingFacts) -> bool| match () {
+        () if present(&none) => "",
+        () if present(&SlidingFacts { hardness: true, ..none }) => ". With `hardness` only",
+        () if present(&SlidingFacts { heat: true, ..none }) => ". With `heat` only",
+        () => ". With `heat` of both bodies only",
     };
     let property = |field: &gfmd_record::SlidingField| Property {
         name: field.name.to_owned(),

@@ -14,7 +14,10 @@ use gfmd_input::source::{SourceArgs, Surface};
 
 /// Returns the surface of a problem on a grid with twice as many points along each side: once, or by both
 /// interpolations if the heights between the points are unknown. Empty unless `--grid-error refine` is requested.
-fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failure> {
+///
+/// # Errors
+/// Returns an error if no other grid of the problem is known.
+pub fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Failure> {
     let how = prepared.facts.grid_error;
     if how != GridError::Refine {
         return Ok(Vec::new());

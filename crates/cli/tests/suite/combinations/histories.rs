@@ -30,6 +30,8 @@ pub(crate) struct History {
     pub(crate) kind: Kind,
     /// True if only the shear modulus relaxes.
     pub(crate) is_of_shear: bool,
+    /// True if the interface of a sliding surface has friction.
+    pub(crate) rubs: bool,
     pub(crate) words: Vec<String>,
 }
 
@@ -123,7 +125,11 @@ impl History {
         if matches!(kind, Kind::Relaxing | Kind::Sliding) && dice.chance(0.3) {
             words.extend(["--moduli", "instantaneous"].map(str::to_owned));
         }
-        Some(Self { case, kind, is_of_shear, words })
+        let rubs = kind == Kind::Sliding && dice.chance(0.5);
+        if rubs {
+            words.push(format!("--friction={:.3}", dice.between(0.0, 1.0)));
+        }
+        Some(Self { case, kind, is_of_shear, rubs, words })
     }
 }
 
@@ -143,6 +149,7 @@ impl Problem for History {
         let all = [
             (true, kind),
             (self.is_of_shear, "relaxing shear"),
+            (self.rubs, "sliding with friction"),
             (self.case.is_line, "profile"),
             (self.case.is_free, "free boundaries"),
             (!self.case.body.is_half_space(), "layers"),
@@ -258,7 +265,7 @@ fn below(found: &mut Found, history: &History, folder: &Path, out: &str) {
     let output = gfmd(folder, &words);
     let reported = String::from_utf8_lossy(&output.stderr);
     let relaxes = matches!(history.kind, Kind::Relaxing | Kind::Sliding);
-    let unknown = case.is_free || history.is_of_shear || history.kind == Kind::Heat;
+    let unknown = case.is_free || history.is_of_shear || history.kind == Kind::Heat || history.rubs;
     match output.status.code() {
         Some(2) => {
             let shallow = case.body.first.height() < 0.2 && !matches!(case.body.first.base, Base::HalfSpace(..));
