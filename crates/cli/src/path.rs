@@ -120,8 +120,9 @@ pub struct Args {
     energy_solves: Option<u64>,
     /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear, with many panels
     /// PREFIX-time; the losses by cause: PREFIX-losses; with wear PREFIX-wear and of the last step PREFIX-profile,
-    /// PREFIX-depth; of a body that yields PREFIX-imprint (residual topography), PREFIX-strain (section below the surface); the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both
-    /// surfaces and the pressure along x), with an attraction PREFIX-traction
+    /// PREFIX-depth; of a body that yields PREFIX-imprint (residual topography), PREFIX-strain (section below the
+    /// surface); the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both surfaces
+    /// and the pressure along x), with an attraction PREFIX-traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,

@@ -128,8 +128,8 @@ fn below(body: &Body, depth: f64) -> Result<Below, PlasticityError> {
 }
 
 impl Cells {
-    /// Returns the cells in a body below a surface on `grid`, from the surface down. `hardening` has one entry per layer
-    /// of the body, from the top, `None` for a layer that does not yield.
+    /// Returns the cells in a body below a surface on `grid`, from the surface down. `hardening` has one entry per
+    /// layer of the body, from the top, `None` for a layer that does not yield.
     ///
     /// # Errors
     /// The errors of [`YieldingContact::new`](crate::YieldingContact::new), without those of the surface.

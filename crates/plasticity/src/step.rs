@@ -23,8 +23,8 @@ const CONTACT_MOST: f64 = 1e-7;
 const CONTACT_LEAST: f64 = 1e-14;
 
 /// Residual divided by the residual before, above which a Newton step may be disturbed by the error of the contact, and
-/// the factor on the tolerance of the contact after such a step. A gap counts relative to the rms height of the surface,
-/// which may be many times the displacement of a small contact.
+/// the factor on the tolerance of the contact after such a step. A gap counts relative to the rms height of the
+/// surface, which may be many times the displacement of a small contact.
 const DISTURBED: f64 = 0.5;
 const TIGHTENING: f64 = 0.1;
 

@@ -397,7 +397,8 @@ impl StepCheck<'_> {
         Ok(())
     }
 
-    /// Compares the plastic displacement of a state with its numbers, and the rest of the displacement with the pressure.
+    /// Compares the plastic displacement of a state with its numbers, and the rest of the displacement with the
+    /// pressure.
     fn yielded(
         &self,
         (waypoint, step): (usize, usize),

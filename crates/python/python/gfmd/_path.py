@@ -114,7 +114,7 @@ class Path(Leaks, Computed, StepFields):
 
     @property
     def plastic_displacement(self) -> Array:
-        """The normal displacement by plastic strain [waypoint, x, y], length; once unloaded, the residual topography."""
+        """The normal displacement by plastic strain [waypoint, x, y], length; unloaded, the residual topography."""
         field: Array = self.plastic_displacement_z
         return field
 
