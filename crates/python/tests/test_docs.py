@@ -148,7 +148,8 @@ def test_results_have_the_attributes_that_are_documented(words):
     parts = dict(law=law, friction=0.3, hardness=0.05, wear=gfmd.Wear(1.0), p_star=0.05, lateral=[0, 0.001])
     composed = gfmd.path(slab, rubber, time=[0, 1], distance=[0, 0.1], steps=1, **parts)
     warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
-    sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm)]
+    refined = gfmd.slide(slab, rubber, velocity=1.0, p_star=0.05, hardness=0.05, grid_error="refine")
+    sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm), refined]
     examples = [
         (
             gfmd.Contact,
