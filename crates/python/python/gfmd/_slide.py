@@ -31,6 +31,7 @@ class Slide(Computed, StateFields):
         direction: unit vector of the velocity.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
         hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
+        grid_error: how the grid error was found: `mode`, `n`, `assumes`; with `grid_error="refine"` only.
         warnings: a Record for each warning of the computation: `code`, `text`.
         surface, n, size, unit, rms_gradient, rms_height, e_star: parameters of the problem.
 
@@ -48,6 +49,7 @@ class Slide(Computed, StateFields):
     young_long_term: float
     young_instantaneous: float
     hardness: Union[float, Array]
+    grid_error: Record
     surface: Surface
     n: list[int]
     size: list[float]
