@@ -12,6 +12,12 @@ use crate::{Interface, State};
 /// Largest accepted error of a result.
 const ERROR: f64 = 1e-8;
 
+/// Residual of the linear problem of derivatives, relative to the first one.
+const EXACT: f64 = 1e-11;
+
+/// Largest residual of the linear problem of a stiffness, whose error is its square times the condition number.
+const LOOSEST: f64 = 1e-5;
+
 /// Reason why an approach in full contact has no derivatives.
 const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not determine \
                     the pressure";
@@ -20,16 +26,18 @@ impl Interface {
     /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by
     /// the wall kept, and the pressure of points at the hardness. The attraction counts, and under tension the
     /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed, NaN for a profile whose
-    /// approach is known up to a constant. The error is the relative error of the linear problem.
+    /// approach is known up to a constant. The error is the relative residual of the linear problem.
+    ///
+    /// The linear problem is solved to a residual of `tolerance`, 1e-11 to 1e-5.
     ///
     /// # Errors
     /// Returns the errors of [`gradient`](Self::gradient); a hardness is none.
-    pub fn stiffness(&self, state: &State) -> Result<Stiffness, GradientError> {
+    pub fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, GradientError> {
         if !self.patch.as_ref().is_none_or(Patch::has_level) {
             return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
         }
         let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
-        match self.derivatives(state, Load::Approach(state.approach), &of) {
+        match self.derivatives(state, Load::Approach(state.approach), &of, tolerance.clamp(EXACT, LOOSEST)) {
             Ok(Gradient { load: value, error, effort, .. }) => Ok(Stiffness { value, error, effort }),
             Err(GradientError::Undetermined(FULL)) => {
                 Ok(Stiffness { value: f64::INFINITY, error: 0.0, effort: Effort::default() })
@@ -50,11 +58,18 @@ impl Interface {
         if self.hardness.is_some() {
             return Err(GradientError::Hardness);
         }
-        self.derivatives(state, load, of)
+        self.derivatives(state, load, of, EXACT)
     }
 
-    /// Computes the [`gradient`](Self::gradient); points at the hardness keep their pressure.
-    fn derivatives(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
+    /// Computes the [`gradient`](Self::gradient), from a linear problem solved to a relative residual of `tolerance`;
+    /// points at the hardness keep their pressure.
+    fn derivatives(
+        &self,
+        state: &State,
+        load: Load,
+        of: &Cotangents,
+        tolerance: f64,
+    ) -> Result<Gradient, GradientError> {
         let shape: [usize; 2] = self.surface.grid().points();
         if self.has_springs() {
             return Err(GradientError::Undetermined(
@@ -122,11 +137,11 @@ impl Interface {
         let of_position = problem.elastic(&by_pressure);
         let source: Vec<f64> = of_position.iter().zip(&by_gap).map(|(k, gap)| level - k - gap).collect();
         let Adjoint { values, level: mean, error, lowest, effort: (iterations, transform_pairs) } =
-            problem.solve(&source, -total(&by_pressure));
+            problem.solve(&source, -total(&by_pressure), tolerance);
         if lowest <= 0.0 || lowest.is_nan() {
             return Err(GradientError::Unstable { lowest });
         }
-        if error.is_nan() || error > ERROR {
+        if error.is_nan() || error > ERROR.max(2.0 * tolerance) {
             return Err(GradientError::Inexact { error, iterations });
         }
         let whole: Vec<f64> = by_pressure.iter().zip(&values).map(|(by, v)| by + v).collect();

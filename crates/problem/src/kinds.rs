@@ -142,8 +142,8 @@ impl ContactKind for Interface {
         Interface::recall(self, StoredFields { approach, ..stored })
     }
 
-    fn stiffness(&self, state: &State, _: f64) -> Result<Stiffness, NoStiffness> {
-        Interface::stiffness(self, state).map_err(|error| NoStiffness::Undefined(error.to_string().into()))
+    fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        Interface::stiffness(self, state, tolerance).map_err(|error| NoStiffness::Undefined(error.to_string().into()))
     }
 
     fn reading(&self, state: &State) -> Reading {

@@ -10,11 +10,11 @@ use crate::Interface;
 use crate::frame::Frame;
 use crate::numbers::mean_where;
 
-/// Residual at which the search ends, relative to the first residual.
-const TOLERANCE: f64 = 1e-11;
-
-/// Accuracy of one search; the next one starts with the residual from fresh transforms.
+/// Best accuracy of one search; the next one starts with the residual from fresh transforms.
 const ACCURACY: f64 = 1e-9;
+
+/// Accuracy of one search relative to the tolerance.
+const OF_TOLERANCE: f64 = 0.3;
 
 /// Maximum number of searches, of up to 200 iterations each.
 const SEARCHES: u64 = 12;
@@ -116,8 +116,10 @@ impl<'a> Linear<'a> {
         level
     }
 
-    /// Solves the problem; if the mean is held, `sum` is the sum of v.
-    pub(crate) fn solve(&mut self, source: &[f64], sum: f64) -> Adjoint {
+    /// Solves the problem to a residual of `tolerance` relative to the first one; if the mean is held, `sum` is the sum
+    /// of v.
+    pub(crate) fn solve(&mut self, source: &[f64], sum: f64, tolerance: f64) -> Adjoint {
+        let accuracy = (OF_TOLERANCE * tolerance).max(ACCURACY);
         let count = self.free.iter().sum::<f64>();
         let start = if self.frame.held[0] && count > 0.0 { sum / count } else { 0.0 };
         let mut values: Vec<f64> = self.free.iter().map(|free| start * free).collect();
@@ -126,9 +128,9 @@ impl<'a> Linear<'a> {
         let mut level = self.residual(source, &values, &mut residual);
         let first = dot(&residual, &residual).sqrt();
         let (mut error, mut searches, mut lowest) = (if first > 0.0 { 1.0 } else { 0.0 }, 0, f64::INFINITY);
-        while error > TOLERANCE && searches < SEARCHES {
+        while error > tolerance && searches < SEARCHES {
             region.vectors.residual.copy_from_slice(&residual);
-            lowest = lowest.min(region.probe(&mut self.model, &self.reaction, ACCURACY));
+            lowest = lowest.min(region.probe(&mut self.model, &self.reaction, accuracy));
             searches += 1;
             if lowest <= 0.0 || lowest.is_nan() {
                 break;

@@ -97,7 +97,7 @@ impl QuasistaticContact {
                     Stiffening::All(factor) => (*factor, interface.weakened(*factor)),
                     Stiffening::Waves(factors) => (1.0, interface.stiffened(factors)?),
                 };
-                let found = interface.stiffness(&state.times(1.0, 1.0 / factor))?;
+                let found = interface.stiffness(&state.times(1.0, 1.0 / factor), tolerance)?;
                 Ok(self.given_stiffness(found, factor))
             }
             Normal::Wall(contact) => {

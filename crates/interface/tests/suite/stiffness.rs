@@ -26,7 +26,7 @@ fn with_a_law_it_is_the_derivative_of_the_mean_pressure_also_under_tension_and_o
         let mut state = None;
         for approach in [0.01, 0.004, -0.003] {
             let reached = approached(&interface, approach, Load::Approach(0.0).into(), state.as_ref());
-            let found = interface.stiffness(&reached).unwrap();
+            let found = interface.stiffness(&reached, 1e-9).unwrap();
             let step = 1e-6;
             let [above, below] = [1.0, -1.0]
                 .map(|sign| approached(&interface, approach + sign * step, Load::Approach(0.0).into(), Some(&reached)));
@@ -45,7 +45,7 @@ fn a_law_without_attraction_has_the_stiffness_of_the_hard_wall() {
     let heights = rough(&grid, 3);
     let interface = Interface::new(&body, &grid, &heights, HardWall).unwrap();
     let contact = Contact::new(&body, &grid, &heights).unwrap();
-    let found = interface.stiffness(&approached(&interface, 0.008, Load::Approach(0.0).into(), None)).unwrap();
+    let found = interface.stiffness(&approached(&interface, 0.008, Load::Approach(0.0).into(), None), 1e-9).unwrap();
     let wall = contact.stiffness(&approached(&contact, 0.008, Load::Approach(0.0).into(), None), 1e-9).unwrap();
     approx::assert_relative_eq!(found.value, wall.value, max_relative = 1e-8);
 }
