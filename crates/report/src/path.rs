@@ -252,7 +252,8 @@ pub fn work_imbalance(column: impl Fn(&str) -> Vec<f64>) -> Option<f64> {
     let known: Vec<(usize, f64)> =
         column("work_imbalance").into_iter().enumerate().filter(|(_, value)| value.is_finite()).collect();
     let first = usize::from(loads_at_once(column));
-    let sum = known.iter().filter(|(step, _)| *step >= first).map(|(_, value)| value).sum();
+    // A sum of no numbers would be -0.
+    let sum = known.iter().filter(|(step, _)| *step >= first).fold(0.0, |sum, (_, value)| sum + value);
     (!known.is_empty()).then_some(sum)
 }
 
