@@ -28,7 +28,7 @@ impl Interface {
     /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed, NaN for a profile whose
     /// approach is known up to a constant. The error is the relative residual of the linear problem.
     ///
-    /// The linear problem is solved to a residual of `tolerance`, 1e-11 to 1e-5.
+    /// The linear problem is solved to a residual of `tolerance`, but at least to 1e-5 and at most to 1e-11.
     ///
     /// # Errors
     /// Returns the errors of [`gradient`](Self::gradient); a hardness is none.

@@ -69,7 +69,7 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| yielding(at, PlasticState::yield_depth),
     )
     .with(yields)
-    .head("depth", Form::Size),
+    .head("yielded", Form::Size),
     Column::new(
         "plastic_displacement_mean",
         "length",
