@@ -663,7 +663,9 @@ class Steps(Record):
         contact stay in contact, those at the hardness keep their pressure (under a growing load; unloaded, the
         contact is stiffer), nothing wears off, and a body that relaxes has its instantaneous moduli; NaN where it is
         infinite (full contact with a fixed mean level) or not computed (with shear): the attribute undefined says
-        why.
+        why. With `yield_stress`: d(mean pressure)/d(approach) at the end of the step with the points in contact
+        kept: elastic, as unloading begins; NaN where it is infinite (full contact with a fixed mean level): the
+        attribute undefined says why.
         """
 
     @property
