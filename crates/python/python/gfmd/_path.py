@@ -244,8 +244,11 @@ def _spread(field: Array, points: list[int]) -> Array:
     return field
 
 
-def _column(values: list[Any]) -> Array:
-    """Returns a column of the steps as an array, with NaN for missing values and components."""
+def _column(values: list[Any]) -> Any:
+    """Returns a column of the steps as an array, with NaN for missing values and components; of groups a Record."""
+    if any(isinstance(value, dict) for value in values):
+        names = dict.fromkeys(name for value in values if value for name in value)
+        return Record({name: _column([value and value.get(name) for value in values]) for name in names})
     made = np.array([np.nan if value is None else value for value in values])
     return made.astype(float) if made.dtype == object else made
 
@@ -269,16 +272,6 @@ def _flow(found: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _flat(step: dict[str, Any]) -> dict[str, Any]:
-    """Returns the numbers of a step by column name: the parts of a group begin with its name."""
-    flat: dict[str, Any] = {}
-    for name, value in step.items():
-        flat.update(
-            {f"{name}_{part}": own for part, own in value.items()} if isinstance(value, dict) else {name: value}
-        )
-    return flat
-
-
 # Keys of the report that are named as in `Body`.
 _OF_BODY = {"yield": "yield_stress", "kinematic": "kinematic_hardening"}
 
@@ -290,7 +283,7 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     for step in values["steps"]:
         undefined |= by_name(step.pop("undefined", {}))
     flows = [_flow(step.pop("flow", {})) for step in values["steps"]]
-    rows = [{**_flat(step), **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
+    rows = [{**step, **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
     reported = {_OF_BODY.get(name, name): _command.records(value) for name, value in values.items()}

@@ -97,6 +97,7 @@ def described(of: Any, name: str, units: Optional[Units] = None) -> dict[str, st
 
 def column(table: Record, name: Any) -> tuple[str, Array]:
     """Returns the name and values of a scalar of the steps or states of a result."""
+    table = flat(table)
     if not isinstance(name, str) or name not in table or table[name].ndim != 1:
         scalars = (key for key, values in table.items() if values.ndim == 1)
         raise InputError(f"the scalar is {shown(name)}; it must be one of {', '.join(scalars)}")
@@ -138,8 +139,18 @@ def caption(name: str, values: Array, units: Units) -> tuple[float, str]:
     return factor, words if unit == "1" else f"{words} ({unit})"
 
 
+def flat(table: Record) -> Record:
+    """Returns the columns of a table with the parts of groups beside the others, `group_part`."""
+    columns: dict[str, Any] = {}
+    for name, values in table.items():
+        parts = values.items() if isinstance(values, Record) else [("", values)]
+        columns.update({f"{name}_{part}" if part else name: own for part, own in parts})
+    return Record(columns)
+
+
 def table_dataset(result: Any, table: Record, row: str, field_row: str) -> Any:
     """Returns an xarray.Dataset of the scalars [row] and the fields [field_row, y, x] of a result."""
+    table = flat(table)
     units, count = result.units, max((len(values) for values in table.values()), default=0)
     along = {"velocity"} & set(table)
     variables = {
@@ -166,7 +177,7 @@ def table_frame(result: Any, columns: Record) -> Any:
     """Returns the numbers of steps or states as a pandas.DataFrame; vector components end in the name of the axis."""
     found: dict[str, Array] = {}
     names: dict[str, str] = {}
-    for name, values in columns.items():
+    for name, values in flat(columns).items():
         parts = (
             [(name, values)] if values.ndim == 1 else [(f"{name}_{axis}", values[:, k]) for k, axis in enumerate("xy")]
         )
