@@ -176,7 +176,7 @@ struct SlideInput {
     velocities: Vec<Velocity>,
 }
 
-/// The same problem on a grid with twice as many points along each side.
+/// Problem on a grid with twice as many points along each side.
 struct Finer {
     args: Args,
     input: SlideInput,
@@ -379,7 +379,7 @@ impl SlideInput {
         let Self { prepared, sliding, velocities, .. } = self;
         let mut head = Head::new(&args.asked()?, prepared, sliding.contact().surface());
         head.relaxation = args.prony.relaxation(&args.body)?;
-        // The orders are those of contacts at rest.
+        // Contacts at rest have these orders.
         head.grid_error.iter_mut().for_each(|found| found.orders.clear());
         let direction = velocities[0].direction();
         let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };

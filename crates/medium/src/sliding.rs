@@ -162,7 +162,7 @@ impl SlidingContact {
         Ok(Self { contact, spectrum, stiffness, heights, transform, rubbing: None })
     }
 
-    /// Adds Coulomb friction with this `coefficient` between the surfaces, all of whose points slide. `body` is the
+    /// Adds Coulomb friction with this `coefficient` between the surfaces, which slide at all points. `body` is the
     /// body of the contact, and relaxes by `prony` if it relaxes.
     ///
     /// # Errors
@@ -346,7 +346,7 @@ impl Rubbing {
         }
         let along = velocity.direction();
         let [x, y] = [0, 1].map(|axis| mode.wavevector[axis] / mode.wavenumber() * along[axis]);
-        // What is odd in the component of a Nyquist wave cancels for its aliases.
+        // Odd parts of a Nyquist wave cancel between its aliases.
         let odd = [x, y].into_iter().zip(mode.nyquist).map(|(part, is_nyquist)| if is_nyquist { 0.0 } else { part });
         let mixed = if mode.nyquist.contains(&true) { 0.0 } else { 2.0 * x * y };
         let parallel = x * x + y * y + mixed;

@@ -132,7 +132,7 @@ impl Cells {
     /// layer of the body, from the top, `None` for a layer that does not yield.
     ///
     /// # Errors
-    /// The errors of [`YieldingContact::new`](crate::YieldingContact::new), without those of the surface.
+    /// The errors of [`YieldingContact::new`](crate::YieldingContact::new), except for the heights.
     pub fn in_body(
         &self,
         body: &Body,

@@ -295,8 +295,8 @@ fn check_inside(record: &toml::Table, between: bool) -> Result<(), String> {
         return Err("the body of this contact is a table of compliances; the fields inside are not known".into());
     }
     if record.contains_key("yield_stress") {
-        let text = "the body of this contact yields; its fields inside are those of its plastic strain, too, which are \
-                    not available";
+        let text = "the body of this contact yields; the fields inside include residual stress by plastic strain, and \
+                    are not available";
         return Err(text.into());
     }
     if relaxes(record) {

@@ -32,7 +32,7 @@ pub(super) struct Source {
 }
 
 impl HeatArgs {
-    /// The heat that is asked for, if any is: that of this `friction`.
+    /// Returns the requested heat, which this `friction` makes; `None` without heat.
     pub(super) fn source(&self, friction: Option<f64>) -> Result<Option<Source>, Failure> {
         let thermal = |conductivity: f64, diffusivity: f64| {
             Thermal::new(conductivity, diffusivity).map_err(|error| Failure::input(key("heat"), error))

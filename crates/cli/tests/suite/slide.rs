@@ -227,7 +227,7 @@ fn friction_adds_to_the_hysteresis_of_an_incompressible_half_space() {
     }
 }
 
-/// The state on the finer grid is that of the program itself on this grid.
+/// Checks that the state on the finer grid has the numbers of a run on this grid.
 #[test]
 fn grid_errors_follow_from_a_finer_grid() {
     let folder = tempfile::tempdir().unwrap();

@@ -18,7 +18,7 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or_else(|| panic!("{key} in {value}"))
 }
 
-/// Returns the change of the mean pressure divided by that of the approach.
+/// Returns the change of the mean pressure divided by the change of the approach.
 fn quotient([from, to]: [&Value; 2]) -> f64 {
     let change = |key: &str| number(to, key) - number(from, key);
     change("mean_pressure") / change("approach")

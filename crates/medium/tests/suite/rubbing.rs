@@ -277,7 +277,7 @@ fn a_hardness_has_its_limits() {
     assert!(refused.unwrap_err().to_string().contains("hardness"));
 }
 
-/// Both frictions agree only if the slopes are those of the flattened surface.
+/// Checks that both frictions agree, which needs the slopes of the flattened surface.
 #[test]
 fn slopes_are_those_of_the_flattened_surface() {
     let apart = |n: usize| {

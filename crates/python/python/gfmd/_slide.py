@@ -153,7 +153,7 @@ def slide(
         direction: direction of the velocity, degrees from x.
         heat: conductivity and diffusivity of the body, then of the surface if it shares the heat: two or four numbers,
             or strings with a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
-        friction: coefficient of friction of the interface, all of whose points slide: the shear friction * pressure
+        friction: coefficient of friction of the interface, which slides at all points: the shear friction * pressure
             lifts the surface of a compressible body, adds to the friction, and makes the heat friction * pressure *
             velocity; required with `heat`.
         hardness: largest pressure, stress, a number or an array of the shape of the heights, as in `contact`.

@@ -523,7 +523,7 @@ fn stiffness(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], sur
     conductance(found, case, load, surely);
 }
 
-/// Compares the stiffness of a state with that of a dense compliance.
+/// Compares the stiffness of a state with the stiffness from a dense compliance.
 pub(crate) fn tangent(found: &mut Found, case: &Case, load: &Value, pressure: &[f64], elastic: &Elastic) {
     let has_stiffness = case.law.is_none()
         && !case.is_steep
