@@ -204,7 +204,7 @@ impl StepCheck<'_> {
         Ok(())
     }
 
-    /// Compares the stiffness with the value from the stored pressure and gap; surfaces that shear each other have none.
+    /// Compares the stiffness with its value from the stored pressure and gap; surfaces that shear have none.
     fn stiffness(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
         let file = self.stored;
         let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
