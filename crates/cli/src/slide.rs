@@ -142,7 +142,7 @@ impl Args {
         toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
     }
 
-    /// The coefficient of friction of the interface, if it is given.
+    /// Returns the coefficient of friction of the interface, if it is given.
     fn friction(&self) -> Result<Option<f64>, Failure> {
         match self.friction {
             Some(found) if !(found >= 0.0 && found <= *SIZES.end()) => {
@@ -186,7 +186,7 @@ struct Finer {
 }
 
 impl Finer {
-    /// Poses a problem on finer grids, if it is asked for.
+    /// Poses the problem on finer grids, if requested.
     fn pose(args: &Args, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
         let pose = |source: SourceArgs| {
             let args = Args { source, grid_error: GridError::None, ..args.clone() };

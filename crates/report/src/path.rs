@@ -163,6 +163,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("hardness", Kinds::HARDNESS),
         ("yield_stress", Kinds::STRESS),
         ("hardening", Kinds::STRESS),
+        ("hardening_curve", Kinds::HARDENING_CURVE),
         ("kinematic_hardening", Kinds::STRESS),
         ("layer_yield", Kinds::STRESS),
         ("coefficient", Kinds::WEAR),

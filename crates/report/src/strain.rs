@@ -23,7 +23,8 @@ pub fn imprint_of<R>(grid: &Grid, displacement: &[f64], unit: &str, take: impl F
 }
 
 /// Passes the section of the equivalent plastic strain through its largest value, along x, to `take`; `None` if nothing
-/// has yielded. The cells have these `depths` of their bottoms and these strains, each on its own grid.
+/// has yielded, or if there is a cell without points. The cells have these `depths` of their bottoms and these strains,
+/// each on its own grid.
 pub fn section_of<R>(
     grid: &Grid,
     depths: &[f64],
@@ -31,6 +32,9 @@ pub fn section_of<R>(
     unit: &str,
     take: impl FnOnce(&Drawn) -> R,
 ) -> Option<R> {
+    if equivalent.len() != depths.len() || equivalent.iter().any(Array2::is_empty) {
+        return None;
+    }
     let [nx, ny] = grid.points();
     let of_cell = |strain: &Array2<f64>| strain.iter().copied().fold(0.0, f64::max);
     let peaks: Vec<f64> = equivalent.iter().map(of_cell).collect();
@@ -78,4 +82,33 @@ pub(crate) fn strained_body(page: &mut Page, reader: &Reader, surface: &StoredSu
             html! { "Equivalent plastic strain in the plane through its largest value, after the last step." };
         page.field(drawn, "the plastic zone below the surface", &caption);
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_section_goes_through_the_largest_strain_and_needs_points() {
+        let grid = Grid::square(4, 1.0).unwrap();
+        let mut top = Array2::zeros((4, 4));
+        top[[1, 3]] = 0.2;
+        // The second cell has a grid of half the points.
+        let mut below = Array2::zeros((2, 2));
+        below[[0, 1]] = 0.1;
+        let cells = [top, below];
+        let drawn = section_of(&grid, &[0.1, 0.4], &cells, "length", |drawn| match drawn {
+            Drawn::Map(map) => (map.values.to_vec(), map.shape, map.x.clone()),
+            Drawn::Chart(_) => panic!("a section is a map"),
+        });
+        let (values, shape, label) = drawn.unwrap();
+        assert_eq!(shape, [4, ROWS]);
+        assert!(label.ends_with("0.75"), "{label}");
+        // From the bottom up, at the second place along x.
+        let column = &values[ROWS..2 * ROWS];
+        assert_eq!((column[0], column[ROWS - 1]), (0.1, 0.2));
+        assert!(values[3 * ROWS..].iter().all(|strain| *strain == 0.0));
+        let none = |cells: &[Array2<f64>]| section_of(&grid, &[0.1], cells, "length", |_| ()).is_none();
+        assert!(none(&[Array2::zeros((4, 4))]) && none(&[Array2::zeros((0, 0))]) && none(&[]));
+    }
 }

@@ -155,7 +155,7 @@ fn hardness(facts: &SlidingFacts) -> bool {
     facts.hardness
 }
 
-/// A number of the plastic points.
+/// Returns a number of the plastic points.
 fn of_plastic(at: &SlidingContext, of: fn(&Plastic) -> f64) -> Cell {
     at.state.solution.plastic.as_ref().map_or(f64::NAN, of).into()
 }
@@ -174,8 +174,8 @@ macro_rules! residual {
     };
 }
 
-/// Columns for the limit of a number on infinitely fine grids, its error, and the grid error of the number, as those of
-/// [`State`](crate::State).
+/// Columns for the limit of a number on infinitely fine grids, its error, and the grid error of the number, like the
+/// columns of [`State`](crate::State).
 macro_rules! limits {
     ($name:literal, $unit:literal) => {
         [
