@@ -35,7 +35,7 @@ mod equilibrium;
 
 pub use cells::{Cell, Cells};
 pub use error::PlasticityError;
-pub use gfmd_contact::{Body, Budget, Contact, Fields, Grid, Load, Material, Refusal, SolveError};
+pub use gfmd_contact::{Body, Budget, Contact, Fields, Grid, Load, Material, Refusal, SolveError, Why};
 pub use hardening::Hardening;
 pub use ndarray;
 pub use plastic::PlasticStrain;

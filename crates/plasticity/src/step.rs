@@ -110,7 +110,8 @@ impl YieldingContact {
     ///
     /// # Errors
     /// [`SolveError::Refused`] for an invalid load, a load of 0.95 of the pressure at which a whole half-space yields,
-    /// and the state of another contact; otherwise an error that contains the state reached.
+    /// and the state of another contact; otherwise an error that contains the state reached, also if its lowest graded
+    /// cell yields ([`Why::LowestCell`]).
     pub fn step(
         &self,
         before: &PlasticState,
@@ -136,7 +137,9 @@ impl YieldingContact {
             tightening: 1.0,
         };
         let (state, ending) = search.run()?;
-        judge(state, ending, budget.tolerance)
+        // Residuals of the search do not include the depth of the cells.
+        let is_deeper = matches!(ending, Ending::Converged) && state.residual.bottom > 0.0;
+        judge(state, if is_deeper { Ending::GaveUp(Why::LowestCell) } else { ending }, budget.tolerance)
     }
 }
 

@@ -36,7 +36,7 @@ impl MemoryNeed {
     /// Flow through the gap of a contact, with the state at rest.
     pub const FLOW: Self = Self(48);
     /// Flow through the gap on a path, with the previous state.
-    pub const FLOW_ON_PATH: Self = Self(52);
+    pub const FLOW_ON_PATH: Self = Self(54);
     /// Flow alone, through a given gap.
     pub const FLOW_ALONE: Self = Self(34);
 

@@ -36,6 +36,9 @@ pub enum Why {
     /// An intermediate problem, for example the contact with a displaced surface, has no solution.
     #[error("the contact of the displaced surface has no solution")]
     Displaced,
+    /// A body yields in the lowest of its cells, and below it cannot.
+    #[error("the lowest cell yields, and the body below it cannot")]
+    LowestCell,
     /// Too many steps in a row went uphill.
     #[error("{found} steps in a row went uphill; at most {allowed} are allowed")]
     Uphill {

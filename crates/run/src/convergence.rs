@@ -255,6 +255,7 @@ fn advice(why: &Why, history: &History, tolerance: f64) -> Words {
             words!["rounding may keep the residual up; try ", looser, ", or another ", key("solver")]
         }
         Why::Circles | Why::Displaced => "try smaller steps of the load".into(),
+        Why::LowestCell => words!["try ", key("cells"), " that reach deeper, or a lower load"],
         Why::Uphill { .. } | Why::Unsettled => words!["try another ", key("solver"), ", or smaller steps of the load"],
         _ => words![
             "try another ",

@@ -250,3 +250,20 @@ fn what_makes_no_sense_is_refused_by_name() {
     let message = String::from_utf8_lossy(&beyond.stderr).into_owned();
     assert!(message.contains("near which the whole half-space yields"), "{message}");
 }
+
+/// Cells made by the program that end within the plastic zone are a failure, with advice; the state is still written.
+#[test]
+fn strain_below_the_cells_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = |i: usize| (TAU * i as f64 / 32.0).cos();
+    let heights = Array2::from_shape_fn((32, 32), |(i, j)| 0.01 * (wave(i) + wave(j)));
+    ndarray_npy::write_npy(folder.path().join("wave.npy"), &heights).unwrap();
+    let line = "path --surface wave.npy --poisson 0.3 --yield 0.0024 --hardening 0.01 --pressure 0.0015 --steps 1";
+    let output = gfmd(folder.path(), &words(&format!("{line} --out w.h5")));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("the lowest cell yields, and the body below it cannot"), "{message}");
+    assert!(message.contains("try --cells that reach deeper"), "{message}");
+    let deeper = json(folder.path(), &words(&format!("{line} --cells uniform:24,1 --json")));
+    assert_eq!(deeper["steps"][0]["residual"]["bottom"], 0.0);
+}

@@ -6,7 +6,7 @@ use gfmd_contact::{Equilibrium, Progress, Resumable, Visit};
 use gfmd_plasticity::ndarray::Array2;
 use gfmd_plasticity::{
     Body, Budget, Cells, Contact, Fields, Grid, Hardening, Load, Material, PlasticState, PlasticityError, Refusal,
-    SolveError, YieldingContact,
+    SolveError, Why, YieldingContact,
 };
 
 use crate::reference::{cases, contact, load};
@@ -176,6 +176,28 @@ fn invalid_problems_and_loads_are_refused() {
     assert!(matches!(mixed, Err(SolveError::Refused(Refusal::OtherKind))));
     let flat = Array2::zeros((32, 32));
     assert!(Contact::new(&Body::half_space(material()), &grid, &flat).is_err());
+}
+
+#[test]
+fn strain_below_graded_cells_is_a_failure_with_its_reason() {
+    let grid = Grid::square(32, 1.0).unwrap();
+    let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 32.0).cos();
+    let heights = Array2::from_shape_fn((32, 32), |(i, j)| 0.01 * (wave(i) + wave(j)));
+    let body = Body::half_space(material());
+    let solve = |cells: &Cells| {
+        let steel = Some(Hardening::new(0.0024).unwrap().isotropic(0.01).unwrap());
+        let contact = YieldingContact::new(&body, &grid, &heights, &[steel], cells).unwrap();
+        contact.step(&contact.rest().unwrap(), Load::MeanPressure(0.0015), &Budget::default(), &mut ())
+    };
+    let Err(SolveError::NotConverged { state, why: Why::LowestCell, .. }) = solve(&Cells::default()) else {
+        panic!("strain below the cells is not a failure")
+    };
+    assert!(state.yields_at_bottom() && state.residual.bottom == 1.0);
+    // Deeper cells hold the strain, and cells that are given may end within it.
+    let deep = solve(&Cells::Uniform { count: 24, depth: 1.0 }).unwrap();
+    assert!(!deep.yields_at_bottom());
+    let shallow = solve(&Cells::Uniform { count: 4, depth: 0.1 }).unwrap();
+    assert!(shallow.yields_at_bottom() && shallow.residual.bottom == 0.0);
 }
 
 /// Numbers of a state, written and read in order.
