@@ -1,17 +1,20 @@
 //! Plastic strain, stored where the material has yielded.
 
+use std::sync::Arc;
+
 use gfmd_contact::Refusal;
 use gfmd_relax::{Variables, Visit};
-use gfmd_vector::sum;
+use gfmd_vector::{for_each, sum};
 use ndarray::{Array2, Array3};
 
-use crate::cells::{Cell, Mesh};
+use crate::cells::Mesh;
 use crate::volume::COMPONENTS;
 
-/// Plastic strain ε^p and equivalent plastic strain κ of all cells. Only points that have yielded take memory.
+/// Plastic strain ε^p and equivalent plastic strain κ of all cells. Only points that have yielded take memory, and
+/// copies share it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlasticStrain {
-    pub(crate) cells: Vec<Yielded>,
+    pub(crate) cells: Vec<Arc<Yielded>>,
 }
 
 /// Points of a cell that have yielded, in order.
@@ -26,6 +29,15 @@ pub(crate) struct Yielded {
 }
 
 impl Yielded {
+    /// Makes an empty list with room for a number of points.
+    pub(crate) fn with_room(points: usize) -> Self {
+        Self {
+            points: Vec::with_capacity(points),
+            strain: Vec::with_capacity(points),
+            equivalent: Vec::with_capacity(points),
+        }
+    }
+
     pub(crate) fn push(&mut self, point: u32, strain: [f64; COMPONENTS], equivalent: f64) {
         self.points.push(point);
         self.strain.push(strain);
@@ -52,11 +64,32 @@ impl Yielded {
     }
 }
 
+/// Writes the `value`s of `count` points into a field. The numbers of the points increase.
+pub(crate) fn scatter<T: Send>(
+    field: &mut [T],
+    count: usize,
+    point: &(impl Fn(usize) -> u32 + Sync),
+    value: &(impl Fn(usize) -> T + Sync),
+) {
+    for_each([field], &|start, [part]| {
+        let (mut low, mut high) = (0, count);
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            if (point(middle) as usize) < start { low = middle + 1 } else { high = middle }
+        }
+        let end = start + part.len();
+        for k in (low..count).take_while(|k| (point(*k) as usize) < end) {
+            part[point(k) as usize - start] = value(k);
+        }
+    });
+}
+
 impl Variables for PlasticStrain {
     /// Visits the points that have yielded. The numbers of points are visited first, so that a restored strain has as
     /// many.
     fn visit(&mut self, visitor: &mut dyn Visit) {
-        for Yielded { points, strain, equivalent } in &mut self.cells {
+        for cell in &mut self.cells {
+            let Yielded { points, strain, equivalent } = Arc::make_mut(cell);
             let mut count = points.len() as u64;
             visitor.count(&mut count);
             let count = count as usize;
@@ -72,7 +105,7 @@ impl Variables for PlasticStrain {
 
 impl PlasticStrain {
     pub(crate) fn none(cells: usize) -> Self {
-        Self { cells: vec![Yielded::default(); cells] }
+        Self { cells: vec![Arc::default(); cells] }
     }
 
     /// Makes the plastic strain from fields of all points, one per cell.
@@ -100,7 +133,7 @@ impl PlasticStrain {
                     yielded.push(number as u32, strain, *equivalent);
                 }
             }
-            cells.push(yielded);
+            cells.push(Arc::new(yielded));
         }
         Ok(Self { cells })
     }
@@ -120,7 +153,7 @@ impl PlasticStrain {
     pub(crate) fn strain_field(&self, mesh: &Mesh, cell: usize) -> Array3<f64> {
         let [nx, ny] = mesh.cells[cell].grid(&mesh.grid).points();
         let mut field = Array3::zeros((COMPONENTS, nx, ny));
-        let Yielded { points, strain, .. } = &self.cells[cell];
+        let Yielded { points, strain, .. } = &*self.cells[cell];
         for (point, strain) in points.iter().zip(strain) {
             let [i, j] = [*point as usize / ny, *point as usize % ny];
             strain.iter().enumerate().for_each(|(c, e)| field[[c, i, j]] = *e);
@@ -132,7 +165,7 @@ impl PlasticStrain {
     pub(crate) fn equivalent_field(&self, mesh: &Mesh, cell: usize) -> Array2<f64> {
         let [nx, ny] = mesh.cells[cell].grid(&mesh.grid).points();
         let mut field = Array2::zeros((nx, ny));
-        let Yielded { points, equivalent, .. } = &self.cells[cell];
+        let Yielded { points, equivalent, .. } = &*self.cells[cell];
         for (point, equivalent) in points.iter().zip(equivalent) {
             field[[*point as usize / ny, *point as usize % ny]] = *equivalent;
         }
@@ -149,7 +182,7 @@ impl PlasticStrain {
     ) -> f64 {
         let cells = mesh.cells.iter().zip(&self.cells).enumerate();
         cells
-            .map(|(number, (cell, yielded)): (usize, (&Cell, &Yielded))| {
+            .map(|(number, (cell, yielded))| {
                 let weight = cell.thickness / cell.grid(&mesh.grid).len() as f64;
                 weight * yielded.sum(|place, strain, equivalent| of(number, place, strain, equivalent))
             })

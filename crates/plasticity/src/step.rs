@@ -2,15 +2,16 @@
 //! evaluation.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use gfmd_contact::{Budget, Effort, Load, Refusal, SolveError, Watch, judge};
 use gfmd_relax::{Ending, Progress, Why};
-use gfmd_vector::sum;
+use gfmd_vector::{for_each, sum};
 use ndarray::Array2;
 use num_complex::Complex;
 
 use crate::frozen::FrozenContact;
-use crate::plastic::Yielded;
+use crate::plastic::{Yielded, scatter};
 use crate::volume::{COMPONENTS, Operator, Selection};
 use crate::yielding::{Energies, Evaluation};
 use crate::{PlasticState, PlasticStrain, YieldingContact};
@@ -97,7 +98,8 @@ struct Linear {
     frozen: FrozenContact,
     displacement: Vec<f32>,
     pressure: Vec<f32>,
-    /// Spectra of the change of the strain.
+    /// Spectra of the change of the strain, in cells with points that flow. They and the spectra of the operator take
+    /// memory during a Newton step only, in place of the spectra in double precision.
     change: Vec<Vec<Complex<f32>>>,
 }
 
@@ -202,7 +204,9 @@ impl Search<'_> {
             if let Some(ending) = self.ends() {
                 return Ok(self.end(&now, plastic, ending));
             }
+            drop(plastic);
             self.newton(&last.strain, &now, &flowing, before_last)?;
+            drop(flowing);
             before_last = Some(self.residual);
             (self.part, may_fall_back) = (1.0, true);
             spare = std::mem::replace(&mut last, now).strain;
@@ -214,8 +218,8 @@ impl Search<'_> {
         (self.operators >= self.budget.max_iterations).then_some(Ending::GaveUp(Why::Iterations))
     }
 
-    fn end(self, at: &Evaluation, plastic: PlasticStrain, ending: Ending) -> (PlasticState, Ending) {
-        let linear = self.linear.as_ref().map_or(0.0, |linear| linear.operator.pairs() + linear.frozen.pairs());
+    fn end(mut self, at: &Evaluation, plastic: PlasticStrain, ending: Ending) -> (PlasticState, Ending) {
+        let linear = self.linear.take().map_or(0.0, |linear| linear.operator.pairs() + linear.frozen.pairs());
         let transform_pairs = self.operator.pairs() + self.contact_pairs + linear;
         let effort = Effort { iterations: self.operators, transform_pairs };
         (self.problem.state(at, plastic, self.before, effort), ending)
@@ -299,7 +303,8 @@ impl Search<'_> {
         }
         self.change.resize(offsets[cells], 0.0);
         self.change.fill(0.0);
-        let Self { problem, linear, budget, operators, change, .. } = self;
+        let Self { problem, operator, linear, budget, operators, change, .. } = self;
+        operator.release();
         let linear = linear.get_or_insert_with(|| Linear::new(problem, floating));
         linear.frozen.freeze(&gfmd_vector::contiguous(&now.solution.pressure));
         linear.start(&active);
@@ -325,18 +330,22 @@ impl Search<'_> {
             }
             let step = (slope / curvature) as f32;
             linear.add(step, &active);
-            for (residual, (direction, image)) in residual.iter_mut().zip(direction.iter().zip(&image)) {
-                for c in 0..COMPONENTS {
-                    residual[c] -= step * (direction[c] - image[c]);
+            for_each((&mut residual[..], &direction[..], &image[..]), &|_, (residual, direction, image)| {
+                for (residual, (direction, image)) in residual.iter_mut().zip(direction.iter().zip(image)) {
+                    for c in 0..COMPONENTS {
+                        residual[c] -= step * (direction[c] - image[c]);
+                    }
                 }
-            }
+            });
             let next = energy_product(flowing, &starts, &residual, &residual);
             let beta = (next / slope) as f32;
-            for (direction, residual) in direction.iter_mut().zip(&residual) {
-                for c in 0..COMPONENTS {
-                    direction[c] = residual[c] + beta * direction[c];
+            for_each((&mut direction[..], &residual[..]), &|_, (direction, residual)| {
+                for (direction, residual) in direction.iter_mut().zip(residual) {
+                    for c in 0..COMPONENTS {
+                        direction[c] = residual[c] + beta * direction[c];
+                    }
                 }
-            }
+            });
             slope = next;
         }
         linear.finish(&active, offsets, change);
@@ -360,7 +369,7 @@ impl Trial<'_> {
         let (mesh, offsets) = (&self.problem.volume.mesh, &self.problem.offsets);
         let of_cell = |(number, cell): (usize, &crate::Cell)| {
             let before = &self.before.cells[number];
-            let Some(hardening) = &cell.hardening else { return (before.clone(), Flowing::default()) };
+            let Some(hardening) = &cell.hardening else { return (Arc::clone(before), Flowing::default()) };
             let points = (offsets[number + 1] - offsets[number]) / COMPONENTS;
             let stretches = YieldingContact::stretches(points, |range| {
                 let mut place = before.points.partition_point(|point| (*point as usize) < range.start);
@@ -386,14 +395,15 @@ impl Trial<'_> {
                 }
                 (yielded, tangents)
             });
-            let mut all = Yielded::default();
+            let mut all = Yielded::with_room(stretches.iter().map(|(yielded, _)| yielded.points.len()).sum());
             let weight = 2.0 * cell.shear_modulus * cell.thickness / points as f64;
-            let mut flowing = Flowing { tangents: Vec::new(), weight };
+            let count = stretches.iter().map(|(_, tangents)| tangents.len()).sum();
+            let mut flowing = Flowing { tangents: Vec::with_capacity(count), weight };
             for (yielded, mut tangents) in stretches {
                 all.append(yielded);
                 flowing.tangents.append(&mut tangents);
             }
-            (all, flowing)
+            (Arc::new(all), flowing)
         };
         let (cells, flowing) = mesh.cells.iter().enumerate().map(of_cell).unzip();
         (PlasticStrain { cells }, flowing)
@@ -465,21 +475,19 @@ fn energy_product(flowing: &[Flowing], starts: &[usize], a: &Strains, b: &Strain
 
 impl Linear {
     fn new(problem: &YieldingContact, floating: bool) -> Self {
-        let operator = Operator::new(&problem.volume);
         let n = problem.response.grid().len();
-        let change = operator.spectra.clone();
         Self {
-            operator,
+            operator: Operator::new(&problem.volume),
             frozen: FrozenContact::new(&problem.response, floating),
             displacement: vec![0.0; n],
             pressure: vec![0.0; n],
-            change,
+            change: vec![Vec::new(); problem.cells().len()],
         }
     }
 
     fn start(&mut self, active: &[bool]) {
-        for (change, _) in self.change.iter_mut().zip(active).filter(|(_, active)| **active) {
-            change.fill(Complex::default());
+        for (cell, _) in active.iter().enumerate().filter(|(_, active)| **active) {
+            self.change[cell] = self.operator.zeros(cell);
         }
     }
 
@@ -496,10 +504,10 @@ impl Linear {
         let cells = || flowing.iter().enumerate().filter(|(_, cell)| !cell.tangents.is_empty());
         for (number, cell) in cells() {
             let strains = &direction[starts[number]..starts[number + 1]];
+            let point = |k: usize| cell.tangents[k].point;
             operator.analyse(number, |component, field| {
-                for (of, strain) in cell.tangents.iter().zip(strains) {
-                    field[of.point as usize] = tangent(of, strain)[component];
-                }
+                let value = |k: usize| tangent(&cell.tangents[k], &strains[k])[component];
+                scatter(field, strains.len(), &point, &value);
             });
         }
         operator.surface_displacement(active, displacement);
@@ -508,9 +516,11 @@ impl Linear {
         for (number, cell) in cells() {
             let strains = &mut image[starts[number]..starts[number + 1]];
             operator.synthesise(number, |component, field| {
-                for (of, strain) in cell.tangents.iter().zip(strains.iter_mut()) {
-                    strain[component] = field[of.point as usize];
-                }
+                for_each((&mut *strains, &cell.tangents[..]), &|_, (strains, tangents)| {
+                    for (strain, of) in strains.iter_mut().zip(tangents) {
+                        strain[component] = field[of.point as usize];
+                    }
+                });
             });
         }
     }
@@ -519,21 +529,18 @@ impl Linear {
     fn add(&mut self, step: f32, active: &[bool]) {
         let spectra = self.operator.spectra.iter().zip(&mut self.change).zip(active);
         for ((spectrum, change), _) in spectra.filter(|(_, active)| **active) {
-            gfmd_vector::for_each((&mut change[..], &spectrum[..]), &|_, (change, spectrum)| {
+            for_each((&mut change[..], &spectrum[..]), &|_, (change, spectrum)| {
                 change.iter_mut().zip(spectrum).for_each(|(change, strain)| *change += *strain * step);
             });
         }
     }
 
-    /// Transforms the change back, in the cells with points that flow.
+    /// Transforms the change back, in the cells with points that flow, and frees the spectra.
     fn finish(&mut self, active: &[bool], offsets: &[usize], change: &mut [f32]) {
-        let Self { operator, change: spectra, .. } = self;
+        self.operator.release();
         for (number, _) in active.iter().enumerate().filter(|(_, active)| **active) {
-            let fields = &mut change[offsets[number]..offsets[number + 1]];
-            let points = fields.len() / COMPONENTS;
-            operator.synthesise_from(number, &spectra[number], |component, field| {
-                fields[component * points..(component + 1) * points].copy_from_slice(field);
-            });
+            let spectra = std::mem::take(&mut self.change[number]);
+            self.operator.fields(number, &spectra, &mut change[offsets[number]..offsets[number + 1]]);
         }
     }
 }

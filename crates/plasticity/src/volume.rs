@@ -1,5 +1,6 @@
 //! The volume below the surface: from plastic strain and pressure to strain and displacement of the surface.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use gfmd_field::{Grid, Mode, Transform, Workspace};
@@ -27,9 +28,22 @@ pub(crate) struct Volume {
     pub(crate) components: Vec<usize>,
     /// Number of the level of each cell.
     levels: Vec<usize>,
-    /// Coarsening of each level.
-    coarsenings: Vec<usize>,
+    /// Cells with one grid have one level; the first level is the full grid.
+    scales: Vec<Scale>,
 }
+
+/// Grid of a level, and the modes of the full grid that it has.
+#[derive(Clone, Debug)]
+struct Scale {
+    grid: Grid,
+    /// Number of lanes with modes that are not Nyquist; all lanes on the full grid.
+    lanes: usize,
+    /// Places of each pack in a lane of this grid, [`NOWHERE`] for modes that it does not have.
+    places: Vec<[u32; WIDTH]>,
+}
+
+/// Place of a mode that a grid does not have.
+const NOWHERE: u32 = u32::MAX;
 
 /// Neighbouring wave vectors of a lane.
 #[derive(Clone, Debug)]
@@ -38,6 +52,9 @@ struct WavePack {
     depth: usize,
     /// Stiffness below these cells.
     support: Support,
+    waves: Waves,
+    /// True if a wave is Nyquist.
+    is_nyquist: bool,
 }
 
 /// Stiffness of a rigid ground divided by the stiffness of a cell above it: so large that the displacement of the
@@ -50,19 +67,18 @@ const RIGID: f64 = 1e40;
 const STORED: [f64; 2] = [0.5, 0.75];
 
 /// Returns the share of each wave of a pack in the mean over the waves that the grid cannot distinguish, and the share
-/// of the wave with one Nyquist component reversed; `None` if the pack has no Nyquist mode.
-fn shares(grid: &Grid, lane: usize, pack: usize) -> (Pack, Option<Pack>) {
+/// of the wave with one Nyquist component reversed.
+fn shares(grid: &Grid, lane: usize, pack: usize) -> [Pack; 2] {
     let [_, positions] = grid.spectrum_shape();
-    let (mut first, mut second, mut any) = (Pack::all(1.0), Pack::ZERO, false);
+    let (mut first, mut second) = (Pack::all(1.0), Pack::ZERO);
     for k in 0..WIDTH.min(positions - pack * WIDTH) {
         let nyquist = grid.mode(lane, pack * WIDTH + k).nyquist;
         if let Some(last) = nyquist.iter().filter(|nyquist| **nyquist).count().checked_sub(1) {
             first.0[k] = STORED[last];
             second.0[k] = 1.0 - STORED[last];
-            any = true;
         }
     }
-    (first, any.then_some(second))
+    [first, second]
 }
 
 /// Returns the wave vectors of a pack, or those with one Nyquist component `flipped`. Places beyond the lane repeat its
@@ -95,6 +111,32 @@ fn has(cell: &Cell, points: [usize; 2], mode: &Mode) -> bool {
         })
 }
 
+impl Scale {
+    fn new(full: &Grid, coarsening: usize) -> Self {
+        let points = full.points().map(|points| points.div_ceil(coarsening));
+        let grid = Grid::new(points, full.lengths()).expect("a grid with fewer points is a grid");
+        let [lanes, positions] = full.spectrum_shape();
+        let places = (0..positions.div_ceil(WIDTH)).map(|pack| {
+            std::array::from_fn(|k| {
+                let position = pack * WIDTH + k;
+                if position >= positions {
+                    return NOWHERE;
+                }
+                let [number, _] = full.mode(0, position).number;
+                let coarse = points[0] as i64;
+                let has = coarsening == 1 || points[0] == 1 || 2 * number.abs() < coarse;
+                if has {
+                    if full.is_line() { position as u32 } else { number.rem_euclid(coarse) as u32 }
+                } else {
+                    NOWHERE
+                }
+            })
+        });
+        let lanes = if coarsening == 1 || full.is_line() { lanes } else { points[1].div_ceil(2) };
+        Self { grid, lanes, places: places.collect() }
+    }
+}
+
 fn support_of(blocks: &Blocks) -> [f64; 4] {
     [blocks.longitudinal, blocks.coupling[0], blocks.normal, blocks.transverse]
 }
@@ -117,6 +159,7 @@ impl Volume {
             let held = |cell: &Cell| modes.iter().any(|mode| has(cell, grid.points(), mode));
             let depth = cells.iter().rposition(held).map_or(0, |last| last + 1);
             let waves = waves(&grid, lane, pack, false);
+            let is_nyquist = modes.iter().any(|mode| mode.nyquist.contains(&true));
             let mut support = [Pack::ZERO; 4];
             for k in 0..WIDTH {
                 let entries = match &mesh.below {
@@ -126,25 +169,21 @@ impl Volume {
                 support.iter_mut().zip(entries).for_each(|(pack, entry)| pack.0[k] = entry);
             }
             let support = sweep::stiffness(&cells[depth..], waves.wavenumber, &support);
-            WavePack { depth, support }
+            WavePack { depth, support, waves, is_nyquist }
         };
         let packs = (0..lanes * per_lane).into_par_iter().with_min_len(16).map(of_pack).collect();
-        let mut coarsenings: Vec<usize> = vec![1];
-        let levels = cells
-            .iter()
-            .map(|cell| {
-                coarsenings.iter().position(|known| *known == cell.coarsening).unwrap_or_else(|| {
-                    coarsenings.push(cell.coarsening);
-                    coarsenings.len() - 1
-                })
-            })
-            .collect();
+        let mut coarsenings: Vec<usize> = cells.iter().map(|cell| cell.coarsening).chain([1]).collect();
+        coarsenings.sort_unstable();
+        coarsenings.dedup();
+        let of_cell = |cell: &Cell| coarsenings.partition_point(|coarsening| *coarsening < cell.coarsening);
+        let levels = cells.iter().map(of_cell).collect();
+        let scales = coarsenings.iter().map(|coarsening| Scale::new(&grid, *coarsening)).collect();
         let components = match grid.points() {
             [_, 1] => vec![0, 1, 3],
             [1, _] => vec![0, 1, 4],
             _ => (0..COMPONENTS).collect(),
         };
-        Self { mesh: Arc::new(mesh), packs, components, levels, coarsenings }
+        Self { mesh: Arc::new(mesh), packs, components, levels, scales }
     }
 
     /// Returns the number of strain components in all cells, each with its own number of points.
@@ -171,7 +210,8 @@ struct Level<T: Real> {
 pub(crate) struct Operator<T: Real> {
     pub(crate) volume: Arc<Volume>,
     levels: Vec<Level<T>>,
-    /// Spectra of the components of each cell, one after the other: plastic strain, then strain.
+    /// Spectra of the components of each cell, one after the other: plastic strain, then strain. Cells without take no
+    /// memory.
     pub(crate) spectra: Vec<Vec<Complex<T>>>,
     surface: Vec<Complex<T>>,
     buffer: Vec<T>,
@@ -198,29 +238,37 @@ pub(crate) struct Selection {
 impl<T: Real> Operator<T> {
     pub(crate) fn new(volume: &Arc<Volume>) -> Self {
         let grid = volume.mesh.grid;
-        let level = |coarsening: &usize| {
-            let points = grid.points().map(|points| points.div_ceil(*coarsening));
-            let coarse = Grid::new(points, grid.lengths()).expect("a grid with fewer points is a grid");
-            let transform = Transform::new(coarse);
+        let level = |scale: &Scale| {
+            let transform = Transform::new(scale.grid);
             let workspace = transform.workspace();
-            Level { transform, workspace, cost: coarse.len() as f64 / grid.len() as f64 }
+            Level { transform, workspace, cost: scale.grid.len() as f64 / grid.len() as f64 }
         };
-        let levels: Vec<Level<T>> = volume.coarsenings.iter().map(level).collect();
-        let spectra = volume
-            .levels
-            .iter()
-            .map(|level| {
-                vec![Complex::default(); volume.components.len() * levels[*level].transform.grid().spectrum_len()]
-            })
-            .collect();
         Self {
             volume: Arc::clone(volume),
-            levels,
-            spectra,
+            levels: volume.scales.iter().map(level).collect(),
+            spectra: vec![Vec::new(); volume.levels.len()],
             surface: vec![Complex::default(); grid.spectrum_len()],
             buffer: vec![T::default(); grid.len()],
             singles: 0.0,
         }
+    }
+
+    /// Makes zero spectra of the components of a cell.
+    pub(crate) fn zeros(&self, cell: usize) -> Vec<Complex<T>> {
+        let Volume { components, levels, scales, .. } = &*self.volume;
+        vec![Complex::default(); components.len() * scales[levels[cell]].grid.spectrum_len()]
+    }
+
+    /// Makes the spectra of selected cells, unless they have been made since the last [`Self::release`].
+    fn provide(&mut self, cell: usize) {
+        if self.spectra[cell].is_empty() {
+            self.spectra[cell] = self.zeros(cell);
+        }
+    }
+
+    /// Frees the spectra.
+    pub(crate) fn release(&mut self) {
+        self.spectra.iter_mut().for_each(|spectra| *spectra = Vec::new());
     }
 
     /// Returns the number of transforms so far, in pairs of the full grid.
@@ -231,6 +279,7 @@ impl<T: Real> Operator<T> {
     /// Transforms the components of the plastic strain of a cell; `fill(component, field)` writes them into a field of
     /// zeros.
     pub(crate) fn analyse(&mut self, cell: usize, mut fill: impl FnMut(usize, &mut [T])) {
+        self.provide(cell);
         let Self { volume, levels, spectra, buffer, singles, .. } = self;
         let Level { transform, workspace, cost } = &mut levels[volume.levels[cell]];
         let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
@@ -254,6 +303,7 @@ impl<T: Real> Operator<T> {
 
     /// Computes the spectra of the strain of selected cells, under a pressure on the surface.
     pub(crate) fn strain(&mut self, pressure: &[T], selection: &Selection) {
+        (0..selection.strain.len()).filter(|cell| selection.strain[*cell]).for_each(|cell| self.provide(cell));
         let Self { levels, surface, singles, .. } = self;
         let Level { transform, workspace, .. } = &mut levels[0];
         transform.forward(pressure, surface, workspace).expect("fields and spectra have the sizes of the grid");
@@ -262,23 +312,36 @@ impl<T: Real> Operator<T> {
     }
 
     /// Passes the components of the strain of a cell to `take(component, field)`, transformed back.
-    pub(crate) fn synthesise(&mut self, cell: usize, take: impl FnMut(usize, &[T])) {
-        let spectrum = std::mem::take(&mut self.spectra[cell]);
-        self.synthesise_from(cell, &spectrum, take);
-        self.spectra[cell] = spectrum;
-    }
-
-    /// Passes the components of a spectrum on the grid of a cell to `take(component, field)`, transformed back.
-    pub(crate) fn synthesise_from(&mut self, cell: usize, spectra: &[Complex<T>], mut take: impl FnMut(usize, &[T])) {
-        let Self { volume, levels, buffer, singles, .. } = self;
+    pub(crate) fn synthesise(&mut self, cell: usize, mut take: impl FnMut(usize, &[T])) {
+        let Self { volume, levels, spectra, buffer, singles, .. } = self;
         let Level { transform, workspace, cost } = &mut levels[volume.levels[cell]];
         let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
-        for (spectrum, component) in spectra.chunks_exact(modes).zip(&volume.components) {
+        for (spectrum, component) in spectra[cell].chunks_exact(modes).zip(&volume.components) {
             let field = &mut buffer[..points];
             transform.inverse(spectrum, field, workspace).expect("fields and spectra have the sizes of the grid");
             take(*component, field);
             *singles += *cost;
         }
+    }
+
+    /// Transforms spectra of a cell back into its `fields`, one after the other; components that vanish in plane
+    /// strain are left as they are.
+    pub(crate) fn fields(&mut self, cell: usize, spectra: &[Complex<T>], fields: &mut [T]) {
+        let Self { volume, levels, singles, .. } = self;
+        let Level { transform, workspace, cost } = &mut levels[volume.levels[cell]];
+        let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
+        for (spectrum, component) in spectra.chunks_exact(modes).zip(&volume.components) {
+            let field = &mut fields[component * points..(component + 1) * points];
+            transform.inverse(spectrum, field, workspace).expect("fields and spectra have the sizes of the grid");
+            *singles += *cost;
+        }
+    }
+
+    /// Transforms the strain of a cell back into its `fields`, as [`Self::fields`] does.
+    pub(crate) fn strain_fields(&mut self, cell: usize, fields: &mut [T]) {
+        let spectra = std::mem::take(&mut self.spectra[cell]);
+        self.fields(cell, &spectra, fields);
+        self.spectra[cell] = spectra;
     }
 
     /// Passes once over all waves, lane by lane.
@@ -294,7 +357,8 @@ impl<T: Real> Operator<T> {
             .flat_map(|(spectrum, level)| {
                 let coarse = levels[*level].transform.grid();
                 let [_, positions] = coarse.spectrum_shape();
-                spectrum.chunks_exact_mut(coarse.spectrum_len()).map(move |part| part.chunks_exact_mut(positions))
+                let mut parts = spectrum.chunks_exact_mut(coarse.spectrum_len());
+                (0..count).map(move |_| parts.next().unwrap_or_default().chunks_exact_mut(positions))
             })
             .collect();
         let lanes = surface.chunks_exact_mut(positions).enumerate().map(|(lane, surface)| {
@@ -334,22 +398,25 @@ impl<T: Real> Lane<'_, T> {
         let per_lane = positions.div_ceil(WIDTH);
         self.drop_nyquist();
         for pack in 0..per_lane {
-            let WavePack { depth, support } = &self.volume.packs[self.lane * per_lane + pack];
+            let WavePack { depth, support, waves: straight, is_nyquist } =
+                &self.volume.packs[self.lane * per_lane + pack];
             let cells = &self.volume.mesh.cells[..*depth];
             self.load(pack, *depth, memory);
             let traction = self.traction(pack);
-            let (first, second) = shares(&grid, self.lane, pack);
             memory.strain[..*depth].fill([[Pack::ZERO; 2]; COMPONENTS]);
             let mut displacement = [Pack::ZERO; 2];
-            for (flipped, share) in [(false, Some(first)), (true, second)] {
-                let Some(share) = share else { continue };
-                let waves = waves(&grid, self.lane, pack, flipped);
-                let forces = sweep::up(cells, &waves, support, memory);
+            let mean = is_nyquist.then(|| {
+                let [first, second] = shares(&grid, self.lane, pack);
+                [(*straight, first), (waves(&grid, self.lane, pack, true), second)]
+            });
+            let alone = [(*straight, Pack::all(1.0))];
+            for (waves, share) in mean.as_ref().map_or(&alone[..], |mean| &mean[..]) {
+                let forces = sweep::up(cells, waves, support, memory);
                 if direction == Direction::Up {
                     let one = sweep::normal_displacement(&forces.0, &forces.1);
-                    displacement.iter_mut().zip(one).for_each(|(sum, one)| *sum += one * share);
+                    displacement.iter_mut().zip(one).for_each(|(sum, one)| *sum += one * *share);
                 } else {
-                    sweep::down(cells, &waves, &forces, &traction, &share, memory);
+                    sweep::down(cells, waves, &forces, &traction, share, memory);
                 }
             }
             let is_uniform = self.lane == 0 && pack == 0;
@@ -375,17 +442,17 @@ impl<T: Real> Lane<'_, T> {
 
     /// Sets the Nyquist modes of coarser grids to zero.
     fn drop_nyquist(&mut self) {
-        let Mesh { grid, cells, .. } = &*self.volume.mesh;
-        for (cell, rows) in cells.iter().zip(self.rows.chunks_exact_mut(self.count)) {
-            if cell.coarsening == 1 {
+        for (level, rows) in self.volume.levels.iter().zip(self.rows.chunks_exact_mut(self.count)) {
+            let Scale { grid, lanes, .. } = &self.volume.scales[*level];
+            if *level == 0 {
                 continue;
             }
-            let coarse = cell.grid(grid);
+            let [points, _] = grid.points();
             for row in rows.iter_mut().flatten() {
-                for (position, value) in row.iter_mut().enumerate() {
-                    if coarse.mode(self.lane, position).nyquist.contains(&true) {
-                        *value = Complex::default();
-                    }
+                if self.lane >= *lanes {
+                    row.fill(Complex::default());
+                } else if points.is_multiple_of(2) {
+                    row[points / 2] = Complex::default();
                 }
             }
         }
@@ -425,27 +492,15 @@ impl<T: Real> Lane<'_, T> {
         traction
     }
 
-    /// Returns the places of the pack in the row of a cell, as a function of the place in the pack.
-    fn place(&self, cell: usize, pack: usize, k: usize) -> Option<usize> {
-        let mesh = &self.volume.mesh;
-        let [_, positions] = mesh.grid.spectrum_shape();
-        let position = pack * WIDTH + k;
-        if position >= positions {
-            return None;
-        }
-        let coarsening = mesh.cells[cell].coarsening;
-        if coarsening == 1 {
-            return Some(position);
-        }
-        let mode = mesh.grid.mode(self.lane, position);
-        if !has(&mesh.cells[cell], mesh.grid.points(), &mode) {
-            return None;
-        }
-        if mesh.grid.is_line() {
-            return Some(position);
-        }
-        let coarse = mesh.grid.points()[0].div_ceil(coarsening) as i64;
-        Some(mode.number[0].rem_euclid(coarse) as usize)
+    /// Returns the places of the pack in the rows of a cell; `None` if its grid has none of the waves of the lane.
+    fn places(&self, cell: usize, pack: usize) -> Option<&[u32; WIDTH]> {
+        let scale = &self.volume.scales[self.volume.levels[cell]];
+        (self.lane < scale.lanes).then(|| &scale.places[pack])
+    }
+
+    /// Returns the places of a whole pack in the rows of a cell on the full grid.
+    fn stretch(&self, cell: usize, pack: usize) -> Option<Range<usize>> {
+        (self.volume.levels[cell] == 0).then(|| pack * WIDTH..(pack + 1) * WIDTH)
     }
 
     /// Loads the plastic strain of the cells above `depth`.
@@ -456,13 +511,21 @@ impl<T: Real> Lane<'_, T> {
             if !self.selection.plastic[cell] {
                 continue;
             }
-            let places: [Option<usize>; WIDTH] = std::array::from_fn(|k| self.place(cell, pack, k));
+            let Some(places) = self.places(cell, pack) else { continue };
             for (index, component) in self.volume.components.iter().enumerate() {
                 let Some(row) = &self.rows[cell * self.count + index] else { continue };
+                let [re, im] = &mut plastic[*component];
+                if let Some(values) = self.stretch(cell, pack).and_then(|stretch| row.get(stretch)) {
+                    for (k, value) in values.iter().enumerate() {
+                        re.0[k] = value.re.widened();
+                        im.0[k] = value.im.widened();
+                    }
+                    continue;
+                }
                 for (k, place) in places.iter().enumerate() {
-                    if let Some(value) = place.and_then(|place| row.get(place)) {
-                        plastic[*component][0].0[k] = value.re.widened();
-                        plastic[*component][1].0[k] = value.im.widened();
+                    if let Some(value) = row.get(*place as usize) {
+                        re.0[k] = value.re.widened();
+                        im.0[k] = value.im.widened();
                     }
                 }
             }
@@ -472,13 +535,23 @@ impl<T: Real> Lane<'_, T> {
     /// Stores the strain of the cells above `depth`. Modes that the grid of a cell does not have are zero.
     fn store(&mut self, pack: usize, depth: usize, memory: &Memory) {
         for cell in (0..depth).filter(|cell| self.selection.strain[*cell]) {
-            let places: [Option<usize>; WIDTH] = std::array::from_fn(|k| self.place(cell, pack, k));
+            let scale = &self.volume.scales[self.volume.levels[cell]];
+            if self.lane >= scale.lanes {
+                continue;
+            }
+            let stretch = self.stretch(cell, pack);
             for (index, component) in self.volume.components.iter().enumerate() {
                 let Some(row) = &mut self.rows[cell * self.count + index] else { continue };
-                let strain = &memory.strain[cell][*component];
-                for (k, place) in places.iter().enumerate() {
-                    if let Some(value) = place.and_then(|place| row.get_mut(place)) {
-                        *value = Complex::new(T::nearest(strain[0].0[k]), T::nearest(strain[1].0[k]));
+                let [re, im] = &memory.strain[cell][*component];
+                if let Some(values) = stretch.clone().and_then(|stretch| row.get_mut(stretch)) {
+                    for (k, value) in values.iter_mut().enumerate() {
+                        *value = Complex::new(T::nearest(re.0[k]), T::nearest(im.0[k]));
+                    }
+                    continue;
+                }
+                for (k, place) in scale.places[pack].iter().enumerate() {
+                    if let Some(value) = row.get_mut(*place as usize) {
+                        *value = Complex::new(T::nearest(re.0[k]), T::nearest(im.0[k]));
                     }
                 }
             }
@@ -558,8 +631,7 @@ mod tests {
         let mut strain = vec![0.0; plastic.len()];
         for cell in 0..cells {
             let fields = &mut strain[offsets[cell]..offsets[cell + 1]];
-            let points = fields.len() / COMPONENTS;
-            operator.synthesise(cell, |c, field| fields[c * points..(c + 1) * points].copy_from_slice(field));
+            operator.strain_fields(cell, fields);
         }
         (strain, displacement)
     }
@@ -615,7 +687,7 @@ mod tests {
                 let cells = vec![0.3 / count as f64; count];
                 let volume = volume(&body, Grid::square(4, TAU / q).unwrap(), cells, Vec::new());
                 // The first wave along x is the second mode of the first lane.
-                let WavePack { support, depth } = &volume.packs[0];
+                let WavePack { support, depth, .. } = &volume.packs[0];
                 let waves = waves(&volume.mesh.grid, 0, 0, false);
                 let found = sweep::stiffness(&volume.mesh.cells[..*depth], waves.wavenumber, support);
                 (0..4).map(|k| (found[k].0[1] - exact[k]).abs()).fold(0.0, f64::max) / exact[2]

@@ -12,7 +12,7 @@ use ndarray::{Array2, Array3, ArrayRef2};
 use rayon::prelude::*;
 
 use crate::cells::Cells;
-use crate::plastic::Yielded;
+use crate::plastic::{Yielded, scatter};
 use crate::state::FlowResidual;
 use crate::volume::{COMPONENTS, Operator, Selection, Volume};
 use crate::{Cell, Hardening, PlasticState, PlasticStrain, PlasticityError};
@@ -184,9 +184,7 @@ impl YieldingContact {
         let mut displacement = vec![0.0; self.response.grid().len()];
         for (number, cell) in plastic.cells.iter().enumerate().filter(|(_, cell)| !cell.points.is_empty()) {
             operator.analyse(number, |component, field| {
-                for (point, strain) in cell.points.iter().zip(&cell.strain) {
-                    field[*point as usize] = strain[component];
-                }
+                scatter(field, cell.points.len(), &|k| cell.points[k], &|k| cell.strain[k][component]);
             });
         }
         let selection = self.selection(plastic);
@@ -249,11 +247,7 @@ impl YieldingContact {
         let selection = self.selection(plastic);
         operator.strain(&contiguous(pressure), &selection);
         for number in (0..self.cells().len()).filter(|number| selection.strain[*number]) {
-            let fields = &mut strain[self.offsets[number]..self.offsets[number + 1]];
-            let points = fields.len() / COMPONENTS;
-            operator.synthesise(number, |component, field| {
-                fields[component * points..(component + 1) * points].copy_from_slice(field);
-            });
+            operator.strain_fields(number, &mut strain[self.offsets[number]..self.offsets[number + 1]]);
         }
         strain
     }
@@ -392,7 +386,7 @@ impl YieldingContact {
         load: Load,
     ) -> Result<PlasticState, Refusal> {
         let is_other = plastic.cells.len() != self.cells().len() || *before.mesh != *self.volume.mesh;
-        let beyond = |(cell, yielded): (&Cell, &Yielded)| {
+        let beyond = |(cell, yielded): (&Cell, &Arc<Yielded>)| {
             let points = cell.grid(self.response.grid()).len();
             yielded.points.last().is_some_and(|last| *last as usize >= points)
         };
