@@ -18,6 +18,7 @@ mod rows;
 mod solve;
 mod table;
 mod tolerance;
+mod yielding;
 
 #[cfg(test)]
 mod tests;
@@ -46,6 +47,7 @@ use report::Interrupted;
 pub use report::{Case, Entry, Report, Timing};
 pub use rows::{Args as RowsArgs, Rows, run as rows};
 pub use solve::{Args as SolveArgs, Solve, run as solve};
+pub use yielding::{Course as YieldingCourse, Row as YieldingRow, Yielding};
 
 /// Flags of `bench-peers`.
 #[derive(ClapArgs, gfmd_problem::options::Options, Clone, Debug, Serialize)]
@@ -55,10 +57,12 @@ pub use solve::{Args as SolveArgs, Solve, run as solve};
   gfmd bench-peers --any-load --write-docs
   gfmd bench-peers --creep --sizes 256,1024 --write-docs
   gfmd bench-peers --adhesion --sizes 128,256 --write-docs
+  gfmd bench-peers --yielding --write-docs
   gfmd bench-peers --boundary free --sizes 512 --peers tamaas,aspher,hertzian
   gfmd bench-peers --sizes 2048 --hurst 0.8 --p-star 0.05 --peers tamaas --tamaas-fftw tuned --json")]
 pub struct Args {
-    /// Grid points along a side [default: 512,1024,2048; with --any-load or --creep 256; with --adhesion 128]
+    /// Grid points along a side [default: 512,1024,2048; with --any-load or --creep 256; with --adhesion 128;
+    /// with --yielding 32,64,128]
     #[arg(long, value_delimiter = ',', value_name = "N,..")]
     pub sizes: Vec<usize>,
     /// Hurst exponents
@@ -90,6 +94,12 @@ pub struct Args {
     /// Loads with an exponential adhesion, of this program and of Tamaas
     #[arg(long, conflicts_with_all = ["any_load", "creep", "quick", "solvers", "p_star", "resume", "boundary"])]
     pub adhesion: bool,
+    /// Steps of a sphere on a body that yields, of this program and of Tamaas
+    #[arg(
+        long,
+        conflicts_with_all = ["any_load", "creep", "adhesion", "quick", "solvers", "p_star", "resume", "boundary"]
+    )]
+    pub yielding: bool,
     /// Numbers of threads
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2], value_name = "N,..")]
     pub thread_counts: Vec<usize>,
@@ -206,6 +216,7 @@ impl Args {
         };
         let sizes: &[usize] = match () {
             () if self.adhesion => &[128],
+            () if self.yielding => &[32, 64, 128],
             () if self.any_load || self.creep => &[256],
             () => &[512, 1024, 2048],
         };
@@ -331,6 +342,8 @@ pub enum Made {
     Creep(Creep),
     /// Loads with adhesion.
     Adhesion(Adhesion),
+    /// Steps of a body that yields.
+    Yielding(Yielding),
 }
 
 impl fmt::Display for Made {
@@ -340,6 +353,7 @@ impl fmt::Display for Made {
             Self::AnyLoad(table) => table.fmt(f),
             Self::Creep(table) => table.fmt(f),
             Self::Adhesion(table) => table.fmt(f),
+            Self::Yielding(table) => table.fmt(f),
         }
     }
 }
@@ -359,6 +373,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Made, Failure> {
     }
     if args.adhesion {
         return adhesion::run(&args, &environment, session).map(Made::Adhesion);
+    }
+    if args.yielding {
+        return yielding::run(&args, &environment, session).map(Made::Yielding);
     }
     let left_out = args.leave_out(&environment);
     environment.notes.extend(left_out);

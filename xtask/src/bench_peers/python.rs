@@ -36,10 +36,11 @@ pub(super) enum Script {
     Hertzian,
     Tamaas,
     Yardstick,
+    Yielding,
 }
 
 impl Script {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::Adhesion,
         Self::Aspher,
         Self::Certify,
@@ -49,6 +50,7 @@ impl Script {
         Self::Hertzian,
         Self::Tamaas,
         Self::Yardstick,
+        Self::Yielding,
     ];
 
     fn name(self) -> &'static str {
@@ -62,6 +64,7 @@ impl Script {
             Self::Describe => "describe.py",
             Self::Tamaas => "solve_tamaas.py",
             Self::Yardstick => "yardstick.py",
+            Self::Yielding => "yielding_tamaas.py",
         }
     }
 
@@ -76,6 +79,7 @@ impl Script {
             Self::Describe => include_str!("../../peers/describe.py"),
             Self::Tamaas => include_str!("../../peers/solve_tamaas.py"),
             Self::Yardstick => include_str!("../../peers/yardstick.py"),
+            Self::Yielding => include_str!("../../peers/yielding_tamaas.py"),
         }
     }
 }

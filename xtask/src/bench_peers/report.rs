@@ -12,7 +12,7 @@ use super::contestant::Problem;
 use super::judge::{AGREEMENT, Verdict};
 use super::kept;
 use super::table::{Table, in_words, median, write_beside};
-use super::{adhesion, rows};
+use super::{adhesion, rows, yielding};
 
 /// Result of `bench-peers`.
 #[derive(Clone, Debug, Serialize)]
@@ -153,13 +153,18 @@ impl Report {
     }
 
     /// Writes the page of the documentation, and its figure to the folder `images` beside it. The tables of
-    /// `bench-rows` and of `--adhesion` stay on the page.
+    /// `bench-rows`, `--adhesion` and `--yielding` stay on the page.
     pub(super) fn write_page(&self, file: &Path) -> Result<(), Failure> {
         let figure = file.with_file_name(FIGURE);
         let unmade = |error| Failure::computation(format!("cannot make the folder of {}: {error}", figure.display()));
         figure.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(unmade)?;
         write_beside(&figure, &self.figure()?)?;
-        write_beside(file, &self.page(&[rows::PLACE, adhesion::PLACE].map(|place| rows::section(file, place)).concat()))
+        write_beside(
+            file,
+            &self.page(
+                &[rows::PLACE, adhesion::PLACE, yielding::PLACE].map(|place| rows::section(file, place)).concat(),
+            ),
+        )
     }
 
     fn threads(&self) -> Vec<usize> {
