@@ -1,5 +1,7 @@
 //! Path of drives, followed step by step and kept.
 
+use std::borrow::Cow;
+
 use gfmd_contact::{Budget, Drive, Fields as _, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Flow;
@@ -8,6 +10,7 @@ use gfmd_problem::{AnyState, Posed};
 use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext};
 
 use super::report::Report;
+use super::strain;
 use crate::progress::Progress;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
@@ -105,6 +108,9 @@ impl PathInput {
             ends_with_file: true,
         };
         let mut file = series.file(output.as_ref(), config.clone(), output.is_some())?;
+        if let Some(file) = &mut file {
+            strain::define_waypoints(file, prepared, places.count(drives.len()))?;
+        }
         let progress = Progress::new(session.quiet, "steps", drives.len() as f64);
         let finer = on_finer_grids(asked, prepared)?;
         let finer = finer.iter().map(|(finer, contact)| Beside {
@@ -234,6 +240,14 @@ impl StateHandler for Log<'_> {
             self.widest = Some((area, SceneFields::of(state, None, state.plastic_depth())));
         }
         Ok(record)
+    }
+
+    fn further(&self, state: &AnyState) -> Vec<Vec<f64>> {
+        strain::at_waypoint(self.prepared, state)
+    }
+
+    fn write_further(&self, file: &mut StateFile, place: usize, values: &[Cow<[f64]>]) -> Result<(), Failure> {
+        strain::write_waypoint(file, place, values)
     }
 
     /// Visits the largest contact area and its fields; before the first step there are none.
