@@ -1,6 +1,6 @@
 //! Figure of kappa against the load of one surface on bodies that are elastic, yield, and have a hardness
-//! (docs/plasticity.md). `cargo run --release -p gfmd-xtask --example yield_kappa -- elastic.h5 yielding.h5 hardness.h5`
-//! reads the files of the commands of that page, and writes docs/images/plasticity-kappa.svg.
+//! (docs/plasticity.md). It reads the files of the commands of that page, and writes docs/images/plasticity-kappa.svg:
+//! `cargo run --release -p gfmd-xtask --example yield_kappa -- elastic.h5 yielding.h5 hardness.h5`.
 
 use std::f64::consts::{LN_2, PI};
 use std::fs;

@@ -10,7 +10,7 @@ use ndarray::Array2;
 use std::path::PathBuf;
 
 use super::args::StepArgs;
-use super::course::leak;
+use super::leak::leak;
 use super::{Args, memory, strain};
 use crate::checking::{Checked, Checking};
 use gfmd_check::result::Comparison;

@@ -2,20 +2,19 @@
 
 use std::borrow::Cow;
 
-use gfmd_contact::{Budget, Drive, Fields as _, SolveError, Visit};
+use gfmd_contact::{Budget, Drive, SolveError, Visit};
 use gfmd_files::Output;
-use gfmd_flow::Flow;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_problem::{AnyState, Posed};
 use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext};
 
+use super::leak::leak;
 use super::report::Report;
 use super::strain;
 use crate::progress::Progress;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_report::figures::SceneFields;
-use gfmd_run::flow::through;
 use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, StiffnessArgs,
@@ -180,19 +179,6 @@ impl Beside<'_> {
         let at = at.stiff(self.contact, self.stiffness.stiffness_tolerance);
         Ok(OnFinerGrid::of(&StateContext { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
     }
-}
-
-/// Computes the flow through the gap of a state, if requested.
-pub(super) fn leak(
-    prepared: &Prepared,
-    state: &AnyState,
-    at: &StateContext,
-    warn: impl FnOnce(String),
-) -> Result<Option<Flow>, Failure> {
-    let fields = [state.repulsion(), state.gap().into()];
-    let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
-    let flow = || through(&prepared.surface, [repulsion, gap], at.summary.mean_gap, warn);
-    prepared.facts.flow.then(flow).transpose()
 }
 
 /// State handler of a path: its records, its widest contact, its unsettled steps.

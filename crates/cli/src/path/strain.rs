@@ -16,7 +16,7 @@ use gfmd_record::{Measured, Record, StateContext};
 use gfmd_run::series::{Prepared, StateFile, StiffnessArgs};
 use ndarray::{Array2, Array3};
 
-use super::course::leak;
+use super::leak::leak;
 
 /// Components of a deviatoric strain; their squares add to ε:ε.
 const COMPONENTS: [&str; 5] = ["sqrt(3/2) zz", "(xx - yy) / sqrt(2)", "sqrt(2) xy", "sqrt(2) xz", "sqrt(2) yz"];
