@@ -5,6 +5,7 @@ mod args;
 mod check;
 mod course;
 mod figures;
+mod leak;
 mod legs;
 mod memory;
 mod report;

@@ -44,6 +44,8 @@ impl MemoryNeed {
     const LAW_BESIDE_FRICTION: u64 = 41;
     /// Cell of a body that yields, on the grid of the surface.
     const YIELD_PER_CELL: f64 = 45.0;
+    /// Strain of a cell at a waypoint, and its copy beside an unfinished file, on the grid of the surface.
+    const STRAIN_PER_CELL: f64 = 12.0;
     /// Wear on a path.
     const WEAR: u64 = 16;
     /// Hardness beside a law or friction on a path.
@@ -60,6 +62,12 @@ impl MemoryNeed {
     #[must_use]
     pub fn yielding(self, points: f64) -> Self {
         Self(self.0 + (Self::YIELD_PER_CELL * points) as u64)
+    }
+
+    /// Adds the plastic strain at a waypoint, kept in cells with this number of points per point of the surface.
+    #[must_use]
+    pub fn keeping_strain(self, points: f64) -> Self {
+        Self(self.0 + (Self::STRAIN_PER_CELL * points) as u64)
     }
 
     /// Returns the number of bytes on a grid of `points`, at most `u64::MAX`.

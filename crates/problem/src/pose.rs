@@ -112,7 +112,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
             None => contact,
         }));
     }
-    if let Some(Plasticity { hardening, cells }) = plasticity {
+    if let Some(Plasticity { hardening, cells, .. }) = plasticity {
         let contact = YieldingContact::new(body, grid, heights, hardening, cells);
         return contact.map(Posed::new).map_err(|error| match error {
             PlasticityError::Contact(refusal) => refusal,

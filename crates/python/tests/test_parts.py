@@ -285,3 +285,27 @@ def test_friction_takes_every_part():
     assert both == same
     with pytest.raises(gfmd.InputError, match="friction is missing"):
         gfmd.friction(rough(), gfmd.Body(), **options)
+
+
+def test_the_plastic_strain_of_every_waypoint_is_kept_on_request(tmp_path):
+    steel = gfmd.Body(poisson=0.3, yield_stress=0.01, hardening=0.02)
+    loads = dict(p_star=[0.0001, 0.05, 0.01], steps=1)
+    loop = gfmd.path(rough(), steel, **loads, kept_strain="waypoints")
+    assert loop.kept_strain == "waypoints"
+    strains = [loop.plastic_strain(waypoint) for waypoint in range(3)]
+    assert strains[0].shape == (len(loop.cells), 16, 16) and strains[0].max() == 0.0
+    assert [strain.max() for strain in strains] == loop.steps.max_plastic_strain.tolist()
+    for waypoint in (-1, -3):
+        assert np.array_equal(loop.plastic_strain(waypoint), strains[waypoint])
+    assert np.array_equal(pickle.loads(pickle.dumps(loop)).plastic_strain(1), strains[1])
+    for waypoint in (3, -4):
+        with pytest.raises(gfmd.InputError, match=f"waypoint is {waypoint}; it must be from -3 to 2"):
+            loop.plastic_strain(waypoint)
+    last = gfmd.path(rough(), steel, **loads)
+    assert "kept_strain" not in last and np.array_equal(last.plastic_strain(), strains[2])
+    with pytest.raises(gfmd.InputError, match='waypoint is 0; it must be -1 without kept_strain="waypoints"'):
+        last.plastic_strain(0)
+    with pytest.raises(gfmd.InputError, match="kept_strain is given; it must be left out without yield_stress"):
+        gfmd.path(rough(), gfmd.Body(), **loads, kept_strain="waypoints")
+    with pytest.raises(gfmd.InputError, match="kept_strain"):
+        gfmd.path(rough(), steel, **loads, kept_strain="all")

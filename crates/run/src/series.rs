@@ -102,6 +102,16 @@ pub trait StateHandler {
     /// Makes the record of a state.
     fn record(&mut self, solved: SolvedState<'_>) -> Result<Record, Failure>;
 
+    /// Returns what the file has of a state with a place in it beside its fields.
+    fn further(&self, _state: &AnyState) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// Writes what [`further`](Self::further) returned to a place in the file.
+    fn write_further(&self, _file: &mut StateFile, _place: usize, _values: &[Cow<[f64]>]) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Takes over the fields of a kept part.
     fn recall(&mut self, _fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         Ok(())
@@ -235,13 +245,17 @@ impl Series<'_> {
                 outcome.not_converged = Some(unmet);
             }
             let place_in_file = self.places.of(index);
+            let further = if place_in_file.is_some() { handler.further(state) } else { Vec::new() };
+            let further: Vec<Cow<[f64]>> = further.into_iter().map(Cow::Owned).collect();
             if let (Some(file), Some(place)) = (&mut file, place_in_file) {
                 session.agree(file.write(place, state, lift))?;
+                handler.write_further(file, place, &further)?;
             }
             if let (Some(kept), None, false) = (&mut kept, &stopped, index + 1 == drives.len() && self.ends_with_file) {
                 let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, lift) } else { Vec::new() };
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
-                kept.add(&FinishedStep { text, fields: fields.iter().map(|field| contiguous(field)).collect() });
+                let fields = fields.iter().map(|field| contiguous(field)).chain(further).collect();
+                kept.add(&FinishedStep { text, fields });
                 kept.keep_state(|visitor| {
                     path.keep(visitor);
                     handler.visit(visitor, false);
@@ -276,6 +290,8 @@ impl Series<'_> {
                     other => other,
                 })?;
                 file.write_values(place, &fields)?;
+                let further = fields.get(self.chosen.count(&self.prepared.facts)..).unwrap_or_default();
+                handler.write_further(file, place, further)?;
             }
             progress.advance(1.0, "kept");
         }

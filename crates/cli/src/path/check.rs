@@ -10,7 +10,7 @@ use ndarray::Array2;
 use std::path::PathBuf;
 
 use super::args::StepArgs;
-use super::course::leak;
+use super::leak::leak;
 use super::{Args, memory, strain};
 use crate::checking::{Checked, Checking};
 use gfmd_check::result::Comparison;
@@ -31,7 +31,7 @@ impl Checked for Args {
         let waypoints = input.places.count(input.drives.len());
         checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |mut file| {
             memory::lay_out(&mut file, prepared)?;
-            strain::lay_out(&mut file, prepared)?;
+            strain::lay_out(&mut file, prepared, waypoints)?;
             file.finish(&[], input.drives.len(), None)
         })?;
         let contact = prepared.pose(&args.source, &prepared.law)?;
@@ -60,6 +60,7 @@ impl Checked for Args {
                 check.stiffness(waypoint, index, comparison)?;
                 let is_last = index + 1 == input.drives.len();
                 check.state((waypoint, index), is_last, comparison)?;
+                strain::check_waypoint(&stored, (index, waypoint), *drive, comparison)?;
                 if is_last {
                     strain::check(&stored, (index, waypoint), *drive, args.stiffness, comparison)?;
                 }

@@ -1,18 +1,20 @@
 //! Path of drives, followed step by step and kept.
 
-use gfmd_contact::{Budget, Drive, Fields as _, SolveError, Visit};
+use std::borrow::Cow;
+
+use gfmd_contact::{Budget, Drive, SolveError, Visit};
 use gfmd_files::Output;
-use gfmd_flow::Flow;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_problem::{AnyState, Posed};
 use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext};
 
+use super::leak::leak;
 use super::report::Report;
+use super::strain;
 use crate::progress::Progress;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_report::figures::SceneFields;
-use gfmd_run::flow::through;
 use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, StiffnessArgs,
@@ -105,6 +107,9 @@ impl PathInput {
             ends_with_file: true,
         };
         let mut file = series.file(output.as_ref(), config.clone(), output.is_some())?;
+        if let Some(file) = &mut file {
+            strain::define_waypoints(file, prepared, places.count(drives.len()))?;
+        }
         let progress = Progress::new(session.quiet, "steps", drives.len() as f64);
         let finer = on_finer_grids(asked, prepared)?;
         let finer = finer.iter().map(|(finer, contact)| Beside {
@@ -176,19 +181,6 @@ impl Beside<'_> {
     }
 }
 
-/// Computes the flow through the gap of a state, if requested.
-pub(super) fn leak(
-    prepared: &Prepared,
-    state: &AnyState,
-    at: &StateContext,
-    warn: impl FnOnce(String),
-) -> Result<Option<Flow>, Failure> {
-    let fields = [state.repulsion(), state.gap().into()];
-    let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
-    let flow = || through(&prepared.surface, [repulsion, gap], at.summary.mean_gap, warn);
-    prepared.facts.flow.then(flow).transpose()
-}
-
 /// State handler of a path: its records, its widest contact, its unsettled steps.
 struct Log<'a> {
     contact: &'a Posed,
@@ -234,6 +226,14 @@ impl StateHandler for Log<'_> {
             self.widest = Some((area, SceneFields::of(state, None, state.plastic_depth())));
         }
         Ok(record)
+    }
+
+    fn further(&self, state: &AnyState) -> Vec<Vec<f64>> {
+        strain::at_waypoint(self.prepared, state)
+    }
+
+    fn write_further(&self, file: &mut StateFile, place: usize, values: &[Cow<[f64]>]) -> Result<(), Failure> {
+        strain::write_waypoint(file, place, values)
     }
 
     /// Visits the largest contact area and its fields; before the first step there are none.

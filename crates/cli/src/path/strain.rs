@@ -1,4 +1,6 @@
-//! Plastic strain below the surface in a path file, used to check the last step.
+//! Plastic strain below the surface in a path file, used to check the last step, and the waypoints if they have theirs.
+
+use std::borrow::Cow;
 
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
@@ -8,19 +10,35 @@ use gfmd_input::failure::Failure;
 use gfmd_input::source::Surface;
 use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_plasticity::{Cell, PlasticState, PlasticStrain, YieldingContact};
-use gfmd_problem::AnyState;
 use gfmd_problem::options::Plasticity;
+use gfmd_problem::{AnyState, KeptStrain};
 use gfmd_record::{Measured, Record, StateContext};
 use gfmd_run::series::{Prepared, StateFile, StiffnessArgs};
 use ndarray::{Array2, Array3};
 
-use super::course::leak;
+use super::leak::leak;
 
 /// Components of a deviatoric strain; their squares add to ε:ε.
 const COMPONENTS: [&str; 5] = ["sqrt(3/2) zz", "(xx - yy) / sqrt(2)", "sqrt(2) xy", "sqrt(2) xz", "sqrt(2) yz"];
 
 /// Plastic strain at the end of the last step, and before it.
 const ENDS: [(&str, &str); 2] = [("", "after the last step"), ("_before", "before the last increment")];
+
+/// Group of the strain at the waypoints.
+const WAYPOINTS: &str = "/plastic_at_waypoints";
+
+/// Numbers of a step that follow from its pressure and its plastic strain alone.
+const OF_STRAIN: [&str; 9] = [
+    "elastic_energy",
+    "hardening_energy",
+    "max_plastic_strain",
+    "plastic_strain_integral",
+    "yielded_volume",
+    "yield_depth",
+    "plastic_displacement_mean",
+    "plastic_displacement_rms",
+    "plastic_displacement_min",
+];
 
 /// Writes the cells, and the plastic strain of the last state and of the state before it.
 pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &PlasticState) -> Result<(), Failure> {
@@ -33,8 +51,54 @@ pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &PlasticStat
     Ok(())
 }
 
+/// Returns true if the file keeps the plastic strain at the waypoints.
+fn keeps_waypoints(prepared: &Prepared) -> bool {
+    prepared.plasticity.as_ref().is_some_and(|plasticity| plasticity.kept_strain == KeptStrain::Waypoints)
+}
+
+/// Defines the plastic strain at this number of waypoints, if it is kept.
+pub(super) fn define_waypoints(file: &mut StateFile, prepared: &Prepared, count: usize) -> Result<(), Failure> {
+    let Prepared { plasticity: Some(plasticity), body, surface, .. } = prepared else { return Ok(()) };
+    let Some(archive) = file.archive().filter(|_| keeps_waypoints(prepared)) else { return Ok(()) };
+    let waypoint = Dimension::index("waypoint", count, "number of the waypoint");
+    let component = component();
+    for (number, cell) in plasticity.cells(body, &surface.grid)?.iter().enumerate() {
+        let [x, y] = axes_of(cell, surface);
+        let long_name = format!("plastic strain of cell {number}");
+        let dimensions = [&waypoint, &component, &x, &y];
+        let variable = Variable { dimensions: &dimensions, units: "1", long_name: &long_name };
+        archive.define(&format!("{WAYPOINTS}/strain_{number}"), &variable)?;
+        let long_name = format!("equivalent plastic strain of cell {number}");
+        let dimensions = [&waypoint, &x, &y];
+        let variable = Variable { dimensions: &dimensions, units: "1", long_name: &long_name };
+        archive.define(&format!("{WAYPOINTS}/equivalent_{number}"), &variable)?;
+    }
+    Ok(())
+}
+
+/// Returns the plastic strain of a state, cell by cell ε^p and κ, if the file keeps it at the waypoints.
+pub(super) fn at_waypoint(prepared: &Prepared, state: &AnyState) -> Vec<Vec<f64>> {
+    let Some(state) = state.yielding().filter(|_| keeps_waypoints(prepared)) else { return Vec::new() };
+    let of_cell = |number: usize| {
+        let (strain, equivalent) = (state.plastic_strain(number), state.equivalent_plastic_strain(number));
+        [strain.into_raw_vec_and_offset().0, equivalent.into_raw_vec_and_offset().0]
+    };
+    (0..state.cells().len()).flat_map(of_cell).collect()
+}
+
+/// Writes what [`at_waypoint`] returned.
+pub(super) fn write_waypoint(file: &mut StateFile, place: usize, values: &[Cow<[f64]>]) -> Result<(), Failure> {
+    let Some(archive) = file.archive() else { return Ok(()) };
+    for (index, field) in values.iter().enumerate() {
+        let (name, number) = (["strain", "equivalent"][index % 2], index / 2);
+        archive.write_slab(&format!("{WAYPOINTS}/{name}_{number}"), place, field)?;
+    }
+    Ok(())
+}
+
 /// Defines the cells and the plastic strain, without values that count.
-pub(super) fn lay_out(file: &mut StateFile, prepared: &Prepared) -> Result<(), Failure> {
+pub(super) fn lay_out(file: &mut StateFile, prepared: &Prepared, waypoints: usize) -> Result<(), Failure> {
+    define_waypoints(file, prepared, waypoints)?;
     let Prepared { plasticity: Some(plasticity), body, surface, .. } = prepared else { return Ok(()) };
     let Some(archive) = file.archive() else { return Ok(()) };
     let cells = plasticity.cells(body, &surface.grid)?;
@@ -67,6 +131,20 @@ fn write_cells(archive: &mut Archive, surface: &Surface, cells: &[Cell]) -> Resu
     Ok(())
 }
 
+/// Returns the dimension of the components.
+fn component() -> Dimension {
+    Dimension::labels("component", &COMPONENTS, "component of a deviatoric strain")
+}
+
+/// Returns the dimensions along x and y of a cell on its own grid.
+fn axes_of(cell: &Cell, surface: &Surface) -> [Dimension; 2] {
+    let mut found = axes(&cell.grid(&surface.grid), surface.unit());
+    if cell.coarsening > 1 {
+        found.iter_mut().for_each(|axis| axis.name = format!("{}_{}", axis.name, cell.coarsening));
+    }
+    found
+}
+
 /// Writes the plastic strain of all cells, each on its own grid.
 fn write_strain(
     archive: &mut Archive,
@@ -75,12 +153,9 @@ fn write_strain(
     (end, when): (&str, &str),
     of_cell: impl Fn(usize) -> (Array3<f64>, Array2<f64>),
 ) -> Result<(), FileError> {
-    let component = Dimension::labels("component", &COMPONENTS, "component of a deviatoric strain");
+    let component = component();
     for (number, cell) in cells.iter().enumerate() {
-        let [mut x, mut y] = axes(&cell.grid(&surface.grid), surface.unit());
-        if cell.coarsening > 1 {
-            [&mut x, &mut y].into_iter().for_each(|axis| axis.name = format!("{}_{}", axis.name, cell.coarsening));
-        }
+        let [x, y] = axes_of(cell, surface);
         let (strain, equivalent) = of_cell(number);
         let flat: Vec<f64> = strain.iter().copied().collect();
         let long_name = format!("plastic strain of cell {number} {when}");
@@ -94,20 +169,85 @@ fn write_strain(
     Ok(())
 }
 
-/// Reads the plastic strain at one end of the last step.
-fn read(reader: &Reader, contact: &YieldingContact, end: &str) -> Result<PlasticStrain, Failure> {
+/// Makes a plastic strain from its variables: `values` returns one, given its name and the number of its cell.
+fn assembled(
+    contact: &YieldingContact,
+    values: impl Fn(&str, usize) -> Result<Vec<f64>, FileError>,
+) -> Result<PlasticStrain, Failure> {
     let wrong = |error: &dyn std::fmt::Display| Failure::input("/plastic", error.to_string());
     let grid = *contact.surface().grid();
     let (mut strains, mut equivalents) = (Vec::new(), Vec::new());
     for (number, cell) in contact.cells().iter().enumerate() {
         let [nx, ny] = cell.grid(&grid).points();
-        let values = |name: &str| reader.values::<f64>(&format!("/plastic/{name}{end}_{number}"));
-        let strain = Array3::from_shape_vec((COMPONENTS.len(), nx, ny), values("strain")?);
+        let strain = Array3::from_shape_vec((COMPONENTS.len(), nx, ny), values("strain", number)?);
         strains.push(strain.map_err(|error| wrong(&error))?);
-        let equivalent = Array2::from_shape_vec((nx, ny), values("equivalent")?);
+        let equivalent = Array2::from_shape_vec((nx, ny), values("equivalent", number)?);
         equivalents.push(equivalent.map_err(|error| wrong(&error))?);
     }
     contact.plastic_strain(&strains, &equivalents).map_err(|error| wrong(&error))
+}
+
+/// Reads the plastic strain at one end of the last step.
+fn read(reader: &Reader, contact: &YieldingContact, end: &str) -> Result<PlasticStrain, Failure> {
+    assembled(contact, |name, number| reader.values(&format!("/plastic/{name}{end}_{number}")))
+}
+
+/// Returns the contact of a body that yields; `None` for another body.
+fn yielding_contact(prepared: &Prepared) -> Result<Option<YieldingContact>, Failure> {
+    let Prepared { plasticity: Some(Plasticity { hardening, cells, .. }), body, surface, .. } = prepared else {
+        return Ok(None);
+    };
+    let contact = YieldingContact::new(body, &surface.grid, &surface.heights, hardening, cells);
+    contact.map(Some).map_err(|error| Failure::input("/surface/height", error))
+}
+
+/// Recomputes a step from its pressure and its plastic strain at a waypoint, if the file has it: contact, yield
+/// condition, and what follows from them. κ does not fall from waypoint to waypoint.
+pub(super) fn check_waypoint(
+    stored: &Stored,
+    (step, place): (usize, usize),
+    drive: Drive,
+    comparison: &mut Comparison,
+) -> Result<(), Failure> {
+    if !keeps_waypoints(stored.prepared) {
+        return Ok(());
+    }
+    let Some(contact) = yielding_contact(stored.prepared)? else { return Ok(()) };
+    let wrong = |error: &dyn std::fmt::Display| Failure::input(WAYPOINTS, error.to_string());
+    let path = |name: &str, number: usize| format!("{WAYPOINTS}/{name}_{number}");
+    let plastic = assembled(&contact, |name, number| stored.reader.slab(&path(name, number), place))?;
+    let mut before = contact.rest().map_err(|error| wrong(&error))?;
+    before.plastic = plastic;
+    let pressure = stored.field("pressure", place)?;
+    let state = contact.certify(&before, &pressure, &before.plastic, drive.load).map_err(|error| wrong(&error))?;
+    let state = AnyState::new(state);
+    stored.compare_fields(place, &state, comparison)?;
+    let at = stored.at(step, &state);
+    let record = Record::of(&StateContext { step: Some((&Step::default(), stored.contact.reading(&state))), ..at });
+    for name in OF_STRAIN {
+        comparison.number(&stored.path(name), stored.number(name, step), record.number(name), 0.0);
+    }
+    let what = format!("residual of step {step}, from its strain");
+    comparison.at_most(&what, state.worst(), stored.allowed());
+    for number in 0..contact.cells().len() {
+        let name = path("equivalent", number);
+        let now: Vec<f64> = stored.reader.slab(&name, place)?;
+        if let Some(earlier) = place.checked_sub(1) {
+            let earlier: Vec<f64> = stored.reader.slab(&name, earlier)?;
+            let fall = earlier.iter().zip(&now).map(|(then, now)| then - now).fold(0.0, f64::max);
+            comparison.at_most(&format!("{name} (fall)"), fall, 0.0);
+        }
+        // Only the last step has both.
+        if step + 1 == stored.count() {
+            comparison.values(
+                &name,
+                &now,
+                &stored.reader.values::<f64>(&format!("/plastic/equivalent_{number}"))?,
+                0.0,
+            );
+        }
+    }
+    Ok(())
 }
 
 /// Recomputes the last step from its pressure and its plastic strain.
@@ -118,12 +258,8 @@ pub(super) fn check(
     stiffness: StiffnessArgs,
     comparison: &mut Comparison,
 ) -> Result<(), Failure> {
-    let Prepared { plasticity: Some(Plasticity { hardening, cells }), body, surface, .. } = stored.prepared else {
-        return Ok(());
-    };
+    let Some(contact) = yielding_contact(stored.prepared)? else { return Ok(()) };
     let wrong = |error: &dyn std::fmt::Display| Failure::input("/surface/height", error.to_string());
-    let contact = YieldingContact::new(body, &surface.grid, &surface.heights, hardening, cells);
-    let contact = contact.map_err(|error| wrong(&error))?;
     let depths: Vec<f64> = contact.cells().iter().map(|cell| cell.depth).collect();
     comparison.values("/cells/depth", &stored.reader.values::<f64>("/cells/depth")?, &depths, 0.0);
     let mut before = contact.rest().map_err(|error| wrong(&error))?;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::common::{gfmd, json};
+use crate::common::{gfmd, json, numbers};
 use gfmd_files::Reader;
 use ndarray::Array2;
 use serde_json::Value;
@@ -218,6 +218,84 @@ fn a_changed_strain_is_found() {
     assert!(names.contains("/fields/displacement_z") && names.contains("residual"), "{names}");
 }
 
+/// With coarser cells below, and with a waypoint before first yield.
+const LOOP: &str = "--cells graded:0.5,1.3,3 --p-star 0.0001,0.05,0.1,0.01 --steps 2";
+
+#[test]
+fn the_strain_of_every_waypoint_is_kept_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let steps = json(folder.path(), &words(&format!("{METAL} {LOOP} --kept-strain waypoints --out all.h5 --json")));
+    assert_eq!(steps["kept_strain"], "waypoints");
+    let last = json(folder.path(), &words(&format!("{METAL} {LOOP} --out last.h5 --json")));
+    assert!(last.get("kept_strain").is_none());
+    let [all, last] = ["all", "last"].map(|name| Reader::open(folder.path().join(format!("{name}.h5"))).unwrap());
+    assert!(!last.contains("/plastic_at_waypoints/strain_0"));
+    let cells = steps["cells"].as_array().unwrap().len();
+    for cell in 0..cells {
+        for name in ["strain", "equivalent"] {
+            let [of_last, known] = [&all, &last].map(|file| file.values::<f64>(&format!("/plastic/{name}_{cell}")));
+            let kept: Vec<f64> = all.slab(&format!("/plastic_at_waypoints/{name}_{cell}"), 3).unwrap();
+            assert_eq!(kept, known.unwrap());
+            assert_eq!(kept, of_last.unwrap());
+        }
+    }
+    for (waypoint, step) in [0, 2, 4, 6].into_iter().enumerate() {
+        let of_cell = |cell: usize| {
+            let kept: Vec<f64> = all.slab(&format!("/plastic_at_waypoints/equivalent_{cell}"), waypoint).unwrap();
+            kept.into_iter().fold(0.0, f64::max)
+        };
+        let largest = (0..cells).map(of_cell).fold(0.0, f64::max);
+        assert_eq!(largest, steps["steps"][step]["max_plastic_strain"].as_f64().unwrap());
+        assert_eq!(waypoint == 0, largest == 0.0);
+    }
+    let checked = json(folder.path(), &["check", "all.h5", "--rerun", "--json"]);
+    assert_eq!(checked["differing"], 0, "{checked}");
+    assert!(gfmd(folder.path(), &["report", "all.h5"]).status.success());
+}
+
+#[test]
+fn a_changed_strain_of_a_waypoint_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, first) in [("strain_1", "residual of step 2, from its strain"), ("equivalent_0", "(fall)")] {
+        assert!(
+            gfmd(folder.path(), &words(&format!("{METAL} {LOOP} --kept-strain waypoints --out p.h5"))).status.success()
+        );
+        let file = hdf5::File::open_rw(folder.path().join("p.h5")).unwrap();
+        let strain = file.dataset(&format!("/plastic_at_waypoints/{name}")).unwrap();
+        let (shape, mut values) = (strain.shape(), strain.read_raw::<f64>().unwrap());
+        let size = values.len() / shape[0];
+        values[size..2 * size].iter_mut().for_each(|value| *value *= 2.0);
+        strain.write_raw(&values).unwrap();
+        drop((strain, file));
+        let output = gfmd(folder.path(), &["check", "p.h5", "--json"]);
+        assert_eq!(output.status.code(), Some(1));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let all = report["differences"].as_array().unwrap().iter().map(|found| found["name"].clone()).collect();
+        let names = list(&all);
+        let is_integrated = names.contains("/path/plastic_strain_integral");
+        assert!(names.contains(first) && is_integrated == (name == "equivalent_0"), "{names}");
+    }
+}
+
+/// A run that is killed somewhere and continued writes the same numbers.
+#[test]
+fn the_strain_of_the_waypoints_survives_a_kill() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = format!("{METAL} {LOOP} --kept-strain waypoints --threads 1 -q");
+    assert!(gfmd(folder.path(), &words(&format!("{run} --out whole.h5"))).status.success());
+    let again = format!("{run} --resume --out again.h5");
+    let state = folder.path().join("again.h5.state");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_gfmd"));
+    let mut killed = command.current_dir(folder.path()).args(words(&again)).spawn().unwrap();
+    while !state.exists() && killed.try_wait().unwrap().is_none() {
+        std::thread::yield_now();
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(gfmd(folder.path(), &words(&again)).status.success());
+    assert!(numbers(&folder.path().join("again.h5")) == numbers(&folder.path().join("whole.h5")));
+}
+
 #[test]
 fn what_makes_no_sense_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
@@ -226,6 +304,7 @@ fn what_makes_no_sense_is_refused_by_name() {
         ("path --yield 0.1", "--yield-stress: the yield stress is 0.1; it must be less than 0.1"),
         ("path --hardening 0.1", "--hardening is given; it must be left out without --yield-stress"),
         ("path --cells uniform:4,0.1", "--cells is given; it must be left out without --yield-stress"),
+        ("path --kept-strain waypoints", "--kept-strain is given; it must be left out without --yield-stress"),
         ("path --yield 0.01 --hardening=-1", "--hardening: the isotropic hardening is -1"),
         ("path --yield 0.01 --hardening-curve 0:0.01", "--hardening-curve: the hardening curve has 1 points"),
         ("path --yield 0.01 --hardening-curve 0:0.02,0.1:0.03", "--hardening-curve is 2e-2 at first"),

@@ -1,5 +1,5 @@
 //! Limits with known numbers: first yield below a sphere and a cylinder, limit load of a flat punch, full plasticity of
-//! a sphere.
+//! a sphere, by two fits.
 
 use gfmd_contact::Equilibrium;
 use gfmd_plasticity::ndarray::Array2;
@@ -124,5 +124,49 @@ fn a_sphere_becomes_fully_plastic_as_the_fits_of_finite_elements_say() {
         let fit = load / area(times) / yield_stress;
         assert!((found - fit).abs() < 0.1 * fit, "{times}: {found} {fit}");
         assert!(state.operators < 200, "{times}: {} operators", state.operators);
+    }
+}
+
+/// Load on a sphere and its area at an interference, as fitted by Jackson and Green (2005) to finite elements of an
+/// ideally plastic material: a hardness that falls as the contact grows beside the radius.
+fn jackson_green(interference: f64, radius: f64, yield_stress: f64) -> [f64; 2] {
+    let e_star = material().contact_modulus();
+    let per_yield = 1.295 * (0.736 * POISSON).exp();
+    let strain = yield_stress / e_star;
+    let first = (std::f64::consts::PI * per_yield * strain / 2.0).powi(2) * radius;
+    let load_at_first = 4.0 / 3.0 * e_star * (radius * first.powi(3)).sqrt();
+    let times = interference / first;
+    let growth = (times / 1.9).max(1.0).powf(0.14 * (23.0 * strain).exp());
+    let a = (interference / radius * growth).sqrt();
+    let hardness = 2.84 * (1.0 - (-0.82 * a.powf(-0.7)).exp());
+    let elastic = (-0.25 * times.powf(5.0 / 12.0)).exp() * times.powf(1.5);
+    let plastic = 4.0 * hardness / per_yield * (1.0 - (-times.powf(5.0 / 9.0) / 25.0).exp()) * times;
+    [load_at_first * (elastic + plastic), std::f64::consts::PI * (a * radius).powi(2)]
+}
+
+#[test]
+fn a_sphere_pressed_in_carries_the_load_of_jackson_and_green() {
+    let (yield_stress, radius, length) = (4e-3, 1.0, 1.0);
+    let e_star = material().contact_modulus();
+    let grid = Grid::square(64, length).unwrap();
+    let contact = paraboloid(&grid, radius, Hardening::new(yield_stress).unwrap(), &Cells::default());
+    // Multiples of the load at first yield, as Kogut and Etsion define it.
+    let strength = (0.454 + 0.41 * POISSON) * 2.8 * yield_stress;
+    let first = (std::f64::consts::PI * strength / (2.0 * e_star)).powi(2) * radius;
+    let load_at_first = 2.0 / 3.0 * std::f64::consts::PI * strength * first * radius;
+    // The mean level of the surface lies below the level far from one sphere: the sum over the images of a point force
+    // on a square lattice, less the mean, is −3.900 divided by the side.
+    let level = 3.900_26 / (std::f64::consts::PI * e_star * length);
+    let budget = Budget { tolerance: 1e-6, max_iterations: 5000 };
+    let mut state = contact.rest().unwrap();
+    for times in [25.0, 50.0, 100.0, 200.0, 350.0] {
+        let load = times * load_at_first;
+        state = contact.step(&state, Load::MeanPressure(load / length.powi(2)), &budget, &mut ()).unwrap();
+        let [fit, area] = jackson_green(state.approach() + level * load, radius, yield_stress);
+        let found = load / fit;
+        assert!((0.9..0.98).contains(&found), "{times}: load {found} of the fit");
+        // A contact at a smaller load has fewer than 40 points, of which the rim is a large part.
+        let found = state.summary().area_fraction * length.powi(2) / area;
+        assert!(times < 100.0 || (found - 1.0).abs() < 0.05, "{times}: area {found} of the fit");
     }
 }

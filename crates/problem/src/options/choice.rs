@@ -1,6 +1,6 @@
 //! Flags whose values are the rows of a library's table: a name and a meaning each.
 
-use crate::{GridError, Moduli, Unknown, WearBy};
+use crate::{GridError, KeptStrain, Moduli, Unknown, WearBy};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
@@ -44,6 +44,7 @@ choices! {
     Boundary: &Self::ALL;
     Fill: Self::ALL;
     GridError: &Self::ALL;
+    KeptStrain: &Self::ALL;
     Moduli: &Self::ALL;
     Periodisation: Self::ALL;
     Relaxes: &Self::ALL;

@@ -13,8 +13,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::body::BodyArgs;
 use super::law::LONGEST_TABLE;
 use super::values::parse_row;
-use crate::options::{Kinds, Options};
-use crate::{Unusable, key, words};
+use crate::options::{Kinds, Options, named, parse_choice};
+use crate::{KeptStrain, Unusable, key, words};
 
 /// Flags of the yielding of the body.
 #[derive(Args, Options, Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,6 +68,16 @@ pub struct PlasticityArgs {
     #[arg(long, value_delimiter = ',', value_name = "S,..")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub coarsening: Vec<usize>,
+    /// States whose plastic strain goes into --out
+    #[arg(
+        long,
+        value_parser = parse_choice::<KeptStrain>(),
+        default_value_t = KeptStrain::Last,
+        requires = "out",
+        help_heading = "Output"
+    )]
+    #[serde(skip_serializing_if = "KeptStrain::is_default", with = "named")]
+    pub kept_strain: KeptStrain,
 }
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
@@ -160,6 +170,8 @@ pub struct Yielding {
     /// Thickness of each cell.
     pub cells: Vec<f64>,
     pub coarsening: Vec<usize>,
+    #[serde(skip_serializing_if = "KeptStrain::is_default", with = "named")]
+    pub kept_strain: KeptStrain,
 }
 
 /// Hardening of each layer of a body, from the top, and the cells in which it yields.
@@ -169,6 +181,8 @@ pub struct Plasticity {
     pub hardening: Vec<Option<Hardening>>,
     /// Cells.
     pub cells: Cells,
+    /// States whose plastic strain a file keeps.
+    pub kept_strain: KeptStrain,
 }
 
 impl PlasticityArgs {
@@ -221,7 +235,7 @@ impl PlasticityArgs {
                 return Err(Unusable::value(key("coarsening"), found, allowed));
             }
         }
-        Ok(Some(Plasticity { hardening, cells }))
+        Ok(Some(Plasticity { hardening, cells, kept_strain: self.kept_strain }))
     }
 
     /// Returns the options with the cells of the problem; `None` for a body that does not yield.
@@ -233,6 +247,7 @@ impl PlasticityArgs {
             kinematic: self.kinematic_hardening,
             cells: cells.iter().map(|cell| cell.thickness).collect(),
             coarsening: cells.iter().map(|cell| cell.coarsening).collect(),
+            kept_strain: self.kept_strain,
         })
     }
 
@@ -245,6 +260,7 @@ impl PlasticityArgs {
             ("layer_yield", !self.layer_yield.is_empty()),
             ("cells", !is_default(&self.cells)),
             ("coarsening", !self.coarsening.is_empty()),
+            ("kept_strain", !self.kept_strain.is_default()),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given) {
             Some((name, _)) => {
@@ -275,7 +291,7 @@ impl Plasticity {
                 coarsenings: coarsenings.iter().flat_map(|coarsening| [*coarsening; 2]).collect(),
             },
         };
-        Self { hardening: self.hardening.clone(), cells }
+        Self { hardening: self.hardening.clone(), cells, kept_strain: self.kept_strain }
     }
 }
 

@@ -10,7 +10,7 @@ use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_medium::{Prony, Relaxes};
 use gfmd_plasticity::{Cells, Hardening};
 use gfmd_problem::options::Plasticity;
-use gfmd_problem::{Facts, Friction, Given, GridError, Lower, Support, Task, Unknown, WearBy};
+use gfmd_problem::{Facts, Friction, Given, GridError, KeptStrain, Lower, Support, Task, Unknown, WearBy};
 use ndarray::Array2;
 
 const N: usize = 16;
@@ -70,7 +70,8 @@ impl Parts {
         let steel = Hardening::new(0.02).unwrap().isotropic(0.02).unwrap();
         let has_half_space = facts.support == Support::Slab(BaseKind::HalfSpace);
         let hardening = [Some(steel)].into_iter().chain(has_half_space.then_some(None)).collect();
-        let plasticity = facts.yields.then(|| Plasticity { hardening, cells: Cells::default() });
+        let plasticity =
+            facts.yields.then(|| Plasticity { hardening, cells: Cells::default(), kept_strain: KeptStrain::Last });
         Self { facts, grid, body, heights: heights(&grid), lower, law, prony, plasticity }
     }
 

@@ -66,6 +66,7 @@ class PathOptions(TypedDict, total=False):
     stress_unit: Optional[str]
     cells: Quantity
     coarsening: Optional[Sequence[int]]
+    kept_strain: Literal["last", "waypoints"]
     law: Optional[Law | str]
     coarse: bool
     friction_of: Literal["repulsion", "net"]

@@ -62,6 +62,7 @@ class Path(Leaks, Computed, StepFields):
             as given, in numbers.
         cells, coarsening: thickness, length, of each cell of a body that yields, from the surface down, and its grid
             step divided by the grid step of the surface.
+        kept_strain: "waypoints" if `plastic_strain` knows all waypoints; absent otherwise.
         surface, n, size, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: parameters of the
             problem, and the number of extra solves.
 
@@ -90,6 +91,7 @@ class Path(Leaks, Computed, StepFields):
     kinematic_hardening: float
     cells: list[float]
     coarsening: list[int]
+    kept_strain: str
     sliding: list[Record]
     lowest_mean_pressure: float
     grid_error: Record
@@ -122,13 +124,14 @@ class Path(Leaks, Computed, StepFields):
         """Returns the equivalent plastic strain below the surface, interpolated to the grid of the surface.
 
         Args:
-            waypoint: -1, the last one; the strain is kept after the last step only.
+            waypoint: -1, after the last step; or another one, of a path with `kept_strain="waypoints"`.
 
         Returns:
-            The strain, shape [cell, x, y].
+            The strain, shape [cell, x, y]; NaN at a waypoint that was not reached.
 
         Raises:
-            InputError: another waypoint, or a body that does not yield. Error: the file cannot be written.
+            InputError: a waypoint whose strain is not kept, or a body that does not yield. Error: the file cannot be
+                written.
 
         Example:
             >>> steel = gfmd.Body(poisson=0.3, yield_stress=0.01)
@@ -136,14 +139,23 @@ class Path(Leaks, Computed, StepFields):
             >>> strain = pressed.plastic_strain()
             >>> strain.shape == (len(pressed.cells), 16, 16), bool(strain.max() == pressed.steps.max_plastic_strain[-1])
             (True, True)
+            >>> pressed = gfmd.path(gfmd.self_affine(n=16), steel, p_star=[0.02, 0.04], kept_strain="waypoints")
+            >>> bool(pressed.plastic_strain(0).max() < pressed.plastic_strain(1).max())
+            True
         """
         if "cells" not in self:
             raise InputError("the body does not yield; it must, for a plastic strain")
         waypoints = len(self.pressure)
-        if waypoint not in (-1, waypoints - 1):
-            raise InputError(f"waypoint is {waypoint}; it must be -1, since the strain is kept after the last step")
+        is_kept = self.get("kept_strain") == "waypoints"
+        if is_kept and not -waypoints <= waypoint < waypoints:
+            raise InputError(f"waypoint is {waypoint}; it must be from {-waypoints} to {waypoints - 1}")
+        if not is_kept and waypoint not in (-1, waypoints - 1):
+            raise InputError(f'waypoint is {waypoint}; it must be -1 without kept_strain="waypoints"')
+        group = "plastic" if waypoint == -1 or not is_kept else "plastic_at_waypoints"
         with self._stored() as file:
-            fields = [_gfmd.read_array(file, f"/plastic/equivalent_{cell}") for cell in range(len(self.cells))]
+            fields = [_gfmd.read_array(file, f"/{group}/equivalent_{cell}") for cell in range(len(self.cells))]
+        if group != "plastic":
+            fields = [field[waypoint] for field in fields]
         return np.stack([_spread(field, self.n) for field in fields])
 
     def __repr__(self) -> str:
@@ -346,6 +358,7 @@ def path(
     hardness: Quantity | npt.ArrayLike | None = None,
     cells: Any = None,
     coarsening: Any = None,
+    kept_strain: Literal["last", "waypoints"] | str = "last",
     boundary: Literal["periodic", "free"] | str = "periodic",
     stress_unit: Optional[str] = None,
     coarse: bool = False,
@@ -390,6 +403,8 @@ def path(
             thickness of each, length.
         coarsening: grid step of each cell divided by the grid step of the surface, powers of two, if `cells` has the
             thickness of each; 1 by default.
+        kept_strain: states whose plastic strain `Path.plastic_strain` returns: "last", after the last step, or
+            "waypoints", at every waypoint, too: six numbers for each point of each cell.
         boundary: "periodic", or "free" as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
         coarse: also solve a law with a process zone narrower than a tenth of a grid step.
@@ -451,6 +466,7 @@ def path(
         **worn,
         cells=None if cells is None else cells if isinstance(cells, str) else quantities("cells", cells, "length"),
         coarsening=None if coarsening is None else [integer("coarsening", found, 1) for found in coarsening],
+        kept_strain=word("kept_strain", kept_strain),
         boundary=word("boundary", boundary),
         coarse=flag("coarse", coarse),
         grid_error=word("grid_error", grid_error),

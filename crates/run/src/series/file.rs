@@ -67,6 +67,11 @@ impl Chosen {
         })
     }
 
+    /// Returns the number of chosen fields of a problem.
+    pub fn count(&self, facts: &Facts) -> usize {
+        self.of(facts).count()
+    }
+
     /// Returns all names, separated by `between`.
     pub fn listed(between: &str) -> String {
         names().collect::<Vec<_>>().join(between)

@@ -13,7 +13,7 @@ use gfmd_law::Law;
 use gfmd_measure::{Scales, top, top_inside};
 use gfmd_medium::Prony;
 use gfmd_plasticity::Cell;
-use gfmd_problem::{AnyState, Facts, Given, Posed, Words, key, pose, setting, words};
+use gfmd_problem::{AnyState, Facts, Given, KeptStrain, Posed, Words, key, pose, setting, words};
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
@@ -136,7 +136,11 @@ impl Prepared {
         let plasticity = asked.plasticity_on();
         let need = match &plasticity {
             Some(plasticity) => {
-                need.yielding(points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid))
+                let points = points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid);
+                match plasticity.kept_strain {
+                    KeptStrain::Last => need.yielding(points),
+                    KeptStrain::Waypoints => need.yielding(points).keeping_strain(points),
+                }
             }
             None => need,
         };

@@ -1,10 +1,11 @@
 //! Random combinations of the parts of a path: body, boundary, law, friction, shear strength, hardness, relaxation,
 //! wear, loads or approaches, lateral displacements in two directions, times and distances, each drawn independently of
-//! the others.
+//! the others; and bodies that yield, alone.
 
 mod fields;
 mod limits;
 mod memory;
+mod yielding;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -18,8 +19,9 @@ use serde_json::Value;
 use super::draw::{Body, Control, Dice, Law, body, short, waves, write};
 use super::elastic::{Base, Plane};
 use super::found::{Found, number};
-use super::{End, Problem, reason};
+use super::{End, PATHS_ONCE_WRONG, Problem, reason};
 use crate::common::{gfmd, numbers};
+use yielding::Yielding;
 
 /// Wear of the surfaces.
 #[derive(Clone, Debug)]
@@ -57,6 +59,7 @@ pub(crate) struct Parts {
     hardness_text: String,
     pub(crate) relaxation: Option<Relaxation>,
     pub(crate) wear: Option<Wear>,
+    yielding: Option<Yielding>,
     pub(crate) control: Control,
     pub(crate) loads: Vec<f64>,
     pub(crate) lateral: Vec<f64>,
@@ -205,7 +208,7 @@ impl Parts {
         let steps = dice.of(&[1, 1, 1, 2, 3]);
         let energy_solves = dice.of(&[Some(0), Some(0), Some(0), Some(0), Some(0), None, Some(2)]);
         let tolerance = if rubs { dice.of(&[1e-6, 1e-8]) } else { dice.of(&[1e-6, 1e-8, 1e-9]) };
-        Self {
+        let mut drawn = Self {
             index,
             plane,
             is_line,
@@ -222,6 +225,7 @@ impl Parts {
             hardness_text,
             relaxation,
             wear,
+            yielding: None,
             control,
             loads,
             lateral,
@@ -232,7 +236,11 @@ impl Parts {
             steps,
             energy_solves,
             tolerance,
+        };
+        if !PATHS_ONCE_WRONG.contains(&index) {
+            drawn.yielding = Yielding::draw(&mut drawn);
         }
+        drawn
     }
 
     /// Returns the flags of the command.
@@ -267,6 +275,9 @@ impl Parts {
         }
         if let Some(Wear { coefficient, by_slip }) = &self.wear {
             let _ = write!(text, " --coefficient {coefficient}{}", if *by_slip { " --wear-by slip" } else { "" });
+        }
+        if let Some(yielding) = &self.yielding {
+            text.push_str(&yielding.words());
         }
         let flag = match self.control {
             Control::Pressure => "pressure",
@@ -388,6 +399,7 @@ impl Problem for Parts {
             (self.hardness.is_some(), "hardness"),
             (self.relaxation.is_some(), "relaxation"),
             (self.relaxation.as_ref().is_some_and(|of| of.of_shear), "relaxing shear"),
+            (self.yielding.is_some(), "yield stress"),
             (self.wear.as_ref().is_some_and(|wear| wear.by_slip), "wear by slip"),
             (self.wear.as_ref().is_some_and(|wear| !wear.by_slip), "wear by distance"),
             (!self.lateral_y.is_empty(), "lateral path in two components"),
@@ -399,9 +411,11 @@ impl Problem for Parts {
             self.hardness.is_some(),
             self.relaxation.is_some(),
             self.wear.is_some(),
+            self.yielding.is_some(),
             self.is_free,
         ];
-        let names = ["no part", "one part", "two parts", "three parts", "four parts", "five parts", "six parts"];
+        let names =
+            ["no part", "one part", "two parts", "three parts", "four parts", "five parts", "six parts", "all parts"];
         let count = parts.into_iter().filter(|is_given| *is_given).count();
         all.into_iter().filter(|(given, _)| *given).map(|(_, name)| name).chain([names[count]]).collect()
     }
@@ -443,6 +457,8 @@ fn run(parts: &Parts, folder: &Path, found: &mut Found) -> (End, String) {
     let words = parts.command();
     let out = format!("out{}.h5", parts.index);
     let started = Instant::now();
+    let kept: &[&str] = if parts.yielding.is_some() { &["--kept-strain", "waypoints"] } else { &[] };
+    let words: Vec<String> = words.into_iter().chain(kept.iter().map(ToString::to_string)).collect();
     let (status, text, reported) = program(folder, &words, &["--json", "-q", "--threads", "1", "--out", &out]);
     let took = started.elapsed();
     match status {
@@ -458,7 +474,7 @@ fn run(parts: &Parts, folder: &Path, found: &mut Found) -> (End, String) {
         Some(1) => {
             let last = reported.trim_end().lines().last().unwrap_or_default();
             let says = last.starts_with("error")
-                && ["converge", "search", "part", "separate", "touch", "clearance"]
+                && ["converge", "search", "part", "separate", "touch", "clearance", "lowest cell yields"]
                     .iter()
                     .any(|word| last.contains(word));
             found.must(says && !reported.contains("panicked"), || format!("an unexpected failure: {reported}"));
@@ -479,7 +495,7 @@ fn run(parts: &Parts, folder: &Path, found: &mut Found) -> (End, String) {
     check(parts, &report, &file, found);
     drop(file);
     if parts.index.is_multiple_of(3) {
-        let (status, text, _) = program(folder, &words, &["--json", "-q", "--threads", "2"]);
+        let (status, text, _) = program(folder, &parts.command(), &["--json", "-q", "--threads", "2"]);
         let again = serde_json::from_str::<Value>(&text).unwrap_or_default();
         found.must(status == Some(0) && steps_of(&again) == steps_of(&report), || "two threads have other bits".into());
     }
@@ -496,7 +512,7 @@ fn run(parts: &Parts, folder: &Path, found: &mut Found) -> (End, String) {
     let (status, _, reported) = program(folder, &["report".to_owned(), out.clone()], &["-q", "--out", &page]);
     found.must(status == Some(0), || format!("report: status {status:?}: {reported}"));
     if parts.index.is_multiple_of(10) {
-        killed(parts, folder, &out, took, found);
+        killed(parts, folder, (&words, &out), took, found);
     }
     if parts.index.is_multiple_of(4) {
         limits::check(parts, folder, found);
@@ -505,18 +521,17 @@ fn run(parts: &Parts, folder: &Path, found: &mut Found) -> (End, String) {
 }
 
 /// Kills the run at some moment, continues it, and compares the file with the file `out` of the uninterrupted run.
-fn killed(parts: &Parts, folder: &Path, out: &str, took: Duration, found: &mut Found) {
+fn killed(parts: &Parts, folder: &Path, (words, out): (&[String], &str), took: Duration, found: &mut Found) {
     let again = format!("again{}.h5", parts.index);
-    let words = parts.command();
     let mut command = Command::new(env!("CARGO_BIN_EXE_gfmd"));
-    command.current_dir(folder).args(&words).args(["-q", "--threads", "1", "--resume", "--out", &again]);
+    command.current_dir(folder).args(words).args(["-q", "--threads", "1", "--resume", "--out", &again]);
     let mut run = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let share = Dice::new(parts.index + 0xdead).between(0.2, 0.95);
     std::thread::sleep(took.mul_f64(share));
     run.kill().unwrap();
     run.wait().unwrap();
     found.note(format!("killed {}", if folder.join(&again).exists() { "after the end" } else { "before the end" }));
-    let (status, _, reported) = program(folder, &words, &["-q", "--threads", "1", "--resume", "--out", &again]);
+    let (status, _, reported) = program(folder, words, &["-q", "--threads", "1", "--resume", "--out", &again]);
     found.must(status == Some(0), || format!("--resume after a kill: status {status:?}: {reported}"));
     let same = status == Some(0) && numbers(&folder.join(&again)) == numbers(&folder.join(out));
     found.must(same, || "a killed and resumed run has other numbers".into());
@@ -542,6 +557,7 @@ fn check(parts: &Parts, report: &Value, file: &Reader, found: &mut Found) {
     }
     let places: Vec<usize> = waypoints.into_iter().filter(|step| *step < end).collect();
     fields::check(parts, steps, &drives, &places, file, found);
+    yielding::check(parts, steps, &places, file, found);
     sums(report, &steps[..end], found);
 }
 
@@ -579,10 +595,11 @@ fn drive(parts: &Parts, step: &Value, [load, along, across, time, distance]: Dri
 /// Names of the losses by cause.
 const LOSSES: [&str; 5] = ["lost_relaxation", "lost_friction", "lost_wear", "lost_plastic", "lost_jumps"];
 
-/// Returns the energy of a step that its springs and its law store.
+/// Returns the energy of a step that its springs, its law and its hardening store.
 fn stored(step: &Value) -> f64 {
     let interface = number(step, "interface_energy");
-    number(step, "elastic_energy") + if interface.is_nan() { 0.0 } else { interface }
+    let hardening = step["hardening_energy"].as_f64().unwrap_or(0.0);
+    number(step, "elastic_energy") + if interface.is_nan() { 0.0 } else { interface } + hardening
 }
 
 /// Returns the work between two steps by the trapezoidal rule, its largest error for monotonic forces, and the sum of
@@ -643,7 +660,7 @@ fn energies(parts: &Parts, steps: &[Value], found: &mut Found) {
         step.get(key).is_none() || of(Some(step)) == of(before)
     };
     let is_at_once = same("time") && same("distance");
-    let flows = parts.rubs() || parts.hardness.is_some();
+    let flows = parts.rubs() || parts.hardness.is_some() || parts.yielding.is_some();
     let floor = 1e-9 * scale;
     if parts.law.is_some() && parts.relaxation.is_some() && before.is_none() {
         // A law pulls from the first touch on, so that a step of some duration begins with a jump.

@@ -98,6 +98,12 @@ pub(super) fn check(parts: &Parts, folder: &Path, found: &mut Found) {
         let tiny = Wear { coefficient: 1e-12 * wear.coefficient, ..wear.clone() };
         compare("wear", 1e-6, [&Parts { wear: Some(tiny), ..fine.clone() }, &without], folder, found);
     }
+    if let Some(yielding) = &fine.yielding {
+        let loads = fine.loads.iter().map(|load| 0.01 * load).collect();
+        let small = Parts { loads, ..fine.clone() };
+        let with = Parts { yielding: Some(yielding.hard(&fine.body)), ..small.clone() };
+        compare("yield stress", 1e-6, [&with, &Parts { yielding: None, ..small }], folder, found);
+    }
     if let Some(relaxation) = &fine.relaxation {
         let at_once = super::Relaxation { instantaneous: true, ..relaxation.clone() };
         let mut with = Parts { relaxation: Some(at_once), times: vec![0.0; fine.times.len()], ..fine.clone() };
