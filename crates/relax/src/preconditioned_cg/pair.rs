@@ -10,8 +10,8 @@ use crate::quadratic::{Iterate, LEAST_DESCENT, OptimalitySums, Target, add_linea
 use crate::{Ceiling, Upper, Visit};
 
 /// Convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of the non-negative variables of two fields, the halves of one vector,
-/// possibly with upper bounds, for [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is symmetric and positive
-/// semi-definite, and has a preconditioner.
+/// possibly with upper bounds, for [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is
+/// symmetric and positive semi-definite, and has a preconditioner.
 pub trait Paired {
     /// Returns b, one value for each variable; the number of variables is even.
     fn linear(&self) -> &[f64];
@@ -26,8 +26,8 @@ pub trait Paired {
 
     /// Writes `M gradient` into `out` on the free variables, and zero elsewhere. This is approximately the step to the
     /// point where the gradient of the free variables vanishes. Variables are free if between the bounds, if zero with
-    /// a negative gradient, or if at the upper bound with a positive one. M depends on the free set; it is symmetric positive (semi-)definite and approximates A⁻¹ on
-    /// this set.
+    /// a negative gradient, or if at the upper bound with a positive one. M depends on the free set; it is symmetric
+    /// positive (semi-)definite and approximates A⁻¹ on this set.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], out: &mut [f64]);
 
     /// Visits the variables that the problem itself changes during a search, for example an effort counter.
