@@ -12,7 +12,7 @@ use gfmd_contact::{
 use gfmd_green::BaseKind;
 use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, StoredFields, Wear};
 use gfmd_law::LawKind;
-use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, WearBy, pose, rules_of};
+use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, Unknown, WearBy, pose, rules_of};
 use gfmd_problem::{rules_of_sliding, table};
 use gfmd_relax::Budget;
 
@@ -46,6 +46,10 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let squeezed = SqueezedContact::new(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
     let state = solved(facts);
     same(&state, &squeezed.press(load).solve().unwrap());
+    let hard = squeezed.with_hardness(0.04).unwrap().press(load).solve().unwrap();
+    same(&solved(Facts { hardness: true, ..facts }), &hard);
+    let held = SqueezedContact::held_sideways(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
+    same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
     assert!(state.lower().is_some());
     assert!(state.steep().is_none());
     assert!(state.plastic_depth().is_none());
