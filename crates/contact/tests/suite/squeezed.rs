@@ -206,7 +206,6 @@ fn thin_and_thick_slabs_take_few_iterations() {
             let surfaces = [heights(1), heights(2)];
             let held = SqueezedContact::held_sideways(&slab(0.3, height), &grid(), &surfaces[0], &surfaces[1]);
             let state = held.unwrap().press(Load::MeanPressure(0.1 * p_star)).solve().unwrap();
-            println!("held {height} {p_star} {}", state.effort);
             assert!(state.effort.iterations <= most, "held {height}, {p_star}: {}", state.effort);
         }
     }
