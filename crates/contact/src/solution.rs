@@ -362,7 +362,7 @@ const ROUNDING_OF_DISPLACEMENT: f64 = 16.0 * f64::EPSILON;
 
 /// Returns the middle between the largest room of the points at the hardness and the smallest room of the others. It is
 /// the approach if no pressure lies between the bounds.
-fn between(share: &Share, pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64 {
+pub(crate) fn between(share: &Share, pressure: &[f64], upper: Ceiling, room: impl Fn(usize) -> f64) -> f64 {
     let none = [f64::NEG_INFINITY, f64::INFINITY];
     let own = pressure.iter().enumerate().fold(none, |[below, above], (i, p)| {
         if *p >= upper.at(i) { [below.max(room(i)), above] } else { [below, above.min(room(i))] }

@@ -7,20 +7,21 @@ use std::sync::Arc;
 use gfmd_field::Grid;
 use gfmd_green::{Body, Plate};
 use gfmd_measure::{Scales, Summary};
-use gfmd_relax::{Budget, Variables as _, Visit, Watch, worst};
+use gfmd_relax::{Budget, Ceiling, Upper, Variables as _, Visit, Watch, worst};
 use gfmd_response::{PlateResponse, PlateTransforms};
 use gfmd_vector::with_contiguous;
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::refine::{Refined, coarsest, refine};
-use crate::solution::Conditions;
+use crate::solution::{Conditions, between, field};
 use crate::{
-    Drive, Effort, Equilibrium, Fields, Load, Refusal, Residual, Resumable, RigidSurface, Solution, SolveError, Solver,
-    Units, judge,
+    Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Residual, Resumable, RigidSurface, Solution,
+    SolveError, Solver, Units, judge,
 };
 
-/// Slab, or stack of layers, between two rigid surfaces, without friction or adhesion (hard walls). Nothing else holds
-/// the slab: the mean pressures on its two faces are equal. Clones share the data.
+/// Slab, or stack of layers, between two rigid surfaces, without friction or adhesion: hard walls, possibly with a
+/// [hardness](Self::with_hardness). Nothing else holds the slab: the mean pressures on its two faces are equal. Clones
+/// share the data.
 #[derive(Clone, Debug)]
 pub struct SqueezedContact {
     /// Plate, in `units`.
@@ -30,6 +31,8 @@ pub struct SqueezedContact {
     /// Surfaces, in `units`.
     scaled: [Arc<RigidSurface>; 2],
     surfaces: [Arc<RigidSurface>; 2],
+    /// Largest pressure at each point of a face, the same on both, in `units`.
+    hardness: Option<Upper>,
     contact_modulus: f64,
     units: Units,
 }
@@ -57,7 +60,24 @@ impl SqueezedContact {
     /// A body that is no slab and no stack of layers; heights that differ in shape from the grid, are not finite, or
     /// are both flat; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let plate = Plate::of(body)?;
+        Self::of_plate(Plate::of(body)?, body, grid, [upper, lower])
+    }
+
+    /// Makes the contact as [`new`](Self::new) of a slab whose faces have no lateral displacement: the two surfaces
+    /// hold all their points sideways.
+    ///
+    /// # Errors
+    /// The errors of [`new`](Self::new).
+    pub fn held_sideways(
+        body: &Body,
+        grid: &Grid,
+        upper: &ArrayRef2<f64>,
+        lower: &ArrayRef2<f64>,
+    ) -> Result<Self, Refusal> {
+        Self::of_plate(Plate::held_sideways(body)?, body, grid, [upper, lower])
+    }
+
+    fn of_plate(plate: Plate, body: &Body, grid: &Grid, [upper, lower]: [&ArrayRef2<f64>; 2]) -> Result<Self, Refusal> {
         let surfaces = [RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()];
         let rougher = rougher(&surfaces);
         if rougher.rms_height() == 0.0 {
@@ -67,7 +87,26 @@ impl SqueezedContact {
         let plate = if units.are_one() { plate } else { plate.in_units(units.modulus(), units.lateral()) };
         let response = PlateResponse::new(units.grid(grid), &plate).into();
         let scaled = surfaces.each_ref().map(|surface| units.surface(surface));
-        Ok(Self { plate, response, scaled, surfaces, contact_modulus: body.contact_modulus(), units })
+        Ok(Self { plate, response, scaled, surfaces, hardness: None, contact_modulus: body.contact_modulus(), units })
+    }
+
+    /// Sets the `hardness`, the largest pressure that both contacts can carry, in stress: a number, or a field `[x, y]`
+    /// for both faces, since points with the same indices lie above each other.
+    ///
+    /// # Errors
+    /// A hardness that is not positive and finite, or differs in shape from the heights.
+    pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
+        let hardness = Some(hardness.into().in_units(&self.surfaces[0], &self.units)?);
+        Ok(Self { hardness, ..self })
+    }
+
+    /// Returns the hardness, in stress.
+    pub fn hardness(&self) -> Option<Hardness> {
+        let hardness = self.hardness.as_ref()?.times(self.units.stress());
+        Some(match hardness {
+            Upper::All(hardness) => Hardness::Uniform(hardness),
+            Upper::Each(values) => Hardness::Field(field(&self.surfaces[0], values.to_vec())),
+        })
     }
 
     /// Returns the rigid surfaces: the upper, then the lower.
@@ -100,7 +139,7 @@ impl SqueezedContact {
 
     /// Computes the state as [`certify`](Self::certify), for pressures on both faces, all in `units`.
     fn certified(&self, mut pressure: Vec<f64>, load: Load) -> SqueezedSolution {
-        let points = self.response.grid().len();
+        let (points, hardness) = (self.response.grid().len(), self.hardness.as_ref());
         let mut transforms = PlateTransforms::of(&self.response);
         let mut displacement = vec![0.0; pressure.len()];
         transforms.compliance(0.0, &pressure, &mut displacement);
@@ -111,12 +150,20 @@ impl SqueezedContact {
             Load::MeanPressure(_) => [load; 2],
             Load::Approach(approach) => {
                 // The slab lies where the mean gaps over the two contacts are equal.
+                let ceiling = hardness.map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
                 let room = |face: usize| {
                     let range = face * points..(face + 1) * points;
-                    let all = self.scaled[face].clearance().iter().zip(&pressure[range.clone()]);
-                    let rooms = all.zip(&displacement[range]).filter(|((_, p), _)| **p > 0.0);
-                    let (sum, count) = rooms.fold((0.0, 0.0), |(sum, count), ((c, _), u)| (sum + c - u, count + 1.0));
-                    sum / count + sinking
+                    let (clearance, pressure) = (self.scaled[face].clearance(), &pressure[range.clone()]);
+                    let displacement = &displacement[range];
+                    let touching = (0..points).filter(|i| pressure[*i] > 0.0 && pressure[*i] < ceiling.at(*i));
+                    let (sum, count) = touching
+                        .fold((0.0, 0.0), |(sum, count), i| (sum + clearance[i] - displacement[i], count + 1.0));
+                    let mean = if count > 0.0 || hardness.is_none() {
+                        sum / count
+                    } else {
+                        between(self.scaled[face].share(), pressure, ceiling, |i| clearance[i] - displacement[i])
+                    };
+                    mean + sinking
                 };
                 let tilt = 0.5 * (room(0) - room(1));
                 [0.5 * approach + tilt, 0.5 * approach - tilt].map(Load::Approach)
@@ -128,7 +175,7 @@ impl SqueezedContact {
         let mut face = |index: usize| {
             let pressure = pressure.split_off(index * points);
             let displacement = displacement.split_off(index * points);
-            let conditions = Conditions { sinking, load: loads[index], length_scale, extent, hardness: None };
+            let conditions = Conditions { sinking, load: loads[index], length_scale, extent, hardness };
             Solution::of(&self.scaled[index], self.response.contact_modulus(), pressure, displacement, conditions)
         };
         let (mut second, mut first) = (face(1), face(0));
@@ -186,10 +233,16 @@ impl Equilibrium for SqueezedContact {
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         match drive.load {
-            Load::MeanPressure(found) if found > 0.0 && found.is_finite() => Units::check_pressure(found)?,
+            Load::MeanPressure(found) if found > 0.0 && found.is_finite() => {
+                Units::check_pressure(found)?;
+                if let Some(hardness) = self.hardness() {
+                    hardness.check_mean(found)?;
+                }
+            }
             Load::MeanPressure(found) => return Err(Refusal::MeanPressure { found }),
             Load::Approach(found) => {
-                let is_fixed = self.response.uniform_compliance() == 0.0;
+                // With a hardness points yield, and any approach has a state.
+                let is_fixed = self.hardness.is_none() && self.response.uniform_compliance() == 0.0;
                 let limit = is_fixed.then(|| self.surfaces.iter().map(|surface| surface.mean_clearance()).sum());
                 if !(found > 0.0 && found < limit.unwrap_or(f64::INFINITY)) {
                     return Err(Refusal::Approach { found, limit });
@@ -320,9 +373,12 @@ impl Fields for SqueezedSolution {
         self.effort
     }
 
-    /// Returns the larger residuals of the two faces.
+    /// Returns the larger residuals of the two faces; `saturation` only with a hardness.
     fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.residual().parts().into()
+        let [upper, lower] = [&self.upper, &self.lower].map(|face| face.plastic.as_ref());
+        let saturation =
+            upper.zip(lower).map(|(upper, lower)| ("saturation", worst([upper.saturation, lower.saturation])));
+        self.residual().parts().into_iter().chain(saturation).collect()
     }
 
     fn scales(&self) -> Scales {

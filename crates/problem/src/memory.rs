@@ -20,6 +20,8 @@ impl MemoryNeed {
     pub const WALL_ALL_COMPONENTS: Self = Self(64);
     /// Slab between two surfaces.
     pub const SQUEEZED: Self = Self(50);
+    /// Slab between two surfaces with a hardness: its bounds and both plastic depths of two states.
+    pub const SQUEEZED_WITH_HARDNESS: Self = Self(60);
     /// Contact with a law that acts across the gap.
     pub const LAW: Self = Self(29);
     /// Contact with a law on a patch, which is solved in a cell with four times its points.
@@ -93,6 +95,7 @@ impl Facts {
         match self.task {
             Task::Loads if self.finite_slope => MemoryNeed::STEEP,
             Task::Loads if self.unknown == Unknown::All => MemoryNeed::WALL_ALL_COMPONENTS,
+            Task::Loads if self.lower.is_some() && self.hardness => MemoryNeed::SQUEEZED_WITH_HARDNESS,
             Task::Loads if self.lower.is_some() => MemoryNeed::SQUEEZED,
             Task::Loads if self.has_law() && is_free => MemoryNeed::LAW_FREE,
             Task::Loads if self.has_law() => MemoryNeed::LAW,

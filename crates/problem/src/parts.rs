@@ -30,13 +30,15 @@ impl AnyState {
             .or_else(|| self.on_path().and_then(QuasistaticState::wall))
     }
 
-    /// Returns the plastic points of a load with a hardness and a hard wall alone.
+    /// Returns the plastic points of a load with a hardness and a hard wall alone; on the upper face if there are two.
     fn plastic(&self) -> Option<&Plastic> {
-        self.get::<Solution>().or_else(|| self.steep().map(|state| &state.normal))?.plastic.as_ref()
+        let squeezed = || self.get().map(|state: &SqueezedSolution| &state.upper);
+        let wall = self.get::<Solution>().or_else(|| self.steep().map(|state| &state.normal)).or_else(squeezed);
+        wall?.plastic.as_ref()
     }
 
     /// Returns the fraction of points with a pressure equal to the hardness, and the mean plastic depth over the whole
-    /// surface, length; of a state with a hardness.
+    /// surface, length; of a state with a hardness, on the upper face if there are two.
     pub fn plastic_fraction_and_volume(&self) -> Option<(f64, f64)> {
         if let Some(state) = self.on_path() {
             return state.plastic_volume().map(|volume| (state.plastic_fraction, volume));
@@ -50,7 +52,8 @@ impl AnyState {
         })
     }
 
-    /// Returns the plastic depth `[x, y]` of a state with a hardness, length: of the load, or accumulated on a path.
+    /// Returns the plastic depth `[x, y]` of a state with a hardness, length: of the load, or accumulated on a path; on
+    /// the upper face if there are two.
     pub fn plastic_depth(&self) -> Option<&Array2<f64>> {
         let so_far = || self.on_path().and_then(QuasistaticState::plastic_depth);
         let below_law = || self.law().and_then(|state| state.pressed_in.as_ref());

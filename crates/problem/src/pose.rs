@@ -103,7 +103,14 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
         }
     }
     if let Some(lower) = lower {
-        return Ok(Posed::new(SqueezedContact::new(body, grid, heights, lower)?));
+        let contact = match facts.unknown {
+            Unknown::Held => SqueezedContact::held_sideways(body, grid, heights, lower)?,
+            _ => SqueezedContact::new(body, grid, heights, lower)?,
+        };
+        return Ok(Posed::new(match hardness {
+            Some(hardness) => contact.with_hardness(hardness.clone())?,
+            None => contact,
+        }));
     }
     if facts.finite_slope {
         let contact = SteepContact::new(body, grid, heights)?;

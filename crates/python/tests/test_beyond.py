@@ -17,6 +17,8 @@ OTHERS = {
     "plain": {},
     "hardness": dict(hardness=0.1),
     "held": dict(components="held"),
+    "squeezed with a hardness": dict(lower_surface=BELOW, hardness=0.1),
+    "squeezed and held": dict(lower_surface=BELOW, components="held"),
     "law": dict(law=gfmd.law("morse", gamma=1e-4, range=5e-3)),
 }
 
@@ -79,6 +81,10 @@ def test_a_slab_between_two_surfaces_is_in_equilibrium_and_knows_which_face_is_w
         turned.lower_displacement_z, -c.displacement_z, atol=1e-6 * np.abs(c.displacement_z).max(), rtol=0
     )
     assert turned.approach == pytest.approx(c.approach, rel=1e-7) and c.lower_surface is BELOW
+    hard = gfmd.contact(SMALL, BODY, p_star=0.2, lower_surface=BELOW, hardness=0.1)
+    assert np.mean(hard.lower_pressure >= 0.1 * (1 - 1e-12)) == pytest.approx(hard.lower.plastic_fraction, abs=1e-12)
+    assert hard.lower_plastic_depth.mean() == pytest.approx(hard.lower.plastic_volume, rel=1e-12)
+    assert 0.0 < hard.lower.plastic_fraction and hard.lower.residual.saturation <= hard.residual.saturation <= 1e-8
     flat = gfmd.contact(SMALL, BODY, p_star=0.05, lower_surface=np.zeros((32, 32)))
     assert flat.lower.area_fraction > 0.9 and flat.lower_surface.size == SMALL.size
 
@@ -136,7 +142,7 @@ def test_what_does_not_go_together_is_named():
         (dict(lower_surface=BELOW, body=half_space), "height is inf; it must be finite with lower_surface"),
         (dict(lower_surface=BELOW, body=gfmd.Body(height=0.5, base="sliding")), "base is sliding; it must be left out"),
         (dict(lower_surface=BELOW, law=law), "law is morse"),
-        (dict(lower_surface=BELOW, hardness=1.0), "hardness is given"),
+        (dict(lower_surface=BELOW, components="all"), "components is all"),
         (dict(lower_surface=BELOW, surface=np.zeros((32, 32))), "surface: the heights are all equal"),
         (dict(lower_surface=gfmd.self_affine(n=16)), "n of lower_surface is (16, 16); it must be (32, 32)"),
         (dict(lower_surface=gfmd.self_affine(n=32, size=2.0)), "size of lower_surface is (2.0, 2.0)"),

@@ -5,7 +5,7 @@ use gfmd_problem::{AnyState, Facts};
 use ndarray::{CowArray, Ix2};
 
 use crate::column::{Meaning, meaning};
-use crate::when::{any, between, hardness, path, yields};
+use crate::when::{any, between, hard_between, hardness, path, yields};
 
 /// Field of a state, one number for each point `[x, y]`.
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +77,8 @@ fn shear_of<'a>(rest: &'a AnyState, axis: usize) -> Option<CowArray<'a, f64, Ix2
 const SIDEWAYS: &str = "--components all or --finite-slope (a profile has no y)";
 /// Options that add a lower surface.
 const BETWEEN: &str = "--lower-surface or --lower-seed";
+/// Options that add a lower surface and a hardness.
+const HARD_BETWEEN: &str = "--hardness and --lower-surface or --lower-seed";
 
 /// All fields, in journal order.
 pub const ARRAYS: &[Array] = &[
@@ -99,6 +101,7 @@ pub const ARRAYS: &[Array] = &[
         "length",
         &[
             (path, "depth by which the surfaces were pressed into each other so far"),
+            (between, "depth by which the upper face and surface are pressed into each other beyond touching"),
             (any, "depth by which the surfaces are pressed into each other beyond touching"),
         ],
         |rest, _| rest.plastic_depth().map(|depth| depth.view().into()),
@@ -149,6 +152,13 @@ pub const ARRAYS: &[Array] = &[
         |rest, _| rest.lower().map(|lower| lower.gap.view().into()),
     )
     .with(BETWEEN, between),
+    Array::new(
+        "lower_plastic_depth",
+        "length",
+        &[(any, "depth by which the lower face and surface are pressed into each other beyond touching")],
+        |rest, _| Some(rest.lower()?.plastic.as_ref()?.depth.view().into()),
+    )
+    .with(HARD_BETWEEN, hard_between),
     Array::new(
         "repulsion",
         "stress",

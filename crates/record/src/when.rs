@@ -38,6 +38,11 @@ pub(crate) fn between(facts: &Facts) -> bool {
     facts.lower.is_some()
 }
 
+/// Returns true for a slab between two surfaces with a hardness.
+pub(crate) fn hard_between(facts: &Facts) -> bool {
+    between(facts) && hardness(facts)
+}
+
 pub(crate) fn steep(facts: &Facts) -> bool {
     facts.finite_slope
 }

@@ -10,7 +10,7 @@ use gfmd_vector::Share;
 pub use pair::Paired;
 
 use crate::quadratic::{Iterate, Minimum, Target};
-use crate::{Ending, Preconditioned, RelaxError, Upper, Visit, Watch, Why};
+use crate::{Ending, Preconditioned, RelaxError, Visit, Watch, Why};
 
 /// Projected conjugate gradients with a preconditioner M close to the inverse of A on the free variables
 /// ([`Preconditioned`]). An iteration needs one image and one preconditioning.
@@ -62,7 +62,7 @@ impl PreconditionedCg {
     /// Each field has the prescribed mean of the [`Target`]. The gradient is determined up to a constant on each field;
     /// the constant of the first field is the multiplier of the [`Iterate`]. Without a prescribed mean, the two means
     /// are equal, and the gradient is determined up to a constant with opposite signs on the two fields. A step goes to
-    /// `max(0, x − z − μ)` with a constant μ for each field that keeps the means.
+    /// `max(0, x − z − μ)`, at most the upper bound, with a constant μ for each field that keeps the means.
     ///
     /// # Errors
     /// Returns the errors of [`minimise`](Self::minimise), and an error if the number of variables is odd.
@@ -74,7 +74,7 @@ impl PreconditionedCg {
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
         let share = Share::whole(problem.linear().len(), 1);
-        target.check_between(x, &share, &Upper::All(f64::INFINITY))?;
+        target.check_between(x, &share, &problem.upper())?;
         let even = x.len().is_multiple_of(2);
         RelaxError::check_parameter("the number of variables", x.len() as f64, even, "even")?;
         Ok(search(pair::Pair::new(problem, x, target), target, &share, watch))

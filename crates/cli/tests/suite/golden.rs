@@ -367,6 +367,8 @@ fn parts() {
         ("free-law", &format!("--boundary free {law} --p-star 0.02 --statistics")),
         ("finite-slope", "--finite-slope --p-star 0.05 --statistics"),
         ("squeezed", "--height 0.2 --poisson 0.3 --lower-seed 2 --p-star 0.02,0.1"),
+        ("squeezed-hardness", "--height 0.2 --poisson 0.3 --lower-seed 2 --hardness 0.08 --p-star 0.02,0.3"),
+        ("squeezed-held", "--height 0.2 --poisson 0.3 --lower-seed 2 --components held --p-star 0.02,0.1"),
         ("measured", "--p-star 0.02,0.1 --statistics --flow --flow-threshold"),
         ("moved-base", "--height 0.2 --base-displacement base.npy --p-star 0.05"),
         ("layers", "--height 0.1 --layer 2,0.3,0.2 --base half-space --base-young 5 --base-poisson 0.2 --p-star 0.05"),

@@ -62,6 +62,48 @@ fn both_faces_are_recorded_recomputed_and_drawn() {
 }
 
 #[test]
+fn a_hardness_limits_both_faces() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let hard = Array2::from_shape_fn((32, 32), |(i, j)| if (i + j) % 5 == 0 { 0.05 } else { 0.15 });
+    ndarray_npy::write_npy(folder.join("hard.npy"), &hard).unwrap();
+    for (name, hardness, held) in [("n", "0.1", ""), ("f", "hard.npy", ""), ("h", "0.1", "--components held")] {
+        let flags = format!("--lower-seed 2 --hardness {hardness} {held} --p-star 0.05,0.4 --plots {name}");
+        let report = run(folder, &format!("{SLAB} {flags} --out {name}.h5 --json"));
+        let file = Reader::open(folder.join(format!("{name}.h5"))).unwrap();
+        for (index, load) in report["loads"].as_array().unwrap().iter().enumerate() {
+            let number = |value: &Value| value.as_f64().unwrap();
+            let lower = &load["lower"];
+            let worst = number(&load["residual"]["saturation"]);
+            assert!(number(&lower["residual"]["saturation"]) <= worst && worst <= 1e-8);
+            for (face, of) in [("", load), ("lower_", lower)] {
+                let field = |name: &str| file.slab::<f64>(&format!("/fields/{face}{name}"), index).unwrap();
+                let (pressure, depth, gap) = (field("pressure"), field("plastic_depth"), field("gap"));
+                let most = |k: usize| if hardness == "0.1" { 0.1 } else { hard[[k / 32, k % 32]] };
+                let full = (0..1024).filter(|k| pressure[*k] >= most(*k) * (1.0 - 1e-12)).count();
+                assert!((number(&of["plastic_fraction"]) * 1024.0 - full as f64).abs() < 1e-9 && full > 0, "{face}");
+                let volume = depth.iter().sum::<f64>() / 1024.0;
+                assert!((number(&of["plastic_volume"]) - volume).abs() < 1e-12 * volume, "{face}");
+                assert!(
+                    (0..1024).all(|k| pressure[k] <= most(k) * (1.0 + 1e-12) && (depth[k] == 0.0 || gap[k] == 0.0))
+                );
+            }
+        }
+        for face in ["", "lower-"] {
+            assert!(folder.join(format!("{name}-{face}section.svg")).exists());
+        }
+        for flags in ["", " --rerun"] {
+            assert_eq!(run(folder, &format!("check {name}.h5 --json{flags}"))["differing"], 0, "{name}{flags}");
+        }
+        assert!(gfmd(folder, &words(&format!("report {name}.h5 --out {name}.html"))).status.success());
+        let table = gfmd(folder, &words(&format!("{SLAB} {}", flags.replace(&format!("--plots {name}"), ""))));
+        let text = String::from_utf8(table.stdout).unwrap();
+        let below = text.split("lower face").nth(1).unwrap();
+        assert!(below.contains("plastic"), "{text}");
+    }
+}
+
+#[test]
 fn a_surface_from_a_file_is_that_surface() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
@@ -127,8 +169,8 @@ fn what_does_not_go_together_is_refused() {
         (format!("{with} --base sliding"), ["--base", "sliding"]),
         (format!("{with} --second-body 1,0.3"), ["--second-body", "--lower-seed"]),
         (format!("{with} --law exponential --param gamma=1e-5 --param range=1e-3"), ["--law", "hard-wall"]),
-        (format!("{with} --hardness 1"), ["--hardness", "--lower-seed"]),
-        (format!("{with} --components held"), ["--components", "--lower-seed"]),
+        (format!("{with} --hardness 1e-3"), ["0.001", "hardness"]),
+        (format!("{with} --components all"), ["--components", "--lower-seed"]),
         (format!("{with} --finite-slope"), ["--finite-slope", "--lower-seed"]),
         (format!("{with} --boundary free"), ["--boundary", "periodic"]),
         (format!("{with} --base-displacement flat.npy"), ["--base-displacement", "--lower-seed"]),

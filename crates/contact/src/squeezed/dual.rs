@@ -1,8 +1,8 @@
-//! Both contacts in terms of their pressures: minimise ½⟨p, C p⟩ + ⟨p, clearance⟩ over p ≥ 0 on both faces, with both
-//! means prescribed, or with equal means and the approach subtracted from the clearances.
+//! Both contacts in terms of their pressures: minimise ½⟨p, C p⟩ + ⟨p, clearance⟩ over p ≥ 0 on both faces, at most
+//! the hardness, with both means prescribed, or with equal means and the approach subtracted from the clearances.
 
 use gfmd_field::Rows;
-use gfmd_relax::{Budget, Ceiling, Ending, Paired, PreconditionedCg, RelaxError, Target, Visit, Watch};
+use gfmd_relax::{Budget, Ceiling, Ending, Paired, PreconditionedCg, RelaxError, Target, Upper, Visit, Watch};
 use gfmd_response::PlateTransforms;
 use gfmd_vector::for_each;
 
@@ -30,6 +30,11 @@ pub(super) fn solve(
     let mean = if let Load::MeanPressure(mean) = load { Some(mean) } else { None };
     let mut dual = Dual::new(contact, load, length_scale);
     let mut pressure = start.unwrap_or_else(|| vec![mean.unwrap_or(0.0); dual.linear.len()]);
+    if dual.upper.ceiling().is_finite() {
+        for_each((&mut pressure[..], dual.upper.ceiling()), &|_, (pressure, upper)| {
+            pressure.iter_mut().enumerate().for_each(|(i, p)| *p = p.min(upper.at(i)));
+        });
+    }
     let within = Budget { tolerance: MARGIN * budget.tolerance, ..*budget };
     let target = Target { mean, gradient_scale: length_scale, budget: within };
     let minimum = PreconditionedCg.minimise_pair(&mut dual, &mut pressure, &target, watch)?;
@@ -40,6 +45,8 @@ pub(super) fn solve(
 /// Quadratic function minimised by the pressures.
 struct Dual {
     linear: Vec<f64>,
+    /// Hardness of both faces, infinite without one.
+    upper: Upper,
     /// Compliance and stiffness of the uniform mode.
     uniform: [f64; 2],
     /// Unit for the rounding of gradients.
@@ -51,7 +58,7 @@ struct Dual {
 
 impl Dual {
     fn new(contact: &SqueezedContact, load: Load, length_scale: f64) -> Self {
-        let SqueezedContact { plate, response, scaled, .. } = contact;
+        let SqueezedContact { plate, response, scaled, hardness, .. } = contact;
         let (lift, uniform) = match load {
             Load::MeanPressure(_) => (0.0, [0.0; 2]),
             Load::Approach(approach) => {
@@ -69,8 +76,14 @@ impl Dual {
         let face = || PullPush::new(points, floating, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).squeezing);
         let shared = PullPush::new(points, true, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).bending).bending();
         let indentation = vec![0.0; linear.len()];
+        let upper = match hardness {
+            None => Upper::All(f64::INFINITY),
+            Some(Upper::All(hardness)) => Upper::All(*hardness),
+            Some(Upper::Each(hardness)) => Upper::Each([&hardness[..]; 2].concat().into()),
+        };
         let [_, row] = grid.rows();
         Self {
+            upper,
             uniform,
             scale: length_scale,
             transforms: PlateTransforms::of(response),
@@ -86,16 +99,21 @@ impl Paired for Dual {
         &self.linear
     }
 
+    fn upper(&self) -> Upper {
+        self.upper.clone()
+    }
+
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
         self.transforms.compliance(self.uniform[0], x, out);
     }
 
     /// Applies Eᵀ C⁻¹ E with E the extension from the contacts to both faces.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], out: &mut [f64]) {
-        let Self { uniform: [_, stiffness], scale, transforms, extension, indentation, .. } = self;
-        extension.extend(x, (gradient, *scale), transforms, indentation);
+        let Self { uniform: [_, stiffness], scale, upper, transforms, extension, indentation, .. } = self;
+        let between = (x, upper.ceiling());
+        extension.extend(between, (gradient, *scale), transforms, indentation);
         transforms.stiffness(*stiffness, indentation, out);
-        extension.transpose(x, (out, *scale), transforms);
+        extension.transpose(between, (out, *scale), transforms);
     }
 
     fn visit(&mut self, visitor: &mut dyn Visit) {
@@ -103,8 +121,9 @@ impl Paired for Dual {
     }
 }
 
-/// Linear map E from indentations known on the contacts to indentations of both faces. Long waves are extended from
-/// both contacts together, since the plate bends; the rest of the known values is extended on each face alone:
+/// Linear map E from indentations known on the contacts, where the pressures are below the hardness, to indentations of
+/// both faces. Long waves are extended from both contacts together, since the plate bends; the rest of the known values
+/// is extended on each face alone:
 ///
 /// ```text
 ///   w = F W (r_upper, −r_lower)      W: shared extension, mean of both where both are known
@@ -125,8 +144,16 @@ struct Extension {
     followed: Vec<f64>,
 }
 
-/// Gradient of a point out of contact that is not about to enter.
+/// Gradient of a point out of contact that is not about to enter; of a point that stays at the hardness its negative.
 const OUTSIDE: f32 = 1.0;
+
+/// Pressures and their upper bounds.
+type Between<'a> = (&'a [f64], Ceiling<'a>);
+
+/// Returns true if a pressure lies between the bounds.
+fn is_between(p: f64, upper: f64) -> bool {
+    p > 0.0 && p < upper
+}
 
 impl Extension {
     fn new(faces: [PullPush; 2], shared: PullPush, variables: usize, row: usize) -> Self {
@@ -147,7 +174,7 @@ impl Extension {
     /// Computes `out` = E `gradient`.
     fn extend(
         &mut self,
-        x: &[f64],
+        (x, upper): Between,
         (gradient, scale): (&[f64], f64),
         transforms: &mut PlateTransforms,
         out: &mut [f64],
@@ -158,8 +185,9 @@ impl Extension {
         for_each((&mut joint_x[..], &mut joint[..]), &|start, (joint_x, joint)| {
             for (k, (joint_x, joint)) in (start..).zip(joint_x.iter_mut().zip(joint)) {
                 let ([above, below], [g, h]) = (halves(x, k), halves(gradient, k));
-                *joint_x = above + below;
-                *joint = match (above > 0.0, below > 0.0) {
+                let known = [is_between(above, upper.at(k)), is_between(below, upper.at(points + k))];
+                *joint_x = if known[0] { above } else { 0.0 } + if known[1] { below } else { 0.0 };
+                *joint = match known.into() {
                     (true, true) => 0.5 * (g - h) / scale,
                     (true, false) => g / scale,
                     (false, true) => -h / scale,
@@ -175,13 +203,17 @@ impl Extension {
         transforms.follow(wave, followed);
         for (face, sign) in [1.0, -1.0].into_iter().enumerate() {
             let range = face * points..(face + 1) * points;
-            let (x, gradient) = (&x[range.clone()], &gradient[range.clone()]);
-            for_each((&mut own[range.clone()], x, gradient, &followed[..]), &|_, (own, x, gradient, wave)| {
-                for ((own, wave), (x, g)) in own.iter_mut().zip(wave).zip(x.iter().zip(gradient)) {
-                    *own = if *x > 0.0 || *g < 0.0 { (g / scale - sign * wave) as f32 } else { OUTSIDE };
+            let (x, gradient, upper) = (&x[range.clone()], &gradient[range.clone()], upper.part(range.clone()));
+            let fields = (&mut own[range.clone()], (x, gradient), &followed[..], upper);
+            for_each(fields, &|_, (own, (x, gradient), wave, upper)| {
+                for (k, ((own, wave), (x, g))) in own.iter_mut().zip(wave).zip(x.iter().zip(gradient)).enumerate() {
+                    let is_full = *x >= upper.at(k);
+                    let is_free = if is_full { *g > 0.0 } else { *x > 0.0 || *g < 0.0 };
+                    let outside = if is_full { -OUTSIDE } else { OUTSIDE };
+                    *own = if is_free { (g / scale - sign * wave) as f32 } else { outside };
                 }
             });
-            let known = Known { x, gradient: &own[range.clone()], level: 0.0, upper: Ceiling::All(f64::INFINITY) };
+            let known = Known { x, gradient: &own[range.clone()], level: 0.0, upper };
             spread(&mut self.faces[face], known, self.row, &mut rows[range.clone()]);
             for_each((&mut out[range.clone()], &rows[range], &followed[..]), &|_, (out, row, wave)| {
                 let all = out.iter_mut().zip(row.iter().zip(wave));
@@ -191,7 +223,7 @@ impl Extension {
     }
 
     /// Replaces `out` by Eᵀ `out`, with the map E of the last call of [`extend`](Self::extend).
-    fn transpose(&mut self, x: &[f64], (out, scale): (&mut [f64], f64), transforms: &mut PlateTransforms) {
+    fn transpose(&mut self, (x, upper): Between, (out, scale): (&mut [f64], f64), transforms: &mut PlateTransforms) {
         let points = self.joint.len();
         let Self { joint_x, joint, own, rows, wave, followed, shared, faces, .. } = self;
         // Pressures may be too small or too large for single precision.
@@ -208,7 +240,7 @@ impl Extension {
                 x: &x[range.clone()],
                 gradient: &own[range.clone()],
                 level: 0.0,
-                upper: Ceiling::All(f64::INFINITY),
+                upper: upper.part(range.clone()),
             };
             faces[face].transpose(known, &mut rows[range.clone()]);
             for_each((&mut wave[..], &out[range.clone()], &rows[range]), &|_, (wave, out, row)| {
@@ -231,7 +263,7 @@ impl Extension {
         let joint = &joint[..];
         for_each((above, below, (row_above, row_below, joint)), &|start, (above, below, (first, second, joint))| {
             for (k, (above, below)) in above.iter_mut().zip(below).enumerate() {
-                let touches = [x[start + k] > 0.0, x[points + start + k] > 0.0];
+                let touches = [start + k, points + start + k].map(|k| is_between(x[k], upper.at(k)));
                 let share = f64::from(joint[k]) * if touches == [true; 2] { 0.5 } else { 1.0 };
                 let of =
                     |touches: bool, row: f32, share: f64| part * (f64::from(row) + if touches { share } else { 0.0 });

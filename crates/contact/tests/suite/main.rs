@@ -14,6 +14,7 @@ mod hardness;
 mod ranks;
 mod springs;
 mod squeezed;
+mod squeezed_hardness;
 mod steady;
 mod steep;
 mod stiffness;

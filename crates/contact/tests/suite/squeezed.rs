@@ -89,6 +89,43 @@ fn a_flat_surface_is_a_sliding_base() {
     assert_near(turned.approach, found.approach, 1e-9);
 }
 
+/// The same holds of faces without lateral displacement, above a mirror that bears no shear.
+#[test]
+fn held_mirror_images_are_one_held_surface_on_a_sliding_base_of_half_the_height() {
+    let surface = heights(1);
+    for (poisson, height) in [(0.3, 0.08), (0.5, 0.5)] {
+        let both = SqueezedContact::held_sideways(&slab(poisson, height), &grid(), &surface, &surface).unwrap();
+        let body = slab(poisson, 0.5 * height).on(Base::SLIDING).unwrap();
+        let one = Contact::held_sideways(&body, &grid(), &surface).unwrap();
+        for load in [Load::MeanPressure(0.003), Load::MeanPressure(0.03)] {
+            let found = solve(&both, load);
+            let wanted = one.press(load).tolerance(1e-11).solve().unwrap();
+            for face in [&found.upper, &found.lower] {
+                assert!(apart(&face.pressure, &wanted.pressure) < 1e-8);
+                assert!(apart(&face.gap, &wanted.gap) < 1e-8);
+            }
+            assert_near(found.approach, 2.0 * wanted.approach, 1e-9);
+            let again = solve(&both, Load::Approach(found.approach));
+            assert!(apart(&again.upper.pressure, &wanted.pressure) < 1e-7);
+        }
+    }
+}
+
+/// Held faces of a thick slab are two half-spaces that are held; a stiffer face has less contact.
+#[test]
+fn a_thick_slab_that_is_held_has_two_held_contacts() {
+    let surfaces = [heights(1), heights(2)];
+    let material = Material::from_contact_modulus(1.0, 0.1).unwrap();
+    let load = Load::MeanPressure(0.01);
+    let squeezed = SqueezedContact::held_sideways(&slab(0.1, 4.0), &grid(), &surfaces[0], &surfaces[1]).unwrap();
+    let found = solve(&squeezed, load);
+    for (face, surface) in [(&found.upper, &surfaces[0]), (&found.lower, &surfaces[1])] {
+        let alone = Contact::held_sideways(&Body::half_space(material), &grid(), surface).unwrap();
+        let alone = alone.press(load).tolerance(1e-11).solve().unwrap();
+        assert!(apart(&face.pressure, &alone.pressure) < 1e-8);
+    }
+}
+
 /// The faces of a slab higher than its cell interact only by e^(−q height).
 #[test]
 fn a_thick_slab_has_two_contacts_of_half_spaces() {
@@ -166,6 +203,10 @@ fn thin_and_thick_slabs_take_few_iterations() {
         for p_star in [0.001, 0.05, 0.5] {
             let state = contact.press(Load::MeanPressure(0.1 * p_star)).solve().unwrap();
             assert!(state.effort.iterations <= most, "{height}, {p_star}: {}", state.effort);
+            let surfaces = [heights(1), heights(2)];
+            let held = SqueezedContact::held_sideways(&slab(0.3, height), &grid(), &surfaces[0], &surfaces[1]);
+            let state = held.unwrap().press(Load::MeanPressure(0.1 * p_star)).solve().unwrap();
+            assert!(state.effort.iterations <= most, "held {height}, {p_star}: {}", state.effort);
         }
     }
 }

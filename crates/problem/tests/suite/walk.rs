@@ -12,7 +12,7 @@ use gfmd_contact::{
 use gfmd_green::BaseKind;
 use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, StoredFields, Wear};
 use gfmd_law::LawKind;
-use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, WearBy, pose, rules_of};
+use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, Unknown, WearBy, pose, rules_of};
 use gfmd_problem::{rules_of_sliding, table};
 use gfmd_relax::Budget;
 
@@ -46,6 +46,10 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let squeezed = SqueezedContact::new(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
     let state = solved(facts);
     same(&state, &squeezed.press(load).solve().unwrap());
+    let hard = squeezed.with_hardness(0.04).unwrap().press(load).solve().unwrap();
+    same(&solved(Facts { hardness: true, ..facts }), &hard);
+    let held = SqueezedContact::held_sideways(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
+    same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
     assert!(state.lower().is_some());
     assert!(state.steep().is_none());
     assert!(state.plastic_depth().is_none());
@@ -228,7 +232,9 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let parts = Parts::of(facts);
         let level = facts.boundary == Boundary::Periodic || gfmd_green::has_level(&parts.body, &parts.grid);
         assert_eq!(facts.has_level(), level, "{facts:?}");
-        let load = if facts.approach { Load::Approach(0.009) } else { Load::MeanPressure(0.01) };
+        // Two faces share the approach.
+        let approach = if facts.lower.is_some() { 0.018 } else { 0.009 };
+        let load = if facts.approach { Load::Approach(approach) } else { Load::MeanPressure(0.01) };
         let far = if facts.lateral { 1e-4 } else { 0.0 };
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
             let press = |time: f64, start: Option<&_>| {

@@ -45,7 +45,9 @@ class Residuals(Record):
 
     @property
     def saturation(self) -> float:
-        """Without unit: largest gap / h_rms where the pressure is the hardness. With `hardness` only."""
+        """Without unit: largest gap / h_rms where the pressure is the hardness. With `lower_surface`: largest gap /
+        h_rms where the pressure is the hardness, the larger of the two faces. With `hardness` only.
+        """
 
     @property
     def lateral_traction(self) -> float:
@@ -97,6 +99,16 @@ class LowerFace(Record):
     @property
     def mean_pressure_in_contact(self) -> float:
         """Stress: mean pressure over the points in contact at the lower face."""
+
+    @property
+    def plastic_fraction(self) -> float:
+        """Without unit: points of the lower face whose pressure is the hardness over all points. With `hardness`
+        only.
+        """
+
+    @property
+    def plastic_volume(self) -> float:
+        """Length: mean plastic depth over the whole lower face. With `hardness` only."""
 
     @property
     def residual(self) -> Residual:
@@ -250,11 +262,15 @@ class Numbers(Record):
 
     @property
     def plastic_fraction(self) -> float:
-        """Without unit: points whose pressure is the hardness over all points. With `hardness` only."""
+        """Without unit: points whose pressure is the hardness over all points. With `lower_surface`: points of the
+        upper face whose pressure is the hardness over all points. With `hardness` only.
+        """
 
     @property
     def plastic_volume(self) -> float:
-        """Length: mean plastic depth over the whole surface. With `hardness` only."""
+        """Length: mean plastic depth over the whole surface. With `lower_surface`: mean plastic depth over the whole
+        upper face. With `hardness` only.
+        """
 
     @property
     def projected_area_fraction(self) -> float:
@@ -459,8 +475,9 @@ class Fields:
 
     @property
     def plastic_depth(self) -> Optional[Array]:
-        """Length [x, y]: depth by which the surfaces are pressed into each other beyond touching. With `hardness`
-        only, otherwise None. Read-only.
+        """Length [x, y]: depth by which the surfaces are pressed into each other beyond touching. With
+        `lower_surface`: depth by which the upper face and surface are pressed into each other beyond touching. With
+        `hardness` only, otherwise None. Read-only.
         """
 
     @property
@@ -491,6 +508,12 @@ class Fields:
     def lower_gap(self) -> Optional[Array]:
         """Length [x, y]: distance between the lower face of the slab and the lower surface. With `lower_surface`
         only, otherwise None. Read-only.
+        """
+
+    @property
+    def lower_plastic_depth(self) -> Optional[Array]:
+        """Length [x, y]: depth by which the lower face and surface are pressed into each other beyond touching. With
+        `hardness` and `lower_surface` only, otherwise None. Read-only.
         """
 
     @property

@@ -5,7 +5,7 @@ use gfmd_contact::Fields as _;
 use super::Column;
 use crate::Cell;
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, between};
+use crate::when::{any, between, hard_between};
 
 /// Column of the lower face of a slab between two surfaces.
 macro_rules! lower {
@@ -74,8 +74,34 @@ pub(super) const COLUMNS: &[Column] =
             "mean pressure over the points in contact at the lower face",
             |face, summary| summary.mean_pressure_in_contact
         ),
+        lower!(
+            "plastic_fraction",
+            "1",
+            "points of the lower face whose pressure is the hardness over all points",
+            |face, summary| face.plastic.as_ref().map_or(f64::NAN, |plastic| plastic.fraction)
+        )
+        .with(hard_between)
+        .on(Table::LowerFace, "plastic", Form::Share),
+        lower!("plastic_volume", "length", "mean plastic depth over the whole lower face", |face, summary| face
+            .plastic
+            .as_ref()
+            .map_or(f64::NAN, |plastic| plastic.volume))
+        .with(hard_between)
+        .on(Table::LowerFace, "depth", Form::Size),
         lower_residual!(complementarity, "sum(p gap) / (sum(p) h_rms) of the lower face"),
         lower_residual!(penetration, "max(0, -min gap) / h_rms of the lower face"),
         lower_residual!(negative_pressure, "max(0, -min p) / mean p of the lower face"),
         lower_residual!(load, "|mean p - asked| / asked of the lower face, or as residual_load"),
+        Column::new(
+            "lower_residual_saturation",
+            "1",
+            &[(any, "largest gap / h_rms where the pressure is the hardness, of the lower face")],
+            |at| {
+                let plastic = at.rest.and_then(|rest| rest.lower()).and_then(|face| face.plastic.as_ref());
+                plastic.map_or(f64::NAN, |plastic| plastic.saturation).into()
+            },
+        )
+        .at("lower.residual.saturation")
+        .with(hard_between)
+        .by(Origin::Residual),
     ];

@@ -149,7 +149,14 @@ pub(super) const COLUMNS: &[Column] = &[
     ),
     residual!("friction", &[(any, "largest distance of the shear from its law / the largest limit")]).with(friction),
     residual!("excess", &[(any, "largest excess of the shear over its limit / the largest limit")]).with(friction),
-    residual!("saturation", &[(any, "largest gap / h_rms where the pressure is the hardness")]).with(hardness),
+    residual!(
+        "saturation",
+        &[
+            (between, "largest gap / h_rms where the pressure is the hardness, the larger of the two faces"),
+            (any, "largest gap / h_rms where the pressure is the hardness"),
+        ]
+    )
+    .with(hardness),
     residual!("yield", &[(any, "largest excess of the equivalent stress over the yield stress / the initial one")])
         .with(yields),
     residual!("flow", &[(any, "largest error of an increment of plastic strain / the largest equivalent strain")])

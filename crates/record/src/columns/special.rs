@@ -4,7 +4,7 @@ use gfmd_plasticity::PlasticState;
 
 use super::Column;
 use crate::column::Form;
-use crate::when::{any, free, hardness, path, steep, yields};
+use crate::when::{any, between, free, hardness, path, steep, yields};
 use crate::{Cell, StateContext};
 
 /// Columns of the force on a patch, the plastic depth, the projected area and the plastic strain below the surface.
@@ -18,6 +18,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "1",
         &[
             (path, "points whose pressure is the hardness, to its accuracy, over all points"),
+            (between, "points of the upper face whose pressure is the hardness over all points"),
             (any, "points whose pressure is the hardness over all points"),
         ],
         |at| plastic(at)[0].into(),
@@ -27,7 +28,11 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "plastic_volume",
         "length",
-        &[(path, "mean plastic depth so far"), (any, "mean plastic depth over the whole surface")],
+        &[
+            (path, "mean plastic depth so far"),
+            (between, "mean plastic depth over the whole upper face"),
+            (any, "mean plastic depth over the whole surface"),
+        ],
         |at| plastic(at)[1].into(),
     )
     .with(hardness)

@@ -2,14 +2,16 @@
 
 use gfmd_vector::{Share, add, for_each, pass, reduce, sum};
 
-use super::constants::{CHANGE, DOWNHILL, HALVINGS, PAIR_MEAN, SHIFTS};
+use super::constants::{BOUNDED_MEAN, CHANGE, DOWNHILL, HALVINGS, PAIR_MEAN, SHIFTS};
+use super::path::middle;
+use super::single::begin;
 use super::{Advance, Course, Vectors};
-use crate::Visit;
 use crate::quadratic::{Iterate, LEAST_DESCENT, OptimalitySums, Target, add_linear, turn};
+use crate::{Ceiling, Upper, Visit};
 
 /// Convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of the non-negative variables of two fields, the halves of one vector,
-/// for [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is symmetric and positive
-/// semi-definite, and has a preconditioner.
+/// possibly with upper bounds, for [`PreconditionedCg::minimise_pair`](crate::PreconditionedCg::minimise_pair). A is
+/// symmetric and positive semi-definite, and has a preconditioner.
 pub trait Paired {
     /// Returns b, one value for each variable; the number of variables is even.
     fn linear(&self) -> &[f64];
@@ -17,10 +19,15 @@ pub trait Paired {
     /// Writes `A x` into `out`.
     fn apply(&mut self, x: &[f64], out: &mut [f64]);
 
+    /// Returns the upper bounds of all variables, positive; infinite if there are none.
+    fn upper(&self) -> Upper {
+        Upper::All(f64::INFINITY)
+    }
+
     /// Writes `M gradient` into `out` on the free variables, and zero elsewhere. This is approximately the step to the
-    /// point where the gradient of the free variables vanishes. Variables are free if positive, or if zero with a
-    /// negative gradient. M depends on the free set; it is symmetric positive (semi-)definite and approximates A⁻¹ on
-    /// this set.
+    /// point where the gradient of the free variables vanishes. Variables are free if between the bounds, if zero with
+    /// a negative gradient, or if at the upper bound with a positive one. M depends on the free set; it is symmetric
+    /// positive (semi-)definite and approximates A⁻¹ on this set.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], out: &mut [f64]);
 
     /// Visits the variables that the problem itself changes during a search, for example an effort counter.
@@ -42,6 +49,7 @@ pub(super) struct Pair<'a, P> {
     problem: &'a mut P,
     x: &'a mut [f64],
     means: Means,
+    upper: Upper,
     /// Scale of gradients in the residuals.
     scale: f64,
     /// Gradient minus the multiplier of each half.
@@ -56,7 +64,18 @@ impl<'a, P: Paired> Pair<'a, P> {
     pub(super) fn new(problem: &'a mut P, x: &'a mut [f64], target: &Target) -> Self {
         let [gradient, direction, last_step, image] = std::array::from_fn(|_| vec![0.0; x.len()]);
         let means = target.mean.map_or(Means::Equal, Means::Both);
-        Self { problem, x, means, scale: target.gradient_scale, gradient, direction, last_step, image }
+        let upper = problem.upper();
+        if upper.ceiling().is_finite() {
+            let middle = x.len() / 2;
+            for (half, x) in halves(x).into_iter().enumerate() {
+                let upper = match &upper {
+                    Upper::All(bound) => Upper::All(*bound),
+                    Upper::Each(bounds) => Upper::Each(bounds[half * middle..(half + 1) * middle].into()),
+                };
+                begin(&Share::whole(middle, 1), x, target.mean, &upper);
+            }
+        }
+        Self { problem, x, means, upper, scale: target.gradient_scale, gradient, direction, last_step, image }
     }
 
     /// Subtracts β s from z, with β such that z is conjugate to s, where z ≠ 0 (free variables).
@@ -99,47 +118,37 @@ impl<P: Paired> Vectors for Pair<'_, P> {
 
     /// Rescales the means first, so that they are exact.
     fn refresh(&mut self) {
-        keep_means(self.x, self.means);
+        keep_means(self.x, self.means, self.upper.ceiling());
         self.problem.apply(self.x, &mut self.gradient);
         add_linear(&Share::whole(self.x.len(), 1), self.problem.linear(), self.x, &mut self.gradient);
     }
 
     /// Subtracts the multipliers from the gradient.
     fn settle(&mut self) -> Iterate {
-        let x = &*self.x;
-        let of_half = |x: &[f64], gradient: &[f64]| {
-            reduce(
-                x.len(),
-                &|range| {
-                    let all = x[range.clone()].iter().zip(&gradient[range]);
-                    all.filter(|(x, _)| **x > 0.0).fold([0.0; 2], |sums, (_, g)| add(sums, [*g, 1.0]))
-                },
-                &add,
-            )
-        };
+        let (x, upper) = (&*self.x, self.upper.ceiling());
         let middle = x.len() / 2;
-        let [[first, in_first], [second, in_second]] =
-            [of_half(&x[..middle], &self.gradient[..middle]), of_half(&x[middle..], &self.gradient[middle..])];
-        let multipliers = match self.means {
-            Means::Both(_) => [first / in_first, second / in_second],
-            Means::Equal if in_first + in_second == 0.0 => [0.0; 2],
-            Means::Equal => [1.0, -1.0].map(|sign| sign * (first - second) / (in_first + in_second)),
-        };
-        let judged = halves(&mut self.gradient).into_iter().zip(x.chunks(middle)).zip(multipliers);
-        let judged = judged.map(|((gradient, x), multiplier)| {
+        let parts = [0..middle, middle..x.len()];
+        let found =
+            parts.clone().map(|part| HalfSums::of(&x[part.clone()], &self.gradient[part.clone()], upper.part(part)));
+        let multipliers = multipliers(&found, self.means);
+        let judged = halves(&mut self.gradient).into_iter().zip(parts).zip(multipliers);
+        let judged = judged.map(|((gradient, part), multiplier)| {
+            let (x, upper) = (&x[part.clone()], upper.part(part));
             let leaf = |start: usize, [gradient]: [&mut [f64]; 1]| {
-                let mut judged = OptimalitySums::EMPTY;
-                for (g, x) in gradient.iter_mut().zip(&x[start..]) {
+                let (mut judged, mut highest) = (OptimalitySums::EMPTY, f64::NEG_INFINITY);
+                for (k, (g, x)) in (start..).zip(gradient.iter_mut().zip(&x[start..])) {
                     *g -= multiplier;
-                    judged.see(*x, *g);
+                    if is_full(*x, upper.at(k)) { highest = highest.max(*g) } else { judged.see(*x, *g) }
                 }
-                judged
+                (judged, highest)
             };
-            pass([gradient], &leaf, &OptimalitySums::merge)
+            pass([gradient], &leaf, &merge)
         });
-        let judged = judged.fold(OptimalitySums::EMPTY, OptimalitySums::merge);
-        let optimality = judged.optimality(self.scale);
-        Iterate { iteration: 0, optimality, multiplier: multipliers[0], positive: (in_first + in_second) as usize }
+        let (judged, highest) = judged.fold((OptimalitySums::EMPTY, f64::NEG_INFINITY), merge);
+        let mut optimality = judged.optimality(self.scale);
+        optimality.violation = optimality.violation.max(highest / self.scale);
+        let positive = found.iter().map(|half| half.between).sum::<f64>() as usize;
+        Iterate { iteration: 0, optimality, multiplier: multipliers[0], positive }
     }
 
     fn turn(&mut self, settled: bool) {
@@ -150,23 +159,36 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     }
 
     fn steepest(&mut self) -> f64 {
-        let Self { problem, x, gradient, direction, image, .. } = self;
+        let Self { problem, x, gradient, direction, image, upper, .. } = self;
         // The preconditioner may have left values that are not finite.
         direction.fill(0.0);
-        let squares = turn(&Share::whole(x.len(), 1), direction, x, gradient, 0.0, 0.0, &|x, g| x > 0.0 || g < 0.0);
+        let mut squares = turn(&Share::whole(x.len(), 1), direction, x, gradient, 0.0, 0.0, &|x, g| x > 0.0 || g < 0.0);
+        let upper = upper.ceiling();
+        if upper.is_finite() {
+            let leaf = |start: usize, [direction]: [&mut [f64]; 1]| {
+                let held = |k: usize| is_full(x[k], upper.at(k)) && gradient[k] <= 0.0;
+                let all = (start..).zip(direction).map(|(k, z)| {
+                    *z = if held(k) { 0.0 } else { *z };
+                    *z * gradient[k]
+                });
+                all.sum()
+            };
+            squares = pass([&mut direction[..]], &leaf, &|a: f64, b| a + b);
+        }
         problem.apply(direction, image);
         squares / gfmd_vector::dot(direction, image)
     }
 
     fn downhill(&self, length: f64) -> Option<Path> {
-        let Self { x, direction, gradient, means, .. } = self;
+        let Self { x, direction, gradient, means, upper, .. } = self;
+        let upper = upper.ceiling();
         let middle = x.len() / 2;
         let mut path = Path { length, shifts: [0.0; 2], slope: 0.0 };
         for _ in 0..HALVINGS {
-            path.shifts =
-                path.kept(*means, [&x[..middle], &x[middle..]], [&direction[..middle], &direction[middle..]])?;
+            path.shifts = path.kept(*means, (x, direction, upper))?;
             path.slope = sum(x.len(), &|range| {
-                let term = |k: usize| gradient[k] * (path.end(usize::from(k >= middle), x[k], direction[k]) - x[k]);
+                let end = |k: usize| path.end(usize::from(k >= middle), x[k], direction[k], upper.at(k));
+                let term = |k: usize| gradient[k] * (end(k) - x[k]);
                 range.map(term).sum()
             });
             if path.slope < 0.0 {
@@ -176,17 +198,19 @@ impl<P: Paired> Vectors for Pair<'_, P> {
         }
         None
     }
+
     fn advance(&mut self, path: &Path) -> Advance {
-        let Self { problem, x, direction, last_step, image, .. } = self;
-        let middle = x.len() / 2;
+        let Self { problem, x, direction, last_step, image, upper, .. } = self;
+        let (middle, upper) = (x.len() / 2, upper.ceiling());
         let clipped = pass(
             (&mut x[..], &direction[..], &mut last_step[..]),
             &|start, (x, direction, step)| {
                 let mut clipped = false;
                 for (k, (x, (z, step))) in x.iter_mut().zip(direction.iter().zip(step)).enumerate() {
-                    let end = path.end(usize::from(start + k >= middle), *x, *z);
+                    let upper = upper.at(start + k);
+                    let end = path.end(usize::from(start + k >= middle), *x, *z, upper);
                     *step = end - *x;
-                    clipped |= (end == 0.0) & (*step < 0.0);
+                    clipped |= (end == 0.0) & (*step < 0.0) | (end >= upper) & (*step > 0.0);
                     *x = end;
                 }
                 clipped
@@ -200,12 +224,13 @@ impl<P: Paired> Vectors for Pair<'_, P> {
 
     /// Updates the gradient as well.
     fn keep(&mut self, part: f64) -> bool {
-        let Self { x, gradient, last_step, image, .. } = self;
-        for_each((&mut x[..], &mut gradient[..], &last_step[..], &image[..]), &|_, (x, gradient, step, image)| {
+        let Self { x, gradient, last_step, image, upper, .. } = self;
+        let fields = ((&mut x[..], &mut gradient[..]), (&last_step[..], &image[..]), upper.ceiling());
+        for_each(fields, &|_, ((x, gradient), (step, image), upper)| {
             gradient.iter_mut().zip(image).for_each(|(g, y)| *g += part * y);
             if part < 1.0 {
-                let all = x.iter_mut().zip(step).filter(|(_, s)| **s != 0.0);
-                all.for_each(|(x, s)| *x = (*x - (1.0 - part) * s).max(0.0));
+                let all = x.iter_mut().zip(step).enumerate().filter(|(_, (_, s))| **s != 0.0);
+                all.for_each(|(k, (x, s))| *x = (*x - (1.0 - part) * s).max(0.0).min(upper.at(k)));
             }
         });
         false
@@ -216,8 +241,84 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     }
 }
 
-/// Point of the projected path: `max(0, x − length z − shift)` on the free variables (positive or with z ≠ 0). The
-/// others do not change.
+/// Returns true if a variable is at its upper bound. A diverging search may reach infinity, which is no bound.
+fn is_full(x: f64, upper: f64) -> bool {
+    x >= upper && x.is_finite()
+}
+
+/// Sums over one half for its multiplier.
+#[derive(Clone, Copy)]
+struct HalfSums {
+    /// Sum of the gradients between the bounds, and their number.
+    gradient: f64,
+    between: f64,
+    /// Lowest gradient at zero, and highest one at the upper bound.
+    lowest: f64,
+    highest: f64,
+}
+
+impl HalfSums {
+    fn of(x: &[f64], gradient: &[f64], upper: Ceiling) -> Self {
+        let none = ([0.0; 2], [f64::INFINITY; 2]);
+        let least = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.min(d)];
+        let ([gradient, between], [lowest, minus_highest]) = reduce(
+            x.len(),
+            &|range| {
+                range.fold(none, |(sums, ends), k| {
+                    let g = gradient[k];
+                    if is_full(x[k], upper.at(k)) {
+                        (sums, [ends[0], ends[1].min(-g)])
+                    } else if x[k] > 0.0 {
+                        (add(sums, [g, 1.0]), ends)
+                    } else {
+                        (sums, [ends[0].min(g), ends[1]])
+                    }
+                })
+            },
+            &|a, b| (add(a.0, b.0), least(a.1, b.1)),
+        );
+        Self { gradient, between, lowest, highest: -minus_highest }
+    }
+}
+
+/// Returns the multipliers of the two halves: the mean gradients between the bounds or, if there are none, the middle
+/// of the values that the gradients at the bounds allow.
+fn multipliers([first, second]: &[HalfSums; 2], means: Means) -> [f64; 2] {
+    match means {
+        Means::Both(_) => [first, second].map(|half| {
+            let HalfSums { gradient, between, lowest, highest } = *half;
+            if between == 0.0 && highest > f64::NEG_INFINITY { inside([highest, lowest]) } else { gradient / between }
+        }),
+        Means::Equal => {
+            let between = first.between + second.between;
+            let multiplier = if between > 0.0 {
+                (first.gradient - second.gradient) / between
+            } else if first.highest.max(second.highest) > f64::NEG_INFINITY {
+                inside([first.highest.max(-second.lowest), first.lowest.min(-second.highest)])
+            } else {
+                0.0
+            };
+            [multiplier, -multiplier]
+        }
+    }
+}
+
+/// Returns the middle of an interval, or its end if it is open on one side.
+fn inside([low, high]: [f64; 2]) -> f64 {
+    match (low.is_finite(), high.is_finite()) {
+        (true, true) => 0.5 * (low + high),
+        (true, false) => low,
+        _ => high,
+    }
+}
+
+/// Merges the sums for the residuals, and the highest gradients at the upper bounds.
+fn merge(a: (OptimalitySums, f64), b: (OptimalitySums, f64)) -> (OptimalitySums, f64) {
+    (OptimalitySums::merge(a.0, b.0), a.1.max(b.1))
+}
+
+/// Point of the projected path: `max(0, x − length z − shift)`, at most the upper bound, on the free variables (between
+/// the bounds or with z ≠ 0). The others do not change.
 #[derive(Clone, Copy)]
 pub(super) struct Path {
     length: f64,
@@ -226,22 +327,29 @@ pub(super) struct Path {
     slope: f64,
 }
 
+/// Variables, direction and upper bounds.
+type Start<'a> = (&'a [f64], &'a [f64], Ceiling<'a>);
+
 impl Path {
-    fn end(&self, half: usize, x: f64, z: f64) -> f64 {
+    fn end(&self, half: usize, x: f64, z: f64, upper: f64) -> f64 {
         let end = x - self.length * z - self.shifts[half];
-        if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 }
+        let end = if (end > 0.0) & ((x > 0.0) | (z != 0.0)) { end } else { 0.0 };
+        let end = if end < upper { end } else { upper };
+        if (x >= upper) & (z == 0.0) { x } else { end }
     }
 
-    /// Returns the sum of one half at the end of the path with a shift, and the number of its positive variables.
-    fn total(&self, x: &[f64], direction: &[f64], shift: f64) -> [f64; 2] {
+    /// Returns the sum of one half at the end of the path with a shift, and the number of its variables between the
+    /// bounds.
+    fn total(&self, (x, direction, upper): Start, shift: f64) -> [f64; 2] {
         let path = Self { shifts: [shift; 2], ..*self };
         reduce(
             x.len(),
             &|range| {
-                let all = x[range.clone()].iter().zip(&direction[range]);
-                all.fold([0.0; 2], |sums, (x, z)| {
-                    let end = path.end(0, *x, *z);
-                    add(sums, [end, f64::from(u8::from(end > 0.0))])
+                let all = range.clone().zip(x[range.clone()].iter().zip(&direction[range]));
+                all.fold([0.0; 2], |sums, (k, (x, z))| {
+                    let upper = upper.at(k);
+                    let end = path.end(0, *x, *z, upper);
+                    add(sums, [end, f64::from(u8::from((end > 0.0) & (end < upper)))])
                 })
             },
             &add,
@@ -249,13 +357,17 @@ impl Path {
     }
 
     /// Returns the shifts that keep the means, if they exist.
-    fn kept(&self, means: Means, x: [&[f64]; 2], direction: [&[f64]; 2]) -> Option<[f64; 2]> {
-        let total = |half: usize, shift: f64| self.total(x[half], direction[half], shift);
+    fn kept(&self, means: Means, (x, direction, upper): Start) -> Option<[f64; 2]> {
+        let (middle, size) = (x.len() / 2, upper.highest(&Share::whole(x.len(), 1)));
+        let total = |half: usize, shift: f64| {
+            let range = half * middle..(half + 1) * middle;
+            self.total((&x[range.clone()], &direction[range.clone()], upper.part(range)), shift)
+        };
         match means {
             Means::Both(mean) => {
-                let asked = mean * x[0].len() as f64;
+                let asked = mean * middle as f64;
                 let shift = |half: usize| {
-                    root(&|shift| {
+                    root(size, &|shift| {
                         let [sum, positive] = total(half, shift);
                         [sum - asked, positive, asked]
                     })
@@ -263,7 +375,7 @@ impl Path {
                 Some([shift(0)?, shift(1)?])
             }
             Means::Equal => {
-                let shift = root(&|shift| {
+                let shift = root(size, &|shift| {
                     let ([first, in_first], [second, in_second]) = (total(0, shift), total(1, -shift));
                     [first - second, in_first + in_second, first + second]
                 })?;
@@ -274,18 +386,25 @@ impl Path {
 }
 
 /// Returns the zero of a decreasing function, given its value, negative slope and scale of rounding errors, by Newton's
-/// method within a bracket.
-fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
+/// method within a bracket. `size` is the highest upper bound of the variables.
+fn root(size: f64, excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
+    let accuracy = if size.is_finite() { BOUNDED_MEAN } else { PAIR_MEAN };
     let mut shift = 0.0;
     let mut bracket = [f64::NEG_INFINITY, f64::INFINITY];
     for _ in 0..SHIFTS {
         let [value, slope, scale] = excess(shift);
-        if value.abs() <= PAIR_MEAN * scale {
+        if value.abs() <= accuracy * scale {
             return Some(shift);
         }
         bracket[usize::from(value < 0.0)] = shift;
         let newton = shift + value / slope;
-        let next = if bracket[0] < newton && newton < bracket[1] { newton } else { 0.5 * (bracket[0] + bracket[1]) };
+        let next = if bracket[0] < newton && newton < bracket[1] {
+            newton
+        } else if size.is_finite() {
+            middle(bracket, shift, size)
+        } else {
+            0.5 * (bracket[0] + bracket[1])
+        };
         if !next.is_finite() {
             return None;
         }
@@ -297,18 +416,30 @@ fn root(excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
     Some(shift)
 }
 
-/// Scales the halves to remove rounding errors from the prescribed means.
-fn keep_means(x: &mut [f64], means: Means) {
+/// Scales the variables of each half below their upper bounds to remove rounding errors from the prescribed means.
+fn keep_means(x: &mut [f64], means: Means, upper: Ceiling) {
     let points = x.len() / 2;
-    let [first, second] = [&x[..points], &x[points..]].map(gfmd_vector::total);
+    let sums = [0..points, points..2 * points].map(|part| {
+        if !upper.is_finite() {
+            return [gfmd_vector::total(&x[part]), 0.0];
+        }
+        let (x, upper) = (&x[part.clone()], upper.part(part));
+        let at = |k: usize| if x[k] < upper.at(k) { [x[k], 0.0] } else { [0.0, x[k]] };
+        reduce(points, &|range| range.map(at).fold([0.0; 2], add), &add)
+    });
     let asked = match means {
         Means::Both(mean) => mean * points as f64,
-        Means::Equal => 0.5 * (first + second),
+        Means::Equal => 0.5 * sums.into_iter().map(|[below, at_bound]| below + at_bound).sum::<f64>(),
     };
-    for (half, sum) in halves(x).into_iter().zip([first, second]) {
-        let factor = asked / sum;
-        if factor.is_finite() && factor != 1.0 {
-            for_each([half], &|_, [x]| x.iter_mut().for_each(|x| *x *= factor));
+    for (index, (half, [below, at_bound])) in halves(x).into_iter().zip(sums).enumerate() {
+        let factor = (asked - at_bound) / below;
+        let upper = upper.part(index * points..(index + 1) * points);
+        if factor >= 0.0 && factor.is_finite() && factor != 1.0 {
+            for_each((half, upper), &|_, (x, upper)| {
+                for (k, x) in x.iter_mut().enumerate() {
+                    *x = if *x < upper.at(k) { (factor * *x).min(upper.at(k)) } else { *x };
+                }
+            });
         }
     }
 }

@@ -116,7 +116,7 @@ impl Start<'_> {
 }
 
 /// Returns the middle of a bracket, or a point beyond its finite end if it is open on one side.
-fn middle([low, high]: [f64; 2], mu: f64, size: f64) -> f64 {
+pub(super) fn middle([low, high]: [f64; 2], mu: f64, size: f64) -> f64 {
     match (low.is_finite(), high.is_finite()) {
         (true, true) => 0.5 * (low + high),
         (true, false) => mu + mu.abs().max(size),

@@ -345,7 +345,7 @@ fn keep_mean(share: &Share, x: &mut [f64], mean: Option<f64>, upper: Ceiling) {
 
 /// Moves the start to the prescribed mean, between zero and the upper bounds: towards the bounds scaled to this mean,
 /// as far as necessary.
-fn begin(share: &Share, x: &mut [f64], mean: Option<f64>, upper: &Upper) {
+pub(super) fn begin(share: &Share, x: &mut [f64], mean: Option<f64>, upper: &Upper) {
     rescale(share, x, share.total_of(x), mean);
     let Some(mean) = mean.filter(|_| upper.ceiling().is_finite()) else { return };
     let fraction = mean / upper.mean_over(share);

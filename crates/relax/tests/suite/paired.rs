@@ -1,11 +1,12 @@
 //! Tests of two fields, coupled by a matrix and by their means, against every active set.
 
-use gfmd_relax::{Budget, Ending, MemoryCheckpoint, Paired, PreconditionedCg, RelaxError, Target, Visit, Watch};
+use gfmd_relax::{Budget, Ending, MemoryCheckpoint, Paired, PreconditionedCg, RelaxError, Target, Upper, Visit, Watch};
 
 /// Dense matrix, with its diagonal as the preconditioner.
 struct Dense {
     matrix: Vec<f64>,
     linear: Vec<f64>,
+    upper: Upper,
 }
 
 impl Dense {
@@ -21,7 +22,7 @@ impl Dense {
             (0..n).map(|k| b[i * n + k] * b[j * n + k]).sum::<f64>() + if i == j { 0.1 } else { 0.0 }
         };
         let matrix = (0..n * n).map(|k| entry(k / n, k % n)).collect();
-        Self { matrix, linear: (0..n).map(|_| number()).collect() }
+        Self { matrix, linear: (0..n).map(|_| number()).collect(), upper: Upper::All(f64::INFINITY) }
     }
 
     fn gradient(&self, x: &[f64]) -> Vec<f64> {
@@ -35,6 +36,10 @@ impl Paired for Dense {
         &self.linear
     }
 
+    fn upper(&self) -> Upper {
+        self.upper.clone()
+    }
+
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
         let full = self.gradient(x);
         out.iter_mut().zip(full.iter().zip(&self.linear)).for_each(|(out, (g, b))| *out = g - b);
@@ -43,7 +48,8 @@ impl Paired for Dense {
     fn precondition(&mut self, x: &[f64], gradient: &[f64], out: &mut [f64]) {
         let n = x.len();
         for i in 0..n {
-            let free = x[i] > 0.0 || gradient[i] < 0.0;
+            let full = x[i] >= self.upper.ceiling().at(i);
+            let free = if full { gradient[i] > 0.0 } else { x[i] > 0.0 || gradient[i] < 0.0 };
             out[i] = if free { gradient[i] / self.matrix[i * n + i] } else { 0.0 };
         }
     }
@@ -57,8 +63,9 @@ fn target(mean: Option<f64>) -> Target {
 fn violation(problem: &Dense, x: &[f64], mean: Option<f64>) -> f64 {
     let middle = x.len() / 2;
     let mut gradient = problem.gradient(x);
+    let full = |k: usize| x[k] >= problem.upper.ceiling().at(k);
     let of = |range: std::ops::Range<usize>, gradient: &[f64]| {
-        let inside = range.filter(|k| x[*k] > 0.0);
+        let inside = range.filter(|k| x[*k] > 0.0 && !full(*k));
         inside.fold((0.0, 0.0), |(sum, count), k| (sum + gradient[k], count + 1.0))
     };
     let ((a, na), (b, nb)) = (of(0..middle, &gradient), of(middle..x.len(), &gradient));
@@ -67,7 +74,11 @@ fn violation(problem: &Dense, x: &[f64], mean: Option<f64>) -> f64 {
         None => [(a - b) / (na + nb), (b - a) / (na + nb)],
     };
     (0..x.len()).for_each(|k| gradient[k] -= multipliers[usize::from(k >= middle)]);
-    let wrong = |k: usize| if x[k] > 0.0 { gradient[k].abs() } else { -gradient[k] };
+    let wrong = |k: usize| match x[k] {
+        _ if full(k) => gradient[k],
+        x if x > 0.0 => gradient[k].abs(),
+        _ => -gradient[k],
+    };
     (0..x.len()).map(wrong).fold(0.0, f64::max)
 }
 
@@ -86,6 +97,32 @@ fn the_conditions_of_the_minimum_hold_and_the_means_are_kept() {
             assert!(x.iter().all(|x| *x >= 0.0));
             let wrong = violation(&problem, &x, mean);
             assert!(wrong < 1e-9 || first < 1e-9, "{seed} {mean:?}: {wrong} {x:?}");
+        }
+    }
+}
+
+#[test]
+fn upper_bounds_are_kept() {
+    for seed in 1..30 {
+        for mean in [Some(0.2), None] {
+            for upper in [Upper::All(0.35), Upper::Each((0..12).map(|k| 0.3 + 0.02 * f64::from(k)).collect())] {
+                let mut problem = Dense::new(12, seed);
+                problem.linear.iter_mut().for_each(|b| *b -= 0.3);
+                problem.upper = upper;
+                let mut x = vec![0.2; 12];
+                let minimum = PreconditionedCg.minimise_pair(&mut problem, &mut x, &target(mean), &mut ()).unwrap();
+                assert_eq!(minimum.ending, Ending::Converged, "{seed} {mean:?}: {minimum:?}");
+                let [first, second]: [f64; 2] = [0, 6].map(|start| x[start..start + 6].iter().sum::<f64>() / 6.0);
+                let asked = mean.unwrap_or(first);
+                assert!((first - asked).abs() < 1e-12 && (second - asked).abs() < 1e-12, "{seed}: {first} {second}");
+                let ceiling = problem.upper.ceiling();
+                assert!((0..12).all(|k| x[k] >= 0.0 && x[k] <= ceiling.at(k)));
+                let between = |half: usize| (6 * half..6 * half + 6).any(|k| x[k] > 0.0 && x[k] < ceiling.at(k));
+                if mean.is_none() && (between(0) || between(1)) || between(0) && between(1) {
+                    let wrong = violation(&problem, &x, mean);
+                    assert!(wrong < 1e-9 || first < 1e-9, "{seed} {mean:?}: {wrong} {x:?}");
+                }
+            }
         }
     }
 }

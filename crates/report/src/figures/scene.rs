@@ -57,9 +57,9 @@ impl SceneFields {
         [&mut self.pressure, &mut self.repulsion, &mut self.gap, &mut self.level].map(Vec::as_mut_slice)
     }
 
-    /// Returns the fields of the contact with a lower surface, in the frame of that surface.
-    pub fn below(state: &impl Fields) -> Self {
-        let mut shown = Self::of(state, None, None);
+    /// Returns the fields of the contact with a lower surface, with a plastic `depth`, in the frame of that surface.
+    pub fn below(state: &impl Fields, depth: Option<&Array2<f64>>) -> Self {
+        let mut shown = Self::of(state, None, depth);
         shown.level.iter_mut().for_each(|level| *level = -*level);
         shown
     }

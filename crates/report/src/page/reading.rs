@@ -132,14 +132,25 @@ pub(crate) struct FaceFields {
     pub(crate) pressure: &'static str,
     pub(crate) gap: &'static str,
     pub(crate) displacement: &'static str,
+    pub(crate) depth: &'static str,
     pub(crate) face: Face,
 }
 
 impl FaceFields {
-    pub(crate) const UPPER: Self =
-        Self { pressure: "pressure", gap: "gap", displacement: "displacement_z", face: Face::Upper };
-    pub(crate) const LOWER: Self =
-        Self { pressure: "lower_pressure", gap: "lower_gap", displacement: "lower_displacement_z", face: Face::Lower };
+    pub(crate) const UPPER: Self = Self {
+        pressure: "pressure",
+        gap: "gap",
+        displacement: "displacement_z",
+        depth: "plastic_depth",
+        face: Face::Upper,
+    };
+    pub(crate) const LOWER: Self = Self {
+        pressure: "lower_pressure",
+        gap: "lower_gap",
+        displacement: "lower_displacement_z",
+        depth: "lower_plastic_depth",
+        face: Face::Lower,
+    };
 }
 
 /// Surface of a contact or path.
@@ -189,10 +200,10 @@ impl StoredSurface {
         let closed = repulsion.iter_mut().zip(&gap).filter(|(_, gap)| **gap <= 0.0);
         closed.for_each(|(repulsion, _)| *repulsion = repulsion.max(f64::MIN_POSITIVE));
         let mut level = self.field(reader, fields.displacement, index).unwrap_or_default();
-        if fields.face == Face::Upper {
-            let depth = self.field(reader, "plastic_depth", index).unwrap_or_default();
-            level.iter_mut().zip(depth).for_each(|(level, depth)| *level -= depth);
-        }
+        // Both faces are pressed into the slab, whose inside lies below the upper face and above the lower one.
+        let inside = if fields.face == Face::Upper { -1.0 } else { 1.0 };
+        let depth = self.field(reader, fields.depth, index).unwrap_or_default();
+        level.iter_mut().zip(depth).for_each(|(level, depth)| *level += inside * depth);
         Ok(SceneFields { pressure, repulsion, gap, level })
     }
 

@@ -97,7 +97,9 @@ fn lift(case: &Case) -> Vec<f64> {
 }
 
 /// Returns the displacements of both faces into the slab, for the pressures on both.
-fn faces(stack: &Stack, plane: Plane, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
+fn faces(stack: &Stack, plane: Plane, held: bool, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
+    let [upper, lower] =
+        if held { [Top::HeldBetween, Top::HeldBetweenBelow] } else { [Top::Pressed, Top::PressedBelow] };
     let parts = pressures.map(|pressure| plane.transform(pressure));
     let mut both = [vec![[0.0; 2]; plane.len()], vec![[0.0; 2]; plane.len()]];
     for place in 0..plane.len() {
@@ -107,7 +109,7 @@ fn faces(stack: &Stack, plane: Plane, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
             let half = 0.5 * stack.compliance(0.0, false);
             [[half, 0.0], [0.0, half]]
         } else {
-            let (above, below) = (stack.solve(q, Top::Pressed), stack.solve(q, Top::PressedBelow));
+            let (above, below) = (stack.solve(q, upper), stack.solve(q, lower));
             let bottom = stack.height();
             [
                 [-above.at(0.0, false).uz, -below.at(0.0, false).uz],
@@ -479,7 +481,8 @@ fn squeezed(found: &mut Found, case: &Case, load: &Value, k: usize, file: &Reade
     let top = heights.iter().fold(f64::NEG_INFINITY, |top, h| top.max(*h));
     // Only the two surfaces hold the slab.
     let slab = Stack { layers: case.body.first.layers.clone(), base: Base::Free };
-    let [above, below] = faces(&slab, plane, [upper[0], &pressure]);
+    let held = case.components == Components::Held;
+    let [above, below] = faces(&slab, plane, held, [upper[0], &pressure]);
     let most = largest(&above).max(largest(&below));
     let lower = &load["lower"];
     let parts = [
@@ -494,14 +497,27 @@ fn squeezed(found: &mut Found, case: &Case, load: &Value, k: usize, file: &Reade
         ),
     ];
     let scale = rough.deviation.hypot(deviation(&heights));
+    let depths = ["plastic_depth", "lower_plastic_depth"].map(|name| {
+        let depth = || file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
+        case.hardness.as_ref().map_or_else(|| vec![0.0; plane.len()], |_| depth())
+    });
     let mut energy = 0.0;
-    for (name, [p, u, g], into, sign, clearance, approach) in parts {
+    for ((name, [p, u, g], into, sign, clearance, approach), depth) in parts.into_iter().zip(&depths) {
         let apart = into.iter().zip(u).map(|(d, u)| (d + sign * u).abs()).fold(0.0, f64::max);
         found.near(&format!("displacement of the {name} face"), apart, 0.0, 1e-7 * most);
-        let apart =
-            (0..plane.len()).map(|at| (clearance[at] - sign * u[at] - approach - g[at]).abs()).fold(0.0, f64::max);
+        let apart = (0..plane.len())
+            .map(|at| (clearance[at] - sign * u[at] - approach + depth[at] - g[at]).abs())
+            .fold(0.0, f64::max);
         found.near(&format!("gap of the {name} face"), apart, 0.0, 1e-8 * (largest(clearance) + most));
-        wall(found, p, g, scale, case.tolerance);
+        match &case.hardness {
+            Some(hardness) => {
+                let numbers = if name == "upper" { load } else { lower };
+                plastic(found, numbers, [p, g, depth], hardness, (case.tolerance, scale));
+            }
+            None => {
+                wall(found, p, g, scale, case.tolerance);
+            }
+        }
         energy += 0.5 * p.iter().zip(&into).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64;
     }
     found.near(

@@ -459,6 +459,7 @@ impl Case {
             14..19 if !is_free && !is_path => Components::All,
             19..24 if !is_free && !is_path => Components::Held,
             _ if wild(dice, 0.3) => dice.of(&[Components::All, Components::Held]),
+            _ if has_lower && dice.chance(0.3) => Components::Held,
             _ => Components::Normal,
         };
         let with_friction = is_path && (24..54).contains(&kind);
@@ -476,7 +477,7 @@ impl Case {
             text.push_str(" --boundary free");
         }
         let modulus = body.contact_modulus();
-        let may_have_law = plain || components == Components::Held;
+        let may_have_law = plain || components == Components::Held && !has_lower;
         let has_law = (may_have_law && dice.chance(0.3)) || wild(dice, 0.3);
         let size = gradient * length_x;
         let law = has_law.then(|| {
@@ -505,7 +506,8 @@ impl Case {
         if let Some(law) = &law {
             let _ = write!(text, " {}", law.words());
         }
-        let has_hardness = may_have_law && law.is_none() && dice.chance(0.25) || wild(dice, 0.2);
+        let has_hardness =
+            may_have_law && law.is_none() && dice.chance(0.25) || wild(dice, 0.2) || has_lower && dice.chance(0.4);
         let hardness = has_hardness.then(|| {
             let most = short(modulus * gradient * dice.scale(0.2, 2.0));
             if dice.chance(0.6) {

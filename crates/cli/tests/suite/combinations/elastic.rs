@@ -184,6 +184,9 @@ pub(crate) enum Top {
     /// No traction on the upper face, pressure 1 or shear stress 1 on the lower one (of a free base).
     PressedBelow,
     ShearedBelow,
+    /// Pressure 1 on the upper or the lower face, and no lateral displacement of both.
+    HeldBetween,
+    HeldBetweenBelow,
 }
 
 /// Solution of one wave.
@@ -242,9 +245,10 @@ impl Stack {
         };
         let of = |waves: &[Wave], which: fn(&Wave) -> f64| waves.iter().map(which).collect::<Vec<f64>>();
         let uppermost = Self::functions(&parts[0], q, 0.0);
-        let pressure = if matches!(top, Top::Pressed | Top::Held) { -1.0 } else { 0.0 };
+        let pressure = if matches!(top, Top::Pressed | Top::Held | Top::HeldBetween) { -1.0 } else { 0.0 };
         condition(&[(0, of(&uppermost, |w| w.szz))], pressure);
-        let lateral: fn(&Wave) -> f64 = if top == Top::Held { |w| w.ux } else { |w| w.sxz };
+        let is_between = matches!(top, Top::HeldBetween | Top::HeldBetweenBelow);
+        let lateral: fn(&Wave) -> f64 = if is_between || top == Top::Held { |w| w.ux } else { |w| w.sxz };
         condition(&[(0, of(&uppermost, lateral))], f64::from(u8::from(top == Top::Sheared)));
         let mut first = 0;
         for (k, part) in parts.iter().enumerate() {
@@ -258,7 +262,8 @@ impl Stack {
                 }
             } else {
                 let (up, along) = (f64::from(u8::from(top == Top::BaseUp)), f64::from(u8::from(top == Top::BaseAlong)));
-                let below = if top == Top::PressedBelow { -1.0 } else { 0.0 };
+                let is_pressed = matches!(top, Top::PressedBelow | Top::HeldBetweenBelow);
+                let below = if is_pressed { -1.0 } else { 0.0 };
                 match self.base {
                     Base::Bonded => {
                         condition(&[(first, of(&here, |w| w.uz))], up);
@@ -271,7 +276,8 @@ impl Stack {
                     _ => {
                         condition(&[(first, of(&here, |w| w.szz))], below);
                         let shear = f64::from(u8::from(top == Top::ShearedBelow));
-                        condition(&[(first, of(&here, |w| w.sxz))], shear);
+                        let lateral: fn(&Wave) -> f64 = if is_between { |w| w.ux } else { |w| w.sxz };
+                        condition(&[(first, of(&here, lateral))], shear);
                     }
                 }
             }
