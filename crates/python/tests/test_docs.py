@@ -147,6 +147,7 @@ def test_results_have_the_attributes_that_are_documented(words):
     worn = gfmd.wear(slab, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], approach=0.005, steps=1, flow=True)
     parts = dict(law=law, friction=0.3, hardness=0.05, wear=gfmd.Wear(1.0), p_star=0.05, lateral=[0, 0.001])
     composed = gfmd.path(slab, rubber, time=[0, 1], distance=[0, 0.1], steps=1, **parts)
+    flattened = gfmd.contact(words["s"], gfmd.Body(height=0.5), p_star=0.05, lower_surface=words["s"], hardness=0.1)
     steel = gfmd.Body(yield_stress=0.01, hardening=0.02, kinematic_hardening=0.01)
     curve = gfmd.Body(yield_stress=0.01, hardening_curve=[(0.0, 0.01), (0.1, 0.02)])
     dented = [gfmd.path(slab, metal, p_star=0.05, steps=1, kept_strain="waypoints") for metal in (steel, curve)]
@@ -163,6 +164,7 @@ def test_results_have_the_attributes_that_are_documented(words):
                 gfmd.contact(words["s"], gfmd.Body(), p_star=0.05, hardness=0.1, law=law),
                 steep,
                 squeezed,
+                flattened,
             ],
         ),
         (gfmd.Path, [words["loop"], rubbed, indented, composed, *dented]),
@@ -176,7 +178,7 @@ def test_results_have_the_attributes_that_are_documented(words):
             ],
         ),
         (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),
-        (LowerFace, [squeezed.lower]),
+        (LowerFace, [squeezed.lower, flattened.lower]),
         (Patches, [words["c"].patches()]),
         (gfmd.Punch, [words["punch"], gfmd.punch(n=16, refine=2)]),
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
