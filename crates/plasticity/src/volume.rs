@@ -259,7 +259,7 @@ impl<T: Real> Operator<T> {
         vec![Complex::default(); components.len() * scales[levels[cell]].grid.spectrum_len()]
     }
 
-    /// Makes the spectra of selected cells, unless they have been made since the last [`Self::release`].
+    /// Makes the spectra of a cell, unless they have been made since the last [`Self::release`].
     fn provide(&mut self, cell: usize) {
         if self.spectra[cell].is_empty() {
             self.spectra[cell] = self.zeros(cell);

@@ -13,9 +13,8 @@ use serde_json::{Value, json};
 use super::contestant::Problem;
 use super::process::{ProgramFailure, output};
 use super::python::{Environment, LONG, Script};
-use super::table::{Table, write_beside};
+use super::table::{Table, areas_differ, fill};
 use super::{Args, Peer, RMS_GRADIENT, problems};
-use crate::results::filled;
 
 /// Name of the table in docs/benchmarks.md.
 pub(super) const PLACE: &str = "adhesion";
@@ -217,11 +216,7 @@ impl Trial<'_> {
 impl Row {
     /// Returns the largest difference of the contact areas; NaN if a load has none.
     fn differs(&self) -> f64 {
-        let Some(theirs) = &self.theirs else { return f64::NAN };
-        if theirs.areas.len() != self.own.areas.len() {
-            return f64::NAN;
-        }
-        gfmd_relax::worst(self.own.areas.iter().zip(&theirs.areas).map(|(own, theirs)| (own - theirs).abs()))
+        areas_differ(&self.own.areas, self.theirs.as_ref().map(|theirs| &theirs.areas[..]))
     }
 }
 
@@ -263,8 +258,6 @@ impl Adhesion {
     fn write(&self, page: &Path) -> Result<(), Failure> {
         let Self { date, machine, commit, tamaas, tolerance, patience, .. } = self;
         let short = commit.get(..12).unwrap_or(commit);
-        let text = std::fs::read_to_string(page)
-            .map_err(|error| Failure::computation(format!("{}: {error}", page.display())))?;
         let table = format!(
             "{}\n{date}. {machine}. Commit {short}. Tamaas {tamaas} (`PolonskyKeerRey` on the gap, \
              `ExponentialAdhesionFunctional`).\n\
@@ -278,7 +271,7 @@ impl Adhesion {
              `cargo xtask bench-peers --adhesion --write-docs`.\n\n",
             self.table().markdown()
         );
-        write_beside(page, &filled(&text, PLACE, &table)?)
+        fill(page, PLACE, &table)
     }
 }
 

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use gfmd_input::failure::Failure;
 
+use crate::results::filled;
+
 /// A table with a title and a header row.
 pub(super) struct Table {
     pub(super) title: String,
@@ -61,6 +63,23 @@ pub(super) fn write_beside(file: &Path, text: &str) -> Result<(), Failure> {
         std::fs::rename(&beside, file)
     };
     write().map_err(|error| Failure::computation(format!("cannot write {}: {error}", file.display())))
+}
+
+/// Writes a section into its `place` on a page, between the markers of the place.
+pub(super) fn fill(page: &Path, place: &str, section: &str) -> Result<(), Failure> {
+    let text =
+        std::fs::read_to_string(page).map_err(|error| Failure::computation(format!("{}: {error}", page.display())))?;
+    write_beside(page, &filled(&text, place, section)?)
+}
+
+/// Returns the largest difference between the contact areas of two courses; NaN if one lacks a load.
+pub(super) fn areas_differ(own: &[f64], theirs: Option<&[f64]>) -> f64 {
+    match theirs {
+        Some(theirs) if theirs.len() == own.len() => {
+            gfmd_relax::worst(own.iter().zip(theirs).map(|(own, theirs)| (own - theirs).abs()))
+        }
+        _ => f64::NAN,
+    }
 }
 
 pub(super) fn in_words(threads: usize) -> String {

@@ -13,9 +13,8 @@ use serde_json::{Value, json};
 
 use super::process::ProgramFailure;
 use super::python::{Environment, LONG, Script};
-use super::table::{Table, write_beside};
+use super::table::{Table, areas_differ, fill};
 use super::{Args, Peer};
-use crate::results::filled;
 
 /// Name of the table in docs/benchmarks.md.
 pub(super) const PLACE: &str = "yielding";
@@ -223,11 +222,7 @@ impl Trial<'_> {
 impl Row {
     /// Returns the largest difference of the contact areas; NaN if a load has none.
     fn differs(&self) -> f64 {
-        let Some(theirs) = &self.theirs else { return f64::NAN };
-        if theirs.areas.len() != self.own.areas.len() {
-            return f64::NAN;
-        }
-        gfmd_relax::worst(self.own.areas.iter().zip(&theirs.areas).map(|(own, theirs)| (own - theirs).abs()))
+        areas_differ(&self.own.areas, self.theirs.as_ref().map(|theirs| &theirs.areas[..]))
     }
 }
 
@@ -276,8 +271,6 @@ impl Yielding {
     fn write(&self, page: &Path) -> Result<(), Failure> {
         let Self { date, machine, commit, tamaas, tolerance, patience, .. } = self;
         let short = commit.get(..12).unwrap_or(commit);
-        let text = std::fs::read_to_string(page)
-            .map_err(|error| Failure::computation(format!("{}: {error}", page.display())))?;
         let late: Vec<String> = self
             .rows
             .iter()
@@ -295,7 +288,7 @@ impl Yielding {
             self.table().markdown(),
             late.concat()
         );
-        write_beside(page, &filled(&text, PLACE, &table)?)
+        fill(page, PLACE, &table)
     }
 }
 

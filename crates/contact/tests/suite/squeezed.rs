@@ -89,7 +89,7 @@ fn a_flat_surface_is_a_sliding_base() {
     assert_near(turned.approach, found.approach, 1e-9);
 }
 
-/// The same holds of faces without lateral displacement, above a mirror that bears no shear.
+/// Faces without lateral displacement have the same symmetry; the plane between them bears no shear.
 #[test]
 fn held_mirror_images_are_one_held_surface_on_a_sliding_base_of_half_the_height() {
     let surface = heights(1);

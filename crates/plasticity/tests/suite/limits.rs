@@ -165,7 +165,7 @@ fn a_sphere_pressed_in_carries_the_load_of_jackson_and_green() {
         let [fit, area] = jackson_green(state.approach() + level * load, radius, yield_stress);
         let found = load / fit;
         assert!((0.9..0.98).contains(&found), "{times}: load {found} of the fit");
-        // A contact at a smaller load has fewer than 40 points, of which the rim is a large part.
+        // A contact at a smaller load has fewer than 40 points, many of them on its rim.
         let found = state.summary().area_fraction * length.powi(2) / area;
         assert!(times < 100.0 || (found - 1.0).abs() < 0.05, "{times}: area {found} of the fit");
     }
