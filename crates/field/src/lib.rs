@@ -39,7 +39,6 @@
 
 mod convolution;
 mod cosines;
-mod distribute;
 mod grid;
 mod line;
 mod plan;

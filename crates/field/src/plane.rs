@@ -8,7 +8,7 @@
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use gfmd_vector::{Rows, Split};
+use gfmd_vector::{Rows, Split, distribute, lock};
 use multiversion::multiversion;
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -16,7 +16,6 @@ use realfft::{ComplexToReal, RealToComplex};
 use rustfft::Fft;
 
 use crate::Real;
-use crate::distribute::{distribute, lock};
 use crate::prefetch::{LINE, prefetch};
 use crate::real::{copy, square};
 

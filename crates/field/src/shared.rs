@@ -12,11 +12,10 @@
 
 use std::ops::Range;
 
-use gfmd_vector::{Messages, Pending, Rows, Share, Split};
+use gfmd_vector::{Messages, Pending, Rows, Share, Split, distribute, lock};
 use num_complex::Complex;
 
 use crate::Real;
-use crate::distribute::{distribute, lock};
 use crate::plane::{self, BLOCK, Plane, Worker};
 use crate::real::copy;
 

@@ -21,6 +21,8 @@ mod pack;
 mod sweep;
 
 mod frozen;
+mod lane;
+mod operator;
 mod volume;
 
 mod plastic;

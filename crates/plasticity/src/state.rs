@@ -47,17 +47,21 @@ pub struct FlowResidual {
     pub flow: f64,
     /// Largest Δκ (R − q) divided by the yield stress and by the largest κ.
     pub flow_complementarity: f64,
+    /// Root mean square of the unbalanced forces on the nodes between cells, on the surface and on the body below the
+    /// cells, divided by the root mean square of the forces on them, from the strain and the plastic strain.
+    pub equilibrium: f64,
     /// 1 if the lowest of [graded](crate::Cells::Graded) cells has yielded and the layer goes on below it, else 0.
     pub bottom: f64,
 }
 
 impl FlowResidual {
     /// Returns the residuals with their names.
-    pub fn parts(&self) -> [(&'static str, f64); 4] {
+    pub fn parts(&self) -> [(&'static str, f64); 5] {
         [
             ("yield", self.yielding),
             ("flow", self.flow),
             ("flow_complementarity", self.flow_complementarity),
+            ("equilibrium", self.equilibrium),
             ("bottom", self.bottom),
         ]
     }

@@ -11,8 +11,10 @@ use ndarray::Array2;
 use num_complex::Complex;
 
 use crate::frozen::FrozenContact;
+use crate::lane::Selection;
+use crate::operator::Operator;
 use crate::plastic::{Yielded, scatter};
-use crate::volume::{COMPONENTS, Operator, Selection};
+use crate::volume::COMPONENTS;
 use crate::yielding::{Energies, Evaluation};
 use crate::{PlasticState, PlasticStrain, YieldingContact};
 
@@ -348,7 +350,7 @@ impl Search<'_> {
             });
             slope = next;
         }
-        linear.finish(&active, offsets, change);
+        linear.finish(&active, change);
         Ok(())
     }
 }
@@ -501,28 +503,29 @@ impl Linear {
         active: &[bool],
     ) {
         let Self { operator, frozen, displacement, pressure, .. } = self;
-        let cells = || flowing.iter().enumerate().filter(|(_, cell)| !cell.tangents.is_empty());
-        for (number, cell) in cells() {
+        operator.analyse(active, |number, component, field| {
+            let Flowing { tangents, .. } = &flowing[number];
             let strains = &direction[starts[number]..starts[number + 1]];
-            let point = |k: usize| cell.tangents[k].point;
-            operator.analyse(number, |component, field| {
-                let value = |k: usize| tangent(&cell.tangents[k], &strains[k])[component];
-                scatter(field, strains.len(), &point, &value);
-            });
-        }
+            let value = |k: usize| tangent(&tangents[k], &strains[k])[component];
+            scatter(field, strains.len(), &|k| tangents[k].point, &value);
+        });
         operator.surface_displacement(active, displacement);
         frozen.solve(displacement, pressure);
         operator.strain(pressure, &Selection { plastic: active.to_vec(), strain: active.to_vec() });
-        for (number, cell) in cells() {
-            let strains = &mut image[starts[number]..starts[number + 1]];
-            operator.synthesise(number, |component, field| {
-                for_each((&mut *strains, &cell.tangents[..]), &|_, (strains, tangents)| {
-                    for (strain, of) in strains.iter_mut().zip(tangents) {
-                        strain[component] = field[of.point as usize];
-                    }
-                });
-            });
+        let mut outputs = Vec::with_capacity(flowing.len());
+        let mut rest = &mut image[..];
+        for (number, Flowing { tangents, .. }) in flowing.iter().enumerate().filter(|(number, _)| active[*number]) {
+            let (strains, next) = std::mem::take(&mut rest).split_at_mut(tangents.len());
+            outputs.push((number, (strains, &tangents[..])));
+            rest = next;
         }
+        operator.synthesise(outputs, |(strains, tangents), component, field| {
+            for_each((&mut **strains, *tangents), &|_, (strains, tangents)| {
+                for (strain, of) in strains.iter_mut().zip(tangents) {
+                    strain[component] = field[of.point as usize];
+                }
+            });
+        });
     }
 
     /// Adds `step` times the strain of the last response to the change.
@@ -536,11 +539,10 @@ impl Linear {
     }
 
     /// Transforms the change back, in the cells with points that flow, and frees the spectra.
-    fn finish(&mut self, active: &[bool], offsets: &[usize], change: &mut [f32]) {
+    fn finish(&mut self, active: &[bool], change: &mut [f32]) {
         self.operator.release();
-        for (number, _) in active.iter().enumerate().filter(|(_, active)| **active) {
-            let spectra = std::mem::take(&mut self.change[number]);
-            self.operator.fields(number, &spectra, &mut change[offsets[number]..offsets[number + 1]]);
-        }
+        std::mem::swap(&mut self.operator.spectra, &mut self.change);
+        self.operator.fields(active, change);
+        self.operator.release();
     }
 }

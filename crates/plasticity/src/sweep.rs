@@ -180,7 +180,8 @@ pub(crate) fn normal_displacement(force: &[[Pack; 3]; 2], support: &Support) -> 
 }
 
 /// Solves the chain from above, under a normal traction on the surface: adds `share` times the deviatoric strain of
-/// each cell to the strain in the memory. `forces` come from [`up`].
+/// each cell to the strain in the memory, and returns the displacement (U, V, T) of the lowest node. `forces` come from
+/// [`up`].
 #[multiversion(targets = "simd")]
 pub(crate) fn down(
     cells: &[Cell],
@@ -189,7 +190,7 @@ pub(crate) fn down(
     traction: &[Pack; 2],
     share: &Pack,
     memory: &mut Memory,
-) {
+) -> [[Pack; 3]; 2] {
     let Waves { wavenumber: q, direction: [nx, ny] } = *waves;
     let (double, twice) = (nx * nx - ny * ny, nx * ny * 2.0);
     let (force, support) = forces;
@@ -228,6 +229,113 @@ pub(crate) fn down(
             ];
             for (strain, component) in strain.iter_mut().zip(components) {
                 strain[part] += component * *share;
+            }
+        }
+    }
+    tops
+}
+
+/// Returns the sums of the squares of the unbalanced forces on the nodes and of all forces on them, each from the cell
+/// above, the cell below, the traction on the surface and the support. The forces follow from the strain and the
+/// plastic strain in the memory, not from the chain. `weights` are factors on the squares; `lowest` is the displacement
+/// of the lowest node.
+#[multiversion(targets = "simd")]
+pub(crate) fn balance(
+    cells: &[Cell],
+    waves: &Waves,
+    support: &Support,
+    traction: &[Pack; 2],
+    lowest: &[[Pack; 3]; 2],
+    weights: &Pack,
+    memory: &Memory,
+) -> [f64; 2] {
+    let Waves { wavenumber: q, direction: [nx, ny] } = *waves;
+    let (double, twice) = (nx * nx - ny * ny, nx * ny * 2.0);
+    let mut sums = [Pack::ZERO; 2];
+    let mut add = |left: Pack, right: Pack| {
+        let rest = left + right;
+        sums[0] += rest * rest;
+        sums[1] += left * left + right * right;
+    };
+    for part in 0..2 {
+        // Force on the node between two cells, from the cell above it.
+        let mut above = [Pack::ZERO, -traction[part], Pack::ZERO];
+        for ((cell, plastic), strain) in cells.iter().zip(&memory.plastic).zip(&memory.strain) {
+            // In the frame of the wave vector, where the strain across it vanishes.
+            let frame = |of: &Strain| {
+                let [zz, b2, b3, ..] = of.map(|component| component[part]);
+                let other = |k: usize| if part == 0 { of[k][1] } else { -of[k][0] };
+                let long = (double * b2 + twice * b3) * HALF;
+                let across_z = (nx * of[4][part] - ny * of[3][part]) * HALF;
+                let long_z = (nx * other(3) + ny * other(4)) * HALF;
+                let long_across = (double * other(2) - twice * other(1)) * HALF;
+                [zz, long, across_z, long_z, long_across]
+            };
+            let (total, plastic) = (frame(strain), frame(plastic));
+            // ε_LL is √2 e₂ = 2 (e₂/√2); ε_zz follows from it and the first component.
+            let long = total[1] * 2.0;
+            let normal = (total[0] + long * LL) * (1.0 / ZZ);
+            let [shear, lame] = [cell.shear_modulus, cell.p_wave_modulus - 2.0 * cell.shear_modulus];
+            let volume = (long + normal) * lame;
+            let stress_ll = volume + (long - (plastic[1] - plastic[0] * LL)) * (2.0 * shear);
+            let stress_zz = volume + (normal - plastic[0] * ZZ) * (2.0 * shear);
+            let [across_z, long_z, long_across] = [2, 3, 4].map(|k| (total[k] - plastic[k]) * (2.0 * shear));
+            let half = q * (0.5 * cell.thickness);
+            let pulls = [half * long_z, half * long_across];
+            let top = [long_z - half * stress_ll, stress_zz + pulls[0], across_z + pulls[1]];
+            above.iter().zip(top).for_each(|(above, top)| add(*above, top));
+            above = [-long_z - half * stress_ll, pulls[0] - stress_zz, pulls[1] - across_z];
+        }
+        let [ll, lz, zz, tt] = *support;
+        let [u, v, t] = lowest[part];
+        let below = [ll * u + lz * v, lz * u + zz * v, tt * t];
+        above.iter().zip(below).for_each(|(above, below)| add(*above, below));
+    }
+    sums.map(|sum| (sum * *weights).0.iter().sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_balance_and_a_changed_strain_unbalances_them() {
+        let cell = |thickness: f64| Cell {
+            depth: 0.0,
+            thickness,
+            coarsening: 1,
+            shear_modulus: 1.0,
+            p_wave_modulus: 3.0,
+            hardening: None,
+        };
+        let cells = [cell(0.1), cell(0.2), cell(0.15)];
+        let pack = |seed: f64| Pack(std::array::from_fn(|k| (seed * (k + 1) as f64).sin()));
+        let direction = [Pack(pack(1.0).0.map(f64::cos)), Pack(pack(1.0).0.map(f64::sin))];
+        let waves = Waves { wavenumber: Pack(std::array::from_fn(|k| 1.0 + k as f64)), direction };
+        let support = [1.7, 0.3, 2.0, 0.9].map(Pack::all);
+        let mut memory = Memory::new(cells.len());
+        for (number, plastic) in memory.plastic.iter_mut().enumerate() {
+            for (component, value) in plastic.iter_mut().enumerate() {
+                *value = [0, 1].map(|part| pack((1 + part + 2 * component + 10 * number) as f64));
+            }
+        }
+        let traction = [pack(0.3), pack(0.7)];
+        let forces = up(&cells, &waves, &support, &mut memory);
+        let lowest = down(&cells, &waves, &forces, &traction, &Pack::all(1.0), &mut memory);
+        let unbalanced = |memory: &Memory, traction: &[Pack; 2]| {
+            let [rest, all] = balance(&cells, &waves, &support, traction, &lowest, &Pack::all(1.0), memory);
+            (rest / all).sqrt()
+        };
+        let found = unbalanced(&memory, &traction);
+        assert!(found < 1e-14, "{found}");
+        let found = unbalanced(&memory, &[pack(0.3), pack(0.7) * 1.001]);
+        assert!((1e-5..1e-2).contains(&found), "{found}");
+        for cell in 0..cells.len() {
+            for component in 0..5 {
+                let mut changed = memory.clone();
+                changed.strain[cell][component][0] += Pack::all(1e-3);
+                let found = unbalanced(&changed, &traction);
+                assert!((1e-5..1e-2).contains(&found), "{cell} {component} {found}");
             }
         }
     }

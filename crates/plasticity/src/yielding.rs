@@ -12,9 +12,11 @@ use ndarray::{Array2, Array3, ArrayRef2};
 use rayon::prelude::*;
 
 use crate::cells::Cells;
+use crate::lane::Selection;
+use crate::operator::Operator;
 use crate::plastic::{Yielded, scatter};
 use crate::state::FlowResidual;
-use crate::volume::{COMPONENTS, Operator, Selection, Volume};
+use crate::volume::{COMPONENTS, Volume};
 use crate::{Cell, Hardening, PlasticState, PlasticStrain, PlasticityError};
 
 /// Contact of a rigid rough surface with a body that yields below its surface, without friction or adhesion.
@@ -41,6 +43,8 @@ pub(crate) struct Evaluation {
     pub(crate) plastic_displacement: Vec<f64>,
     /// Deviatoric strain of all cells.
     pub(crate) strain: Vec<f64>,
+    /// Unbalanced forces on nodes divided by the forces on them.
+    pub(crate) unbalanced: f64,
 }
 
 /// Energies of a state, per area.
@@ -174,20 +178,19 @@ impl YieldingContact {
     ) -> Result<Evaluation, Refusal> {
         let plastic_displacement = self.plastic_displacement(operator, plastic);
         let solution = self.touch(&plastic_displacement, load, start, budget)?;
-        let strain = self.strain_of(operator, plastic, &solution.pressure, strain);
-        Ok(Evaluation { solution, plastic_displacement, strain })
+        let (strain, unbalanced) = self.strain_of(operator, plastic, &solution.pressure, strain);
+        Ok(Evaluation { solution, plastic_displacement, strain, unbalanced })
     }
 
     /// Computes the normal displacement of the surface by plastic strain, and leaves the spectra of the strain in the
     /// operator.
     fn plastic_displacement(&self, operator: &mut Operator<f64>, plastic: &PlasticStrain) -> Vec<f64> {
         let mut displacement = vec![0.0; self.response.grid().len()];
-        for (number, cell) in plastic.cells.iter().enumerate().filter(|(_, cell)| !cell.points.is_empty()) {
-            operator.analyse(number, |component, field| {
-                scatter(field, cell.points.len(), &|k| cell.points[k], &|k| cell.strain[k][component]);
-            });
-        }
         let selection = self.selection(plastic);
+        operator.analyse(&selection.plastic, |number, component, field| {
+            let Yielded { points, strain, .. } = &*plastic.cells[number];
+            scatter(field, points.len(), &|k| points[k], &|k| strain[k][component]);
+        });
         if selection.plastic.contains(&true) {
             operator.surface_displacement(&selection.plastic, &mut displacement);
         }
@@ -235,21 +238,20 @@ impl YieldingContact {
         }
     }
 
-    /// Computes the strain of all cells that yield, from the spectra that [`Self::plastic_displacement`] left.
+    /// Computes the strain of all cells that yield, from the spectra that [`Self::plastic_displacement`] left, and how
+    /// far its stress is from equilibrium.
     fn strain_of(
         &self,
         operator: &mut Operator<f64>,
         plastic: &PlasticStrain,
         pressure: &Array2<f64>,
         mut strain: Vec<f64>,
-    ) -> Vec<f64> {
+    ) -> (Vec<f64>, f64) {
         strain.resize(self.offsets[self.offsets.len() - 1], 0.0);
         let selection = self.selection(plastic);
-        operator.strain(&contiguous(pressure), &selection);
-        for number in (0..self.cells().len()).filter(|number| selection.strain[*number]) {
-            operator.strain_fields(number, &mut strain[self.offsets[number]..self.offsets[number + 1]]);
-        }
-        strain
+        let unbalanced = operator.strain_in_balance(&contiguous(pressure), &selection);
+        operator.fields(&selection.strain, &mut strain);
+        (strain, unbalanced)
     }
 
     /// Computes the energies of an evaluation (Colonnetti's theorem: the stress by the load and the residual stress do
@@ -260,7 +262,7 @@ impl YieldingContact {
         plastic: &PlasticStrain,
         before: &PlasticStrain,
     ) -> Energies {
-        let Evaluation { solution, plastic_displacement, strain } = evaluation;
+        let Evaluation { solution, plastic_displacement, strain, .. } = evaluation;
         let (pressure, displacement) = (contiguous(&solution.pressure), contiguous(&solution.displacement));
         let n = pressure.len() as f64;
         let by_load = -0.5 * gfmd_vector::dot(&pressure, &displacement) / n;
@@ -286,7 +288,7 @@ impl YieldingContact {
         Energies { elastic: by_load - 0.5 * (on_plastic + on_load), hardening, dissipated: dissipated(plastic) }
     }
 
-    /// Computes the residuals of yield condition and flow.
+    /// Computes the residuals of yield condition and flow, without equilibrium.
     pub(crate) fn flow_residual(
         &self,
         strain: &[f64],
@@ -336,7 +338,9 @@ impl YieldingContact {
         }
         let mesh = &self.volume.mesh;
         let bottom = mesh.is_fitted && mesh.is_cut && plastic.yields_in_lowest();
-        FlowResidual { yielding: all[0], flow: all[1], flow_complementarity: all[2], bottom: f64::from(bottom) }
+        let bottom = f64::from(bottom);
+        let [yielding, flow, flow_complementarity] = all;
+        FlowResidual { yielding, flow, flow_complementarity, equilibrium: 0.0, bottom }
     }
 
     /// Makes the state of an evaluation.
@@ -347,9 +351,10 @@ impl YieldingContact {
         before: &PlasticState,
         effort: Effort,
     ) -> PlasticState {
-        let Evaluation { solution, plastic_displacement, strain } = evaluation;
+        let Evaluation { solution, plastic_displacement, strain, unbalanced } = evaluation;
         let Energies { elastic, hardening, dissipated } = self.energies(evaluation, &plastic, &before.plastic);
-        let residual = self.flow_residual(strain, &plastic, &before.plastic);
+        let flow = self.flow_residual(strain, &plastic, &before.plastic);
+        let residual = FlowResidual { equilibrium: *unbalanced, ..flow };
         let mut solution = solution.clone();
         let displaced = Array2::from_shape_vec(solution.displacement.dim(), plastic_displacement.clone())
             .expect("the displacement has the size of the grid");
@@ -403,10 +408,10 @@ impl YieldingContact {
         if parted {
             solution.residual.complementarity = 0.0;
         }
-        let strain = self.strain_of(&mut operator, plastic, &solution.pressure, Vec::new());
+        let (strain, unbalanced) = self.strain_of(&mut operator, plastic, &solution.pressure, Vec::new());
         let transform_pairs = operator.pairs() + solution.effort.transform_pairs;
         let effort = Effort { iterations: 1, transform_pairs };
-        let evaluation = Evaluation { solution, plastic_displacement, strain };
+        let evaluation = Evaluation { solution, plastic_displacement, strain, unbalanced };
         Ok(self.state(&evaluation, plastic.clone(), before, effort))
     }
 

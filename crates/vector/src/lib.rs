@@ -11,6 +11,7 @@
 //! Several processes ([`Ranks`]) may own the rows of one field: a [`Share`] passes over the rows of this process, and
 //! its sums have the same bits as with one process.
 
+mod distribute;
 mod layout;
 mod ranks;
 mod serialise;
@@ -21,6 +22,7 @@ mod thread_ranks;
 use std::ops::Range;
 use std::sync::OnceLock;
 
+pub use distribute::{distribute, lock};
 pub use layout::{contiguous, with_contiguous};
 use multiversion::multiversion;
 pub use ranks::{Alone, Messages, Pending, Ranks};

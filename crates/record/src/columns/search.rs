@@ -96,11 +96,14 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "residual_equilibrium",
         "1",
-        &[(any, per_stress!("largest unbalanced force per area, from the final fields,"))],
+        &[
+            (yields, "rms unbalanced force on nodes below the surface / rms force on them, from the final strain"),
+            (any, per_stress!("largest unbalanced force per area, from the final fields,")),
+        ],
         |at| at.residual("equilibrium").into(),
     )
     .at("residual.equilibrium")
-    .with(|facts| path(facts) && of_a_law(facts))
+    .with(|facts| path(facts) && (of_a_law(facts) || yields(facts)))
     .in_file(loads)
     .by(Origin::Residual),
     residual!(

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Applies `work` to every item on one thread per worker; a free thread takes the next item. Each item owns the memory
 /// that it writes, so the result does not depend on the assignment. A single worker (a small field, or a single thread)
 /// runs on the calling thread.
-pub(crate) fn distribute<I: Send, S: Send>(
+pub fn distribute<I: Send, S: Send>(
     workers: &mut [S],
     items: impl Iterator<Item = I> + Send,
     work: impl Fn(I, &mut S) + Sync,
@@ -27,6 +27,6 @@ pub(crate) fn distribute<I: Send, S: Send>(
 
 /// Locks `mutex` and ignores poisoning: a panic in an earlier call leaves no relevant state, since every call writes
 /// all numbers before it reads them.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
