@@ -135,7 +135,7 @@ impl Grid {
         self.padded_to(2)
     }
 
-    /// Returns the [padded](Self::padded) grid with at least `times` the points of each axis, for `times` of at least 2.
+    /// Returns the [padded](Self::padded) grid with at least `times` the points of each axis; `times` is at least 2.
     ///
     /// # Errors
     /// Returns an error as [`padded`](Self::padded).
