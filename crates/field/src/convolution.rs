@@ -33,7 +33,7 @@ impl<T: Real> Convolution<T> {
     /// Plans the convolution on `grid` with the kernel `kernel([i, j])` at a distance of i points along x and j along
     /// y.
     pub fn new(grid: Grid, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
-        let points = grid.points().map(|points| if points == 1 { 1 } else { padded_length(points) });
+        let points = grid.points().map(|points| if points == 1 { 1 } else { padded_length(2 * points) });
         let plan = Plan::new(&grid, points);
         let is_line = grid.is_line();
         let kernel = plan.even(|i, row| {
@@ -132,13 +132,21 @@ impl Grid {
     /// # Errors
     /// Returns an error if the cell has more points than memory can address.
     pub fn padded(&self) -> Result<Self, GridError> {
-        let points = self.points().map(|points| if points == 1 { 1 } else { padded_length(points) });
+        self.padded_to(2)
+    }
+
+    /// Returns the [padded](Self::padded) grid with at least `times` the points of each axis; `times` is at least 2.
+    ///
+    /// # Errors
+    /// Returns an error as [`padded`](Self::padded).
+    pub fn padded_to(&self, times: usize) -> Result<Self, GridError> {
+        let points = self.points().map(|points| if points == 1 { 1 } else { padded_length(times.max(2) * points) });
         let spacing = self.spacing();
         Self::new(points, [0, 1].map(|axis| spacing[axis] * points[axis] as f64))
     }
 }
 
-/// Returns the smallest even product of 2, 3, 5 and 7 (fast to transform) that is at least twice `points`.
+/// Returns the smallest even product of 2, 3, 5 and 7 (fast to transform) that is at least `points`.
 fn padded_length(points: usize) -> usize {
     let is_smooth = |length: &usize| {
         let mut rest = *length;
@@ -149,5 +157,6 @@ fn padded_length(points: usize) -> usize {
         }
         rest == 1
     };
-    (2 * points..).step_by(2).find(is_smooth).unwrap_or(2 * points)
+    let even = points.next_multiple_of(2);
+    (even..).step_by(2).find(is_smooth).unwrap_or(even)
 }

@@ -112,7 +112,8 @@ pub enum GreenError {
     /// Compliance table of a patch with entries that are rounding errors.
     #[error(
         "the compliance of the patch is between {least:e} and {largest:e}; the least must be above 1e-12 of the \
-         largest (a body that is incompressible and thin cannot be had with free boundaries and a law)"
+         largest (with free boundaries and a law a body cannot be incompressible and thin, nor, if all components \
+         move, have a Poisson's ratio near -1)"
     )]
     PatchStiffness {
         /// Smallest compliance of a wave.

@@ -1,6 +1,7 @@
-use gfmd_contact::{Drive, Fields as _, Load, Refusal};
+use gfmd_contact::{Drive, Load, Refusal};
 use gfmd_response::Elastic;
 use gfmd_vector::total;
+use ndarray::ArrayRef2;
 
 use crate::patch::Patch;
 use crate::{Interface, State};
@@ -111,25 +112,27 @@ impl Frame<'_> {
         self.clearance.iter().map(|clearance| clearance - self.approach)
     }
 
-    /// Returns the position with the given values `inside`; outside a patch it follows from the pressure on the patch.
-    pub(crate) fn position<'p>(
-        &self,
-        elastic: &Elastic,
-        inside: Vec<f64>,
-        pressure: impl IntoIterator<Item = &'p f64>,
-    ) -> Vec<f64> {
+    /// Returns the position in u_z alone with the given values `inside`; outside a patch it follows from the pressure
+    /// on the patch.
+    pub(crate) fn position(&self, elastic: &Elastic, inside: Vec<f64>, pressure: &ArrayRef2<f64>) -> Vec<f64> {
+        self.position_of(elastic, inside, pressure.iter().map(|p| -p))
+    }
+
+    /// Returns the position with the given values `inside`, field by field; outside a patch it follows from the
+    /// `traction` on the patch, field by field.
+    fn position_of(&self, elastic: &Elastic, inside: Vec<f64>, traction: impl Iterator<Item = f64>) -> Vec<f64> {
         let Some(patch) = self.patch else { return inside };
-        let mut traction = vec![0.0; self.points()];
-        patch.place(pressure, &mut traction);
-        traction.iter_mut().for_each(|t| *t = -*t);
-        let mut position = vec![0.0; self.points()];
-        elastic.transforms().compliance(&traction, &elastic.uniform_compliance(), &mut position);
+        let mut around = vec![0.0; self.components() * self.points()];
+        patch.place(traction, &mut around);
+        let mut position = vec![0.0; around.len()];
+        elastic.transforms().compliance(&around, &elastic.uniform_compliance(), &mut position);
         if let Load::MeanPressure(_) = self.drive.load {
             // In the frame of a load the body moves as a whole.
-            let rise = (total(&inside) - total(&patch.inside(&position))) / patch.len() as f64;
-            position.iter_mut().for_each(|w| *w += rise);
+            let (normal, inside) = (&mut position[self.z() * self.points()..], &inside[self.z() * patch.len()..]);
+            let rise = (total(inside) - total(&patch.inside(normal))) / patch.len() as f64;
+            normal.iter_mut().for_each(|w| *w += rise);
         }
-        patch.place(&inside, &mut position);
+        patch.place(inside, &mut position);
         position
     }
 
@@ -146,7 +149,7 @@ impl Frame<'_> {
         if let Load::MeanPressure(_) = self.drive.load {
             position[self.z() * self.inside()..].iter_mut().for_each(|w| *w += state.approach);
         }
-        let mut position = self.position(elastic, position, &state.pressure());
+        let mut position = self.position_of(elastic, position, state.traction.iter().copied());
         for (i, _) in state.wall_pressure.iter().enumerate().filter(|(_, pressure)| **pressure > 0.0) {
             let at = self.place_of(i);
             position[z + at] = self.clearance[at] - self.approach;

@@ -94,7 +94,7 @@ impl Interface {
         let in_cell = |values: Vec<f64>| match &self.patch {
             Some(patch) => {
                 let mut field = vec![0.0; points];
-                patch.place(&values, &mut field);
+                patch.place(values, &mut field);
                 field
             }
             None => values,

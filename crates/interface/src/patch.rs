@@ -25,7 +25,7 @@ impl Patch {
         let points = surface.grid().points();
         let patch = Self { points, cell: cell.points(), has_level, clearance: Arc::default() };
         let mut clearance = vec![FAR; cell.len()];
-        patch.place(surface.clearance(), &mut clearance);
+        patch.place(surface.clearance().iter().copied(), &mut clearance);
         Self { clearance: clearance.into(), ..patch }
     }
 
@@ -48,9 +48,12 @@ impl Patch {
         i / self.points[1] * self.cell[1] + i % self.points[1]
     }
 
-    /// Writes the values of the patch into a field of the cell.
-    pub(crate) fn place<'a>(&self, values: impl IntoIterator<Item = &'a f64>, field: &mut [f64]) {
-        values.into_iter().enumerate().for_each(|(i, value)| field[self.place_of(i)] = *value);
+    /// Writes the values on the patch into the fields of the cell, field by field.
+    pub(crate) fn place(&self, values: impl IntoIterator<Item = f64>, fields: &mut [f64]) {
+        let (patch, cell) = (self.len(), self.cell[0] * self.cell[1]);
+        for (i, value) in values.into_iter().enumerate() {
+            fields[i / patch * cell + self.place_of(i % patch)] = value;
+        }
     }
 
     /// Returns the values on the patch from the fields of the cell, field by field.

@@ -634,7 +634,10 @@ impl<P: Quasistatic> Search<'_, P> {
         reference: f64,
         tolerance: f64,
     ) -> Result<(), SolveError<P::State>> {
-        let (begin, allowed) = (here.reading, tolerance * reference);
+        let begin = here.reading;
+        // Forces are known to the tolerance of the search: their work over a motion without resistance is no loss.
+        let hidden = self.budget.tolerance * Balance::between(&begin, &end.reading).largest;
+        let allowed = (tolerance * reference).max(hidden);
         let extra = |search: &mut Self, share: f64, start: &StepPoint<P::State>| {
             let (state, reading) = search.further(begin.towards(drive, share), Some(&start.state))?;
             Ok::<_, SolveError<P::State>>(StepPoint { state, reading, share, origin: start.share })
@@ -718,6 +721,8 @@ struct Balance {
     spread: f64,
     /// Magnitude of the work.
     exchanged: f64,
+    /// Largest force times the whole motion.
+    largest: f64,
 }
 
 impl Balance {
@@ -730,13 +735,16 @@ impl Balance {
             _ => f64::NAN,
         };
         let mut balance = Self { missing: stored(from) - stored(to), ..Self::default() };
+        let (mut strongest, mut whole) = (0.0_f64, 0.0);
         for ((force, place), (next_force, next_place)) in works(from).into_iter().zip(works(to)) {
             let moved = next_place - place;
             balance.missing += 0.5 * (force + next_force) * moved;
             balance.spread += 0.5 * ((next_force - force) * moved).abs();
             balance.exchanged += 0.5 * (force.abs() + next_force.abs()) * moved.abs();
+            strongest = strongest.max(force.abs()).max(next_force.abs());
+            whole += moved.abs();
         }
-        balance
+        Self { largest: strongest * whole, ..balance }
     }
 }
 

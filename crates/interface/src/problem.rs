@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_field::Grid;
-use gfmd_green::{Body, has_level};
+use gfmd_green::{Body, GreenError, has_level};
 use gfmd_law::{InUnits, Law};
 use gfmd_relax::Upper;
 use gfmd_response::{Elastic, FullResponse, NormalResponse};
@@ -70,13 +70,7 @@ impl Interface {
         if boundary == Boundary::Periodic {
             return Self::new(body, grid, heights, law);
         }
-        let given = RigidSurface::new(grid, heights)?.alone();
-        let on_patch = |surface: &RigidSurface, body: &Body| {
-            let response = NormalResponse::of_patch(surface.grid(), body)?;
-            let patch = Patch::of(surface, response.grid(), has_level(body, surface.grid()));
-            Ok((response.into(), Some(patch)))
-        };
-        Self::with_surface(body, given.into(), law, on_patch)
+        Self::on_patch(body, grid, heights, law, NormalResponse::of_patch)
     }
 
     /// Creates an interface as [`new`](Self::new), in all components: with lateral displacement and shear.
@@ -90,6 +84,26 @@ impl Interface {
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
         Self::in_own_units(body, grid, heights, law, FullResponse::new)
+    }
+
+    /// Creates an interface as [`in_all_components`](Self::in_all_components), with the given boundary. With
+    /// [`Boundary::Free`] the lateral displacement, too, is relative to points far away; the rest is as for
+    /// [`with_boundary`](Self::with_boundary).
+    ///
+    /// # Errors
+    /// Returns an error as [`in_all_components`](Self::in_all_components) and, with free boundaries, for a profile and
+    /// for a body without lateral support ([`FullResponse::of_patch`]).
+    pub fn in_all_components_with_boundary(
+        boundary: Boundary,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        match boundary {
+            Boundary::Periodic => Self::in_all_components(body, grid, heights, law),
+            Boundary::Free => Self::on_patch(body, grid, heights, law, FullResponse::of_patch),
+        }
     }
 
     /// Creates an interface as [`new`](Self::new), in u_z of a surface without lateral displacement
@@ -159,6 +173,23 @@ impl Interface {
             Elastic::Normal(response) => Ok(Self { elastic: response.stiffened(factors).into(), ..self.clone() }),
             Elastic::Full(_) => Err(Refusal::AllComponents),
         }
+    }
+
+    /// Creates the interface of a patch with the `response` of its cell.
+    fn on_patch<E: Into<Elastic>>(
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+        response: impl FnOnce(&Grid, &Body) -> Result<E, GreenError>,
+    ) -> Result<Self, Refusal> {
+        let given = RigidSurface::new(grid, heights)?.alone();
+        let of_cell = |surface: &RigidSurface, body: &Body| {
+            let elastic: Elastic = response(surface.grid(), body)?.into();
+            let patch = Patch::of(surface, elastic.grid(), has_level(body, surface.grid()));
+            Ok((elastic, Some(patch)))
+        };
+        Self::with_surface(body, given.into(), law, of_cell)
     }
 
     fn in_own_units<E: Into<Elastic>>(

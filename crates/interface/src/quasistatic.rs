@@ -118,7 +118,9 @@ impl QuasistaticContact {
                 Normal::Wall(Contact::with_response(NormalResponse::of_all_components(full), &heights)?)
             }
             (None, _) => Normal::Wall(Contact::with_boundary(*boundary, body, grid, &heights)?),
-            (Some(law), _) if *all_components => Normal::Law(Interface::in_all_components(body, grid, &heights, law)?),
+            (Some(law), _) if *all_components => {
+                Normal::Law(Interface::in_all_components_with_boundary(*boundary, body, grid, &heights, law)?)
+            }
             (Some(law), Some(Response::Periodic(full))) => {
                 Normal::Law(Interface::with_response(NormalResponse::of_all_components(full), &heights, law)?)
             }

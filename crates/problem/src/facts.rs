@@ -228,12 +228,13 @@ impl Facts {
         self.unknown == Unknown::All || self.finite_slope || self.friction.is_some() || self.lateral
     }
 
-    /// Returns true if the states follow a law across the gap; on a periodic path also for an elastic hard wall alone.
+    /// Returns true if the states follow a law across the gap; on a path that is periodic or moves all components also
+    /// for an elastic hard wall alone.
     pub fn solves_a_law(&self) -> bool {
         let is_alone = !(self.hardness
             || self.yields
             || self.friction.is_some()
-            || self.boundary == Boundary::Free
+            || self.boundary == Boundary::Free && !self.shears_by_law()
             || self.relaxes.is_some()
             || self.wear.is_some());
         self.has_law() || self.task == Task::Path && is_alone

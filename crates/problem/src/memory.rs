@@ -34,6 +34,9 @@ impl MemoryNeed {
     pub const ALL_COMPONENTS: Self = Self(95);
     /// Path with friction, on a patch.
     pub const ALL_COMPONENTS_FREE: Self = Self(158);
+    /// Path with a law that moves all components, on a patch, which is solved in a cell with four times its points. A
+    /// Poisson's ratio well below 0 takes a cell of nine times the points, and about twice the memory.
+    pub const LAW_ALL_COMPONENTS_FREE: Self = Self(320);
 
     /// Flow through the gap of a contact, with the state at rest.
     pub const FLOW: Self = Self(48);
@@ -110,6 +113,7 @@ impl Facts {
     fn need_of_path(&self, is_free: bool) -> MemoryNeed {
         let (law, sideways) = (self.solves_a_law(), self.moves_sideways());
         let base = match (sideways, law, is_free) {
+            (true, _, true) if self.shears_by_law() => MemoryNeed::LAW_ALL_COMPONENTS_FREE,
             (true, _, true) => MemoryNeed::ALL_COMPONENTS_FREE,
             (true, _, false) => MemoryNeed::ALL_COMPONENTS,
             (false, true, true) => MemoryNeed::PATH_FREE,

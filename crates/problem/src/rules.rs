@@ -122,9 +122,11 @@ parts! {
         (key("lateral"), "given", words![key("lateral"), ", unless there is ", friction])
     },
         |f| f.lateral && f.friction.is_none();
-    /// Friction on a patch.
-    FreeFriction: |_| (key("boundary"), "free", words!["friction and ", setting("boundary", "free")]),
-        |f| f.boundary == Boundary::Free && f.friction.is_some();
+    /// Shear on a patch.
+    FreeShear: |_| {
+        let free = setting("boundary", "free");
+        (key("boundary"), "free", words![free, " and friction or ", key("lateral")])
+    }, |f| f.boundary == Boundary::Free && (f.friction.is_some() || f.lateral);
     /// Path.
     Path: |_| ("path".into(), "asked for", "a path".into()), |f| f.task == Task::Path;
     /// Patches, distributions, spectra, conductance.
@@ -217,10 +219,9 @@ pub const RULES: &[Rule] = {
         rule(Friction, ShearingLaw, "left out", "the law has a shear of its own"),
         rule(Hardness, Lateral, "left out", LAW_ALONE),
         rule(Free, MovedBase, "periodic", "the effect of the base is that of a periodic cell"),
-        rule(Free, Lateral, "periodic", NOT_IMPLEMENTED),
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
-        rule(Line, FreeFriction, "3", "the lateral displacement of a profile is known up to a constant"),
-        rule(Sliding, FreeFriction, "bonded or half-space", "the body has no lateral support"),
+        rule(Line, FreeShear, "3", "the lateral displacement of a profile is known up to a constant"),
+        rule(Sliding, FreeShear, "bonded or half-space", "the body has no lateral support"),
         rule(Prony, Lateral, "left out", LAW_ALONE),
         rule(SecondBody, Prony, "left out", "the second body would relax differently"),
         rule(Wear, OpenLaw, "left out", "without a wall nothing is rubbed off"),
@@ -349,7 +350,7 @@ impl Part {
                 self,
                 Self::Friction
                     | Self::Lateral
-                    | Self::FreeFriction
+                    | Self::FreeShear
                     | Self::Path
                     | Self::Prony
                     | Self::Shear

@@ -27,21 +27,7 @@ impl FreeFullCompliance {
     /// # Errors
     /// Returns an error of [`patch_matrix`], or if the doubled patch has more points than memory can address.
     pub fn new(patch: Grid, body: &Body) -> Result<Self, GreenError> {
-        let table = PatchTable::new(&patch, patch_matrix(body, &patch)?)?;
-        let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz]
-            .map(|of| table.spectrum(of, [Even, Even]));
-        let xy = table.spectrum(|m| m.xy, [Odd, Odd]);
-        let xz = table.spectrum(|m| m.xz, [Odd, Even]);
-        let yz = table.spectrum(|m| m.yz, [Even, Odd]);
-        let of_mode = |at: usize| Hermitian {
-            xx: xx[at].re,
-            yy: yy[at].re,
-            zz: zz[at].re,
-            xy: xy[at].re,
-            xz: xz[at].im,
-            yz: yz[at].im,
-        };
-        let compliance = Operator::of_matrices(table.transform, (0..xx.len()).map(of_mode).collect());
+        let compliance = padded_compliance(2, &patch, body)?;
         let range = stiffness_range(body, &patch).map_or([0.0; 2], |range| [range.softest, range.stiffest]);
         let normal = Convolution::new(patch, patch_compliance(body, &patch)?).into();
         Ok(Self { patch, compliance, normal, stiffness_range: range, contact_modulus: body.contact_modulus() })
@@ -71,6 +57,29 @@ impl FreeFullCompliance {
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.stiffness_range
     }
+}
+
+/// Tabulates the compliance of `body` on a padded grid with `times` the points of a `patch`: exact between points of
+/// the patch.
+///
+/// # Errors
+/// Returns an error as [`FreeFullCompliance::new`].
+pub(crate) fn padded_compliance(times: usize, patch: &Grid, body: &Body) -> Result<Operator, GreenError> {
+    let table = PatchTable::padded_to(times, patch, patch_matrix(body, patch)?)?;
+    let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz]
+        .map(|of| table.spectrum(of, [Even, Even]));
+    let xy = table.spectrum(|m| m.xy, [Odd, Odd]);
+    let xz = table.spectrum(|m| m.xz, [Odd, Even]);
+    let yz = table.spectrum(|m| m.yz, [Even, Odd]);
+    let of_mode = |at: usize| Hermitian {
+        xx: xx[at].re,
+        yy: yy[at].re,
+        zz: zz[at].re,
+        xy: xy[at].re,
+        xz: xz[at].im,
+        yz: yz[at].im,
+    };
+    Ok(Operator::of_matrices(table.transform, (0..xx.len()).map(of_mode).collect()))
 }
 
 /// Transforms of a [`FreeFullCompliance`], with their memory and a counter.

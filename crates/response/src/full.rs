@@ -1,6 +1,8 @@
 use gfmd_field::{Grid, Mode};
-use gfmd_green::{Body, Matrix3, stiffness_range};
+use gfmd_green::{Body, GreenError, Matrix3, stiffness_range};
 
+use crate::free_full::padded_compliance;
+use crate::normal::LEAST_COMPLIANCE;
 use crate::units::Scaled;
 use crate::{Components, Hermitian, Operator, Workspace};
 
@@ -42,6 +44,47 @@ impl FullResponse {
             stiffness_range: range.map_or([0.0; 2], |range| [range.softest * unit, range.stiffest * unit]),
             body: body.clone(),
         }
+    }
+
+    /// Tabulates the response of a non-periodic patch (theory.md, section 3.1) on its [padded](Grid::padded) grid: if
+    /// the traction vanishes outside the patch, the displacement inside is relative to a surface at rest far away. The
+    /// compliance is the transform of the compliance between two cells, and positive definite for every mode, including
+    /// the uniform one. For a Poisson's ratio well below 0 this takes a grid with three times the points of the patch.
+    ///
+    /// # Errors
+    /// Returns an error for a profile, a plate or a body that slides on its base ([`gfmd_green::patch_matrix`]), if the
+    /// patch cannot be padded, or if a mode is not positive definite.
+    pub fn of_patch(patch: &Grid, body: &Body) -> Result<Self, GreenError> {
+        match Self::of_padded(2, patch, body) {
+            Err(GreenError::PatchStiffness { .. }) => Self::of_padded(3, patch, body),
+            found => found,
+        }
+    }
+
+    fn of_padded(times: usize, patch: &Grid, body: &Body) -> Result<Self, GreenError> {
+        let compliance = padded_compliance(times, patch, body)?.map(|mode, matrix| {
+            let even = |is_odd: bool, entry: f64| if is_odd || mode.is_uniform() { 0.0 } else { entry };
+            let ([x, y], Hermitian { xy, xz, yz, .. }) = (mode.nyquist, matrix);
+            Hermitian { xy: even(x || y, xy), xz: even(x, xz), yz: even(y, yz), ..matrix }
+        });
+        let eigenvalues = compliance.matrices().iter().flat_map(|matrix| matrix.modes().map(|(value, _)| value));
+        let [stiffest, softest] = eigenvalues.fold([f64::INFINITY, 0.0], |[least, most], value| {
+            [if value >= least { least } else { value }, f64::max(most, value)]
+        });
+        // A smaller eigenvalue would be a rounding error of the largest.
+        let is_resolved = stiffest > LEAST_COMPLIANCE * softest;
+        if !is_resolved {
+            return Err(GreenError::PatchStiffness { least: stiffest, largest: softest });
+        }
+        // The uniform mode is identified by its index, the first, never by a small wavenumber.
+        let Hermitian { xx, yy, zz, .. } = compliance.matrices()[0];
+        Ok(Self {
+            stiffness: compliance.map(|_, matrix| matrix.inverse()),
+            compliance,
+            uniform_compliance: [xx, yy, zz],
+            stiffness_range: [1.0 / softest, 1.0 / stiffest],
+            body: body.clone(),
+        })
     }
 
     /// Returns the body.

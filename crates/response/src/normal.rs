@@ -30,7 +30,7 @@ pub struct NormalResponse {
 }
 
 /// Smallest allowed compliance of a patch, relative to the largest.
-const LEAST_COMPLIANCE: f64 = 1e-12;
+pub(crate) const LEAST_COMPLIANCE: f64 = 1e-12;
 
 /// Largest relative difference between equal compliances that are computed in different ways.
 const ROUNDING_OF_COMPLIANCE: f64 = 1e-12;

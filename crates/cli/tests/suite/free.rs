@@ -122,6 +122,54 @@ fn paths_on_a_patch_lose_energy_and_slip() {
     assert!((ratio.abs() - 0.3).abs() < 1e-3, "{ratio}");
 }
 
+const COHESIVE: &str = "--law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.01,delta_t=0.01";
+
+/// The shear of a law rises with the lateral displacement, changes its sign with it, and loses no energy.
+#[test]
+fn laws_that_shear_move_a_patch_sideways() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let surface = "--n 16 --eps-f-inv 4 --boundary free --poisson 0.3 --young 1";
+    let sideways = "--lateral 0,0.004,-0.004 --steps 2";
+    for flags in [
+        format!("path {surface} {COHESIVE} --p-star 0.02 {sideways} --flow"),
+        format!("path {surface} {COHESIVE} --approach 0.002 {sideways} --lateral-y 0,0.002,0.004 --direction 30"),
+        format!("path {surface} {COHESIVE} --approach 0.002 {sideways} --height 0.3 --layer 2,0.2,0.2"),
+        format!("path {surface} {COHESIVE} --p-star 0.02 {sideways} --second-body 2,0.2"),
+    ] {
+        let report = is_sound(folder, &flags);
+        assert_eq!(report["boundary"], "free");
+        let steps = report["steps"].as_array().unwrap();
+        let shear = |step: usize, axis: usize| number(&steps[step]["mean_shear"][axis]);
+        let energy = number(&steps[2]["elastic_energy"]);
+        for (place, step) in steps.iter().enumerate() {
+            assert!(step["converged"] == true && step["stiffness"].is_null(), "{flags}: {step}");
+            assert!(place == 0 || step["passed_instability"] == false, "{flags}: {step}");
+            assert!(number(&step["dissipated"]).abs() < 1e-3 * energy, "{flags}: {step}");
+        }
+        assert!(shear(1, 0) > 0.0 && shear(2, 0) > shear(1, 0) && shear(4, 0) < 0.0, "{flags}");
+    }
+    // Without shear the path is the path without lateral displacement.
+    let law = "--law exponential --param gamma=1e-4,range=1e-2 --p-star 0.02";
+    for (law, exact) in [(law, 1e-6), ("--p-star 0.05", 1e-6)] {
+        let steps = |lateral: &str| {
+            let report = run(folder, &format!("path {surface} {law} {lateral} --steps 1 --json"));
+            report["steps"].as_array().unwrap().last().unwrap().clone()
+        };
+        let (moved, still) = (steps("--lateral 0,0.004"), steps(""));
+        for name in ["mean_pressure", "approach", "area_fraction", "mean_gap", "elastic_energy"] {
+            let [found, wanted] = [&moved, &still].map(|step| number(&step[name]));
+            assert!((found / wanted - 1.0).abs() < exact, "{law} {name}: {found} {wanted}");
+        }
+        assert!(moved["passed_instability"] == false, "{moved}");
+    }
+    // A law without energy comes to rest by dynamics, and tells no loss.
+    let law = "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01";
+    let report = is_sound(folder, &format!("path {surface} {law} --approach 0.002 --lateral 0,0.004 --steps 1"));
+    let last = &report["steps"][1];
+    assert!(number(&last["mean_shear"][0]) > 0.0 && last["dissipated"].is_null(), "{last}");
+}
+
 /// A tall slab is a half-space, and a law without work is a hard wall.
 #[test]
 fn limits_meet() {
@@ -153,13 +201,17 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
         ),
         (
             "path --friction 0.3 --height 0.2 --base sliding",
-            "--base is sliding; it must be bonded or half-space with friction and --boundary free",
+            "--base is sliding; it must be bonded or half-space with --boundary free and friction or --lateral",
         ),
-        ("path --dim 2 --friction 0.3", "--dim is 2; it must be 3 with friction and --boundary free"),
         (
-            "path --law exponential --param gamma=1e-4,range=4e-3 --lateral 0,0.1",
-            "--boundary is free; it must be periodic with --lateral",
+            "path --dim 2 --friction 0.3",
+            "--dim is 2; it must be 3 with --boundary free and friction or --lateral (the lateral displacement of a",
         ),
+        ("path --dim 2 --lateral 0,0.1", "--dim is 2; it must be 3 with --boundary free and friction or --lateral"),
+        ("path --height 0.2 --base sliding --lateral 0,0.1", "--base is sliding; it must be bonded or half-space with"),
+        ("path --height 0.2 --base free --lateral 0,0.1", "--base is free; it must be bonded, sliding or half-space"),
+        ("path --lateral 0,0.1 --coefficient 0.1 --distance 1", "it must be left out with --lateral, unless there is"),
+        ("path --lateral 0,0.1 --prony 0.1:0.3 --time 1", "it must be left out with --lateral, unless there is"),
     ] {
         let output = gfmd(folder.path(), &words(&format!("{flags} {SURFACE} --p-star 0.1")));
         let message = String::from_utf8(output.stderr).unwrap();

@@ -383,6 +383,11 @@ fn parts() {
         ("free", "--boundary free --p-star 0.01,0.1 --steps 2"),
         ("free-law", &format!("--boundary free {law} --p-star 0.01,0.02 --steps 2")),
         ("free-friction", "--boundary free --friction 0.3 --p-star 0.05 --lateral 0,0.001 --steps 2"),
+        (
+            "free-shear",
+            "--boundary free --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.01,delta_t=0.01 --p-star 0.02 \
+             --lateral 0,0.004,-0.004 --steps 2",
+        ),
     ] {
         check(folder, &format!("path-{case}"), &format!("path {rough} {flags} --out path-{case}.h5"));
     }

@@ -124,7 +124,10 @@ fn what_makes_no_sense_is_refused_by_name() {
         ("path --hardness=-0.1", "--hardness is -0.1; it must be positive and finite"),
         ("path --hardness 0.1 --law morse --param gamma=1e-4,range=1e-2", "left out with a --law without a wall"),
         ("path --hardness 0.1 --lateral 0,0.1", "left out with --lateral"),
-        ("path --boundary free --lateral 0,0.1", "--boundary is free; it must be periodic with --lateral, unless"),
+        (
+            "path --boundary free --hardness 0.1 --lateral 0,0.1",
+            "--hardness is given; it must be left out with --lateral",
+        ),
         ("path --boundary free --height 1e-3", "--boundary free: the height of the top layer is 0.001"),
         ("path --hardness 0.001", "--p-star, step 0: the mean pressure"),
     ] {

@@ -7,6 +7,7 @@ mod combined;
 mod composed;
 mod cost;
 mod free;
+mod free_shear;
 mod friction;
 mod kinks;
 mod path;

@@ -889,17 +889,19 @@ class Steps(Record):
     @property
     def mean_shear_limit(self) -> Array:
         """Stress [step, 2]: estimate of mean_shear_x on an infinitely fine grid under the same mean pressure. With
-        `friction` or `lateral` only.
+        `friction` or `lateral` or `boundary="free"` only.
         """
 
     @property
     def mean_shear_limit_error(self) -> Array:
-        """Stress [step, 2]: 95 % of the errors of mean_shear_x_limit are smaller. With `friction` or `lateral` only."""
+        """Stress [step, 2]: 95 % of the errors of mean_shear_x_limit are smaller. With `friction` or `lateral` or
+        `boundary="free"` only.
+        """
 
     @property
     def mean_shear_grid_error(self) -> Array:
         """Stress [step, 2]: error of mean_shear_x by the finite grid: |mean_shear_x - limit| + limit_error. With
-        `friction` or `lateral` only.
+        `friction` or `lateral` or `boundary="free"` only.
         """
 
     @property
@@ -1061,8 +1063,8 @@ class StepFields(Record):
 
     @property
     def shear_x(self) -> Array:
-        """Stress [waypoint, x, y]: shear traction on the elastic surface along x. With `friction` or `lateral` only.
-        Read-only.
+        """Stress [waypoint, x, y]: shear traction on the elastic surface along x. With `friction` or `lateral` or
+        `boundary="free"` only. Read-only.
         """
 
     @property

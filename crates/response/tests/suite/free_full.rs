@@ -76,3 +76,52 @@ fn column_of(response: &Arc<FreeFullCompliance>, k: usize) -> Vec<f64> {
     FreeFullTransforms::of(response).compliance(&unit, &mut out);
     out
 }
+
+/// A cell with a stiffness has the compliance of the patch between the points of the patch, whatever its size.
+#[test]
+fn a_cell_around_a_patch_displaces_it_alike_and_has_a_stiffness() {
+    let material = |poisson: f64| Material::from_young(2.0, poisson).unwrap();
+    let slab = Body::slab(material(0.3), 0.3).unwrap();
+    let two = Body::half_space(material(0.1)).against(slab.clone());
+    // The two last bodies need three times the points.
+    for (body, points, times) in [
+        (Body::half_space(material(0.5)), [6, 5], 2),
+        (Body::half_space(material(0.0)), [16, 4], 2),
+        (slab, [7, 5], 2),
+        (two, [5, 7], 2),
+        (Body::half_space(material(-0.5)), [4, 16], 3),
+        (Body::half_space(material(-0.95)), [16, 16], 3),
+    ] {
+        let patch = Grid::new(points, points.map(|n| 0.1 * n as f64)).unwrap();
+        let response = Arc::new(FullResponse::of_patch(&patch, &body).unwrap());
+        let cell = *response.grid();
+        assert_eq!(cell.points(), patch.padded_to(times).unwrap().points(), "{body:?}");
+        let place = |k: usize| {
+            let (c, i) = (k / patch.len(), k % patch.len());
+            c * cell.len() + i / points[1] * cell.points()[1] + i % points[1]
+        };
+        let direct = Arc::new(FreeFullCompliance::new(patch, &body).unwrap());
+        for k in [0, patch.len() / 2, patch.len() + 1, 3 * patch.len() - 1] {
+            let (mut traction, mut around) = (vec![0.0; 3 * cell.len()], vec![0.0; 3 * cell.len()]);
+            traction[place(k)] = 1.0;
+            let mut transforms = FullTransforms::of(&response);
+            transforms.compliance(&traction, &mut around);
+            let wanted = column_of(&direct, k);
+            let largest = wanted.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            for (at, wanted) in wanted.iter().enumerate() {
+                assert!((around[place(at)] - wanted).abs() < 1e-13 * largest, "{body:?} {k} {at}");
+            }
+            let mut back = vec![0.0; traction.len()];
+            transforms.stiffness(&around, &mut back);
+            let apart = back.iter().zip(&traction).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            assert!(apart < 1e-10, "{body:?} {k}: {apart}");
+        }
+        let [softest, stiffest] = response.stiffness_range();
+        assert!(softest > 0.0 && softest < stiffest && stiffest < 100.0 * body.contact_modulus());
+    }
+    let narrow = Grid::new([64, 8], [8.0, 1.0]).unwrap();
+    let refused = FullResponse::of_patch(&narrow, &Body::half_space(material(-0.95))).unwrap_err();
+    assert!(matches!(refused, GreenError::PatchStiffness { least, .. } if least < 0.0), "{refused}");
+    let line = Grid::line(8, 1.0).unwrap();
+    assert_eq!(FullResponse::of_patch(&line, &Body::half_space(material(0.3))).err(), Some(GreenError::LineShear));
+}

@@ -614,7 +614,9 @@ impl Case {
         let (mut lateral, mut direction) = (Vec::new(), 0.0);
         if is_path {
             let slides = friction.is_some() || shear_strength.is_some();
-            if slides || (!is_free && hardness.is_none() && dice.chance(0.2)) || wild(dice, 0.3) {
+            // A patch needs lateral support.
+            let is_held = !is_free || !is_line && body.first.base != Base::Sliding;
+            if slides || (is_held && hardness.is_none() && dice.chance(0.2)) || wild(dice, 0.3) {
                 let amplitude = size * dice.scale(0.01, 0.2);
                 lateral = loads
                     .iter()
