@@ -13,6 +13,7 @@ mod path;
 mod plastic;
 mod relaxing;
 mod small_loads;
+mod squeezed;
 mod stiffness;
 mod wear;
 
