@@ -1,4 +1,4 @@
-//! Laws at both faces of a plate between two rough rigid surfaces (theory.md, section 8.3).
+//! Laws at both faces of a plate between two rough rigid surfaces (theory.md, section 8.4).
 //!
 //! Both faces are one contact with twice the points: the fields of the lower face follow those of the upper one, seen
 //! from outside the plate. Half of the approach acts on each face, and the shift of the plate as a whole is one more
@@ -84,12 +84,11 @@ impl Stacked for Interface {
     }
 
     fn basis(&self) -> &'static [&'static str] {
-        &["gap", "pressure"]
+        Interface::basis(self)
     }
 
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
-        let [gap, pressure] = fields else { return Err(Refusal::Basis { found: fields.len(), expected: 2 }) };
-        Interface::certify(self, gap, pressure, drive)
+        self.certify_fields(fields, drive)
     }
 
     fn recall(&self, stored: StoredFields<'_>) -> Result<State, Refusal> {

@@ -184,12 +184,11 @@ impl ContactKind for Interface {
     }
 
     fn basis(&self) -> &'static [&'static str] {
-        if self.elastic().components() == 1 { &["gap", "pressure"] } else { &[] }
+        Interface::basis(self)
     }
 
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
-        let [gap, pressure] = all(fields)?;
-        Interface::certify(self, gap, pressure, drive)
+        self.certify_fields(fields, drive)
     }
 
     fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<State, Refusal> {
