@@ -170,8 +170,8 @@ fn a_law_acts_at_both_faces() {
         ("b", format!("contact {slab} {law} --components held --hardness 0.2 --approach 0.01,0.02")),
         ("c", format!("contact {slab} --law morse --param gamma=2e-5,range=4e-3 --p-star 0.05")),
         ("d", format!("path {slab} {law} --approach 0.015,0.02,0.015 --steps 2")),
-        ("e", format!("path {slab} {law} --hardness 0.3 --p-star 0.05,0.3,0.05 --steps 2")),
-        ("f", format!("path {slab} --hardness 0.3 --p-star 0.05,0.3,0.05 --steps 2")),
+        ("e", format!("path {slab} {law} --hardness 0.1 --p-star 0.05,0.3,0.05 --steps 2")),
+        ("f", format!("path {slab} --hardness 0.1 --p-star 0.05,0.3,0.05 --steps 2")),
         ("g", format!("path {slab} --p-star 0.05,0.1 --steps 2 --plots g")),
     ] {
         let report = run(folder, &format!("{flags} --lower-seed 2 --out {name}.h5 --json"));
