@@ -232,7 +232,7 @@ fn a_dense_newton_method_finds_the_same_state() {
     let n = 8;
     let grid = Grid::square(n, 1.0).unwrap();
     let (upper, lower) = (rough(&grid, 3), rough(&grid, 4));
-    let layers = Body::stack(&[(material(0.3), 0.05), (material(0.1).clone(), 0.1)], Base::BONDED).unwrap();
+    let layers = Body::stack(&[(material(0.3), 0.05), (material(0.1), 0.1)], Base::BONDED).unwrap();
     for body in [layers, slab(0.4, 0.2)] {
         let contact = Squeezed::new(&body, &grid, &upper, &lower, morse()).unwrap();
         let stiffness = dense(&Plate::of(&body).unwrap(), n);
