@@ -117,8 +117,8 @@ impl RigidSurface {
         Self { boundary: Boundary::Free, rms_gradient: OnceLock::new(), ..self }
     }
 
-    /// Returns two surfaces on equal grids as one, with the rows of `lower` after the rows of `upper`: the surfaces that
-    /// press the two faces of a plate. Each keeps its own highest point. The squares of their rms heights add, and the
+    /// Returns two surfaces on equal grids as one, with the rows of `lower` after the rows of `upper`: the surfaces
+    /// that press the two faces of a plate. Each keeps its own highest point. The squares of their rms heights add, and the
     /// rms gradient is the larger one.
     ///
     /// # Errors

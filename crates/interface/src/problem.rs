@@ -106,10 +106,10 @@ impl Interface {
         Self::in_own_units(body, grid, heights, law, NormalResponse::held_sideways)
     }
 
-    /// Creates the interfaces of both faces of a plate as one, with the fields of the lower face after the fields of the
-    /// upper one; `plate` makes the plate from the body. Its approach is half of the approach of the two surfaces to
-    /// each other, its mean pressure the mean over both faces, and its energies per area are halves of those of the
-    /// plate (theory.md, section 8.4).
+    /// Creates the interfaces of both faces of a plate as one, with the fields of the lower face after the fields of
+    /// the upper one; `plate` makes the plate from the body. Its approach is half of the approach of the two surfaces
+    /// to each other, its mean pressure the mean over both faces, and its energies per area are half the energies of
+    /// the plate (theory.md, section 8.4).
     pub(crate) fn of_plate(
         plate: impl FnOnce(&Body) -> Result<Plate, GreenError>,
         body: &Body,

@@ -1,7 +1,7 @@
 //! Laws at both faces of a plate between two rough rigid surfaces (theory.md, section 8.4).
 //!
-//! Both faces are one contact with twice the points: the fields of the lower face follow those of the upper one, seen
-//! from outside the plate. Half of the approach acts on each face, and the shift of the plate as a whole is one more
+//! Both faces are one contact with twice the points: the fields of the lower face, seen from outside the
+//! plate, follow the fields of the upper one. Half of the approach acts on each face, and the shift of the plate as a whole is one more
 //! unknown, with no stiffness of its own.
 
 use std::sync::Arc;
@@ -31,7 +31,7 @@ pub struct Squeezed<C> {
 
 /// State of a [`Squeezed`] contact. Each face has its fields, its mean pressure and its part of the approach.
 /// Displacements are measured from the level at which the mean displacements of the two faces are opposite, positive
-/// out of the plate. Energies and losses, residuals and effort are, in both faces, those of the whole plate.
+/// out of the plate. In both faces, energies, losses, residuals and effort belong to the whole plate.
 #[derive(Clone, Debug)]
 pub struct SqueezedState<S> {
     /// Both faces as one.
@@ -44,7 +44,7 @@ pub struct SqueezedState<S> {
     pub approach: f64,
 }
 
-/// Contact of both faces of a plate as one. Its approach and its energies per area are halves of those of the plate.
+/// Contact of both faces of a plate as one. Its approach and its energies per area are half the values of the plate.
 pub trait Stacked: Quasistatic + Resumable {
     /// Returns the law at both faces.
     fn interface(&self) -> Option<&Interface>;
@@ -282,8 +282,8 @@ impl<C: Stacked> Squeezed<C> {
         self.contact.certify(&both, half(drive)).map(|both| self.state(both)).map_err(whole)
     }
 
-    /// Restores a state from the stored fields of both faces, as a start. The approach of the upper ones is the approach
-    /// of the two surfaces to each other.
+    /// Restores a state from the stored fields of both faces, as a start. The approach of the upper ones is the
+    /// approach of the two surfaces to each other.
     ///
     /// # Errors
     /// Returns an error for fields that do not fit the grid.

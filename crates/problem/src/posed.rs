@@ -27,8 +27,8 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
     /// Returns an error if the fields do not fit the grid, or if the drive is invalid.
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Self::State, Refusal>;
 
-    /// Restores a state from stored fields, and from those of the lower face if there is one, as a start. The approach
-    /// is that of the two surfaces, in the fields of the upper face.
+    /// Restores a state from stored fields, and from the fields of the lower face if there is one, as a start. The
+    /// fields of the upper face have the approach of the two surfaces.
     ///
     /// # Errors
     /// Returns an error if fields are missing or do not fit the grid.
@@ -354,7 +354,7 @@ impl Posed {
         self.0.certify(fields, drive)
     }
 
-    /// Restores a state from stored fields, and from those of the lower face if there is one, as a start.
+    /// Restores a state from stored fields, and from the fields of the lower face if there is one, as a start.
     ///
     /// # Errors
     /// Returns an error if fields are missing or do not fit the grid.

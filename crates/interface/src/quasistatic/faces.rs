@@ -11,8 +11,8 @@ use super::{Parts, QuasistaticContact, QuasistaticState};
 use crate::Interface;
 
 impl QuasistaticContact {
-    /// Creates the contact of both faces of a plate as one ([`Squeezed`](crate::Squeezed)); a hardness has the points of
-    /// both faces, and the heights of the parts are not used.
+    /// Creates the contact of both faces of a plate as one ([`Squeezed`](crate::Squeezed)); a hardness has the points
+    /// of both faces, and the heights of the parts are not used.
     pub(crate) fn squeezed(parts: &Parts, surfaces: &[Arc<RigidSurface>; 2]) -> Result<Self, Refusal> {
         let Parts { body, boundary, law, all_components, hardness, shear, relaxation, wear, .. } = parts;
         for (is_given, with) in [

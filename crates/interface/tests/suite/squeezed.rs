@@ -463,7 +463,7 @@ fn impossible_problems_are_refused() {
     assert!(matches!(Squeezed::on_path(&parts, &surface), Err(Refusal::NoWall { .. })));
     let contact = Squeezed::new(&body, &grid, &surface, &surface, exponential()).unwrap();
     assert!(matches!(contact.clone().with_hardness(small), Err(Refusal::HardnessShape { expected: [N, N], .. })));
-    // An incompressible slab cannot be pressed beyond full contact, and its limit is that of both surfaces.
+    // An incompressible slab cannot be pressed beyond full contact, and its limit counts both surfaces.
     let limit = contact.surfaces().iter().map(|surface| surface.mean_clearance()).sum::<f64>();
     match contact.check(Load::Approach(1.1 * limit).into()) {
         Err(Refusal::Approach { found, limit: Some(most) }) => {
