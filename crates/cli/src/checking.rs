@@ -11,6 +11,7 @@ use gfmd_contact::Boundary;
 use gfmd_files::{Output, Reader};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
+use gfmd_input::source::Surface;
 use gfmd_run::series::{Chosen, Prepared, StateFile};
 use serde::de::DeserializeOwned;
 
@@ -107,5 +108,15 @@ impl Checking<'_> {
             let file = StateFile::of(Some(output), &provenance, prepared, states, (chosen, self.session))?;
             finish(file)?.ok_or_else(|| Failure::computation("the layout was not written"))
         })
+    }
+}
+
+/// Compares the second surface of a slab with its stored checksum.
+pub(crate) fn check_lower(reader: &Reader, lower: Option<&Surface>, comparison: &mut Comparison) {
+    if let Some(lower) = lower
+        && let Ok(stated) = reader.text("/lower", "height_sha256")
+        && lower.checksum() != stated
+    {
+        comparison.differ("/lower/height", "its checksum does not hold".into());
     }
 }

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Fields as _, Refusal, Solution};
+use gfmd_contact::{Boundary, Drive, Fields as _, Refusal};
 use gfmd_files::Output;
 use gfmd_green::Height;
 use gfmd_interface::Path;
@@ -382,8 +382,7 @@ impl Loads {
         let Whole { surface, hardness, shown, .. } = whole;
         let variance = self.pressure_variance(surface, args.problem.components);
         let upper = Scene::upper(surface, shown, report.head.e_star, hardness.as_deref());
-        let depth = |lower: &Solution| lower.plastic.as_ref().map(|plastic| plastic.depth.clone());
-        let below = state.lower().map(|lower| SceneFields::below(lower, depth(lower).as_ref()));
+        let below = state.lower().map(|lower| SceneFields::below(lower, state.lower_plastic_depth()));
         let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
         let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
         report.plots = figures::draw(prefix, report, &scenes, variance)?;

@@ -29,6 +29,7 @@ use self::course::{Followed, PathInput, PathSettings};
 use self::waypoints::WaypointArgs;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::hardness::GivenHardness;
+use gfmd_input::lower::LowerArgs;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
@@ -68,6 +69,9 @@ pub struct Args {
     #[serde(flatten)]
     #[option(kinds = Kinds::COMPLIANCE)]
     compliance: ComplianceArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    lower: LowerArgs,
     #[command(flatten)]
     #[serde(flatten)]
     #[option(kinds = Kinds::PRONY)]
@@ -137,6 +141,7 @@ impl Args {
             hardness: self.hardness.is_some(),
             yields: self.plasticity.yield_stress.is_some(),
             friction: self.friction.fact(),
+            lower: self.lower.fact(),
             line,
             approach: self.waypoints.given() == "approach",
             lateral: self.waypoints.moves_sideways(),
@@ -151,6 +156,7 @@ impl Args {
         let body = self.prony.long_term(&self.body)?;
         Ok(Asked {
             compliance: Cow::Borrowed(&self.compliance),
+            lower: Cow::Borrowed(&self.lower),
             law: Cow::Borrowed(&self.law),
             hardness: self.hardness.as_ref(),
             plasticity: self.plasticity.plasticity(&self.body)?,

@@ -117,6 +117,31 @@ impl RigidSurface {
         Self { boundary: Boundary::Free, rms_gradient: OnceLock::new(), ..self }
     }
 
+    /// Returns two surfaces on equal grids as one, with the rows of `lower` after the rows of `upper`: the surfaces
+    /// that press the two faces of a plate. Each keeps its own highest point. The squares of their rms heights add, and the
+    /// rms gradient is the larger one.
+    ///
+    /// # Errors
+    /// Surfaces of different shapes, or of too many points.
+    pub fn stacked(upper: &Self, lower: &Self) -> Result<Self, Refusal> {
+        let ([found, expected], [nx, ny]) = ([lower.shape(), upper.shape()], upper.grid.points());
+        let (true, Ok(grid)) = (found == expected, Grid::new([2 * nx, ny], upper.grid.lengths())) else {
+            return Err(Refusal::Shape { found, expected });
+        };
+        let [rows, columns] = grid.rows();
+        Ok(Self {
+            grid,
+            share: Share::whole(rows, columns),
+            clearance: [&upper.clearance[..], &lower.clearance].concat(),
+            mean_clearance: 0.5 * (upper.mean_clearance + lower.mean_clearance),
+            rms_height: upper.rms_height.hypot(lower.rms_height),
+            rounding: upper.rounding.max(lower.rounding),
+            is_uncertain: upper.is_uncertain || lower.is_uncertain,
+            boundary: Boundary::Periodic,
+            rms_gradient: OnceLock::from(upper.rms_gradient().max(lower.rms_gradient())),
+        })
+    }
+
     /// Returns the boundary condition of the fields on the surface.
     pub fn boundary(&self) -> Boundary {
         self.boundary

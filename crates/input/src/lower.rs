@@ -2,7 +2,7 @@
 
 use clap::Args;
 use gfmd_files::{Archive, Dimension, Reader};
-use gfmd_problem::{key, words};
+use gfmd_problem::{Lower, key, words};
 use gfmd_surface::Periodisation;
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,15 @@ impl LowerArgs {
         match (&self.lower_surface, self.lower_seed) {
             (Some(_), _) => Some("lower_surface"),
             (_, Some(_)) => Some("lower_seed"),
+            _ => None,
+        }
+    }
+
+    /// Returns the fact of the given option.
+    pub fn fact(&self) -> Option<Lower> {
+        match (&self.lower_surface, self.lower_seed) {
+            (Some(_), _) => Some(Lower::Surface),
+            (_, Some(_)) => Some(Lower::Seed),
             _ => None,
         }
     }

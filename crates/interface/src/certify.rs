@@ -103,6 +103,28 @@ impl Interface {
         self.certify_pressed_in(gap, pressure, None, drive)
     }
 
+    /// Returns the names of the fields that [`certify_fields`](Self::certify_fields) needs for a state; empty for an
+    /// interface in all components, whose fields do not determine its state.
+    pub fn basis(&self) -> &'static [&'static str] {
+        match (self.elastic.components(), self.hardness.is_some()) {
+            (1, false) => &["gap", "pressure"],
+            (1, true) => &["gap", "pressure", "plastic_depth"],
+            _ => &[],
+        }
+    }
+
+    /// Computes the state of the [`basis`](Self::basis) fields as [`certify_pressed_in`](Self::certify_pressed_in).
+    ///
+    /// # Errors
+    /// Returns an error as [`certify`](Self::certify), and for another number of fields.
+    pub fn certify_fields(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
+        match (fields, self.basis().len()) {
+            ([gap, pressure], 2) => self.certify(gap, pressure, drive),
+            ([gap, pressure, depth], 3) => self.certify_pressed_in(gap, pressure, Some(depth), drive),
+            (_, expected) => Err(Refusal::Basis { found: fields.len(), expected }),
+        }
+    }
+
     /// Computes the state as [`certify`](Self::certify), with the depth by which the surfaces are
     /// [pressed in](State::pressed_in). It counts where the gap is closed.
     ///

@@ -11,7 +11,8 @@ use crate::{Interface, State};
 #[derive(Clone, Debug)]
 pub(crate) struct Frame<'a> {
     pub(crate) drive: Drive,
-    /// Stiffness of the uniform mode, per component; 0 where the mean is held.
+    /// Stiffness of the uniform mode, per component; 0 where the mean is held. Of a plate, the stiffness against equal
+    /// and against opposite means of the two faces; nothing holds the plate as a whole.
     pub(crate) uniform_stiffness: Vec<f64>,
     /// Components with a mean held at 0, because a uniform traction does not move the body along them.
     pub(crate) held: Vec<bool>,
@@ -34,6 +35,9 @@ impl Interface {
         let mut uniform_stiffness: Vec<f64> = uniform.iter().map(|g| if *g > 0.0 { 1.0 / g } else { 0.0 }).collect();
         let mut held: Vec<bool> = uniform.iter().map(|g| *g == 0.0).collect();
         let z = uniform.len() - 1;
+        if self.elastic.faces() == 2 {
+            uniform_stiffness.push(0.0);
+        }
         let clearance = self.patch.as_ref().map_or_else(|| self.surface.clearance(), Patch::clearance);
         let inside = self.surface.clearance().len() as f64 / clearance.len() as f64;
         let (push, approach) = match drive.load {

@@ -6,6 +6,7 @@
 //!   If several equilibria exist, the solver finds a stable one by lowering the energy from the starting state.
 //! - [`QuasistaticContact`]: a contact made of [`Parts`], solved increment by increment: a wall or a law, friction, a
 //!   hardness, wear, and a body that relaxes, in any combination.
+//! - [`Squeezed`]: either of them at both faces of a plate between two surfaces.
 //! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step.
 
 mod certify;
@@ -23,6 +24,7 @@ mod quasistatic;
 mod resumable;
 mod search_result;
 mod solve;
+mod squeezed;
 mod state;
 mod stored_fields;
 
@@ -34,5 +36,6 @@ pub use problem::{Interface, Trapping};
 pub use quasistatic::{
     LimitingPressure, Losses, Parts, QuasistaticContact, QuasistaticState, Shear, StiffnessError, Wear,
 };
+pub use squeezed::{Squeezed, SqueezedState, Stacked};
 pub use state::{Residual, State};
 pub use stored_fields::StoredFields;

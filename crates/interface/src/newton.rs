@@ -50,7 +50,7 @@ pub(crate) fn descend(
     let mut transforms = elastic.transforms();
     *transforms.counter() += match elastic {
         // The counter counts single transforms.
-        Elastic::Normal(_) => (2.0 * before) as u64,
+        Elastic::Normal(_) | Elastic::Plate(_) => (2.0 * before) as u64,
         Elastic::Full(_) => before as u64,
     };
     match elastic {
@@ -58,7 +58,7 @@ pub(crate) fn descend(
             let model = OneComponent::new(response, transforms, frame, uniform[0]);
             descend_with(Descent::new(interface, frame, model, start), budget, start.is_some(), watch)
         }
-        Elastic::Full(_) => {
+        Elastic::Full(_) | Elastic::Plate(_) => {
             let model = AllComponents::new(transforms, frame, uniform);
             descend_with(Descent::new(interface, frame, model, start), budget, start.is_some(), watch)
         }
@@ -68,8 +68,13 @@ pub(crate) fn descend(
 /// Returns the compliance of the uniform mode in a preconditioner; it resists uniform motion if nothing else does.
 fn uniform_compliance(interface: &Interface, frame: &Frame) -> Vec<f64> {
     let [softest, _] = interface.elastic.stiffness_range();
-    let resists = |stiffness: &f64| 1.0 / if *stiffness > 0.0 { *stiffness } else { softest };
-    frame.uniform_stiffness.iter().map(resists).collect()
+    let mut least = vec![softest; frame.uniform_stiffness.len()];
+    if let Elastic::Plate(response) = &interface.elastic {
+        // A plate bends far more easily than it is squeezed.
+        least[0] = response.softest_squeezing();
+    }
+    let resists = |(stiffness, least): (&f64, f64)| 1.0 / if *stiffness > 0.0 { *stiffness } else { least };
+    frame.uniform_stiffness.iter().zip(least).map(resists).collect()
 }
 
 /// Returns the weight of a free point in a preconditioner for the `slope` of the law; `reference` is the stiffness of a

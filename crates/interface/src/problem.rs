@@ -2,10 +2,10 @@ use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_field::Grid;
-use gfmd_green::{Body, GreenError, has_level};
+use gfmd_green::{Body, GreenError, Plate, has_level};
 use gfmd_law::{InUnits, Law};
 use gfmd_relax::Upper;
-use gfmd_response::{Elastic, FullResponse, NormalResponse};
+use gfmd_response::{Elastic, FullResponse, NormalResponse, PlateResponse};
 use ndarray::ArrayRef2;
 
 use crate::patch::Patch;
@@ -120,6 +120,25 @@ impl Interface {
         Self::in_own_units(body, grid, heights, law, NormalResponse::held_sideways)
     }
 
+    /// Creates the interfaces of both faces of a plate as one, with the fields of the lower face after the fields of
+    /// the upper one; `plate` makes the plate from the body. Its approach is half of the approach of the two surfaces
+    /// to each other, its mean pressure the mean over both faces, and its energies per area are half the energies of
+    /// the plate (theory.md, section 8.4).
+    pub(crate) fn of_plate(
+        plate: impl FnOnce(&Body) -> Result<Plate, GreenError>,
+        body: &Body,
+        given: &Arc<RigidSurface>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::with_surface(body, Arc::clone(given), law, |surface, body| {
+            let ([nx, ny], lengths) = (surface.grid().points(), surface.grid().lengths());
+            let Ok(grid) = Grid::new([nx / 2, ny], lengths) else {
+                return Err(Refusal::Start { found: nx, expected: 2 });
+            };
+            Ok((PlateResponse::new(grid, &plate(body)?).into(), None))
+        })
+    }
+
     /// Creates an interface as [`new`](Self::new) or [`in_all_components`](Self::in_all_components), on an existing
     /// response, for example a shared one. The problem is solved in the units of the response, whatever its size.
     ///
@@ -171,7 +190,7 @@ impl Interface {
     pub fn stiffened(&self, factors: &[f64]) -> Result<Self, Refusal> {
         match &self.elastic {
             Elastic::Normal(response) => Ok(Self { elastic: response.stiffened(factors).into(), ..self.clone() }),
-            Elastic::Full(_) => Err(Refusal::AllComponents),
+            Elastic::Full(_) | Elastic::Plate(_) => Err(Refusal::AllComponents),
         }
     }
 
@@ -264,7 +283,7 @@ impl Interface {
     /// Returns the energy Φ per area, for u_z alone the opening energy. NaN if the law has none.
     pub(crate) fn energy(&self, (normal, [x, y]): (f64, [f64; 2])) -> f64 {
         match self.elastic {
-            Elastic::Normal(_) => self.law.opening_energy(normal),
+            Elastic::Normal(_) | Elastic::Plate(_) => self.law.opening_energy(normal),
             Elastic::Full(_) => self.law.energy(normal, x.hypot(y)).unwrap_or(f64::NAN),
         }
     }

@@ -2,6 +2,7 @@
 
 mod division;
 mod end;
+mod faces;
 mod normal;
 mod parts;
 mod response;

@@ -14,14 +14,14 @@ use crate::{Interface, State, dynamics, newton};
 /// Solvers of an interface. Newton's method needs an energy; dynamics does not.
 const SOLVERS: [Solver; 4] = [Solver::Auto, Solver::Newton, Solver::Fire, Solver::Fire2];
 
-/// Solvers at a wall that gives way.
+/// Solvers at a wall that gives way, and of a plate.
 const SMOOTH_SOLVERS: [Solver; 2] = [Solver::Auto, Solver::Newton];
 
 impl Equilibrium for Interface {
     type State = State;
 
     fn solvers(&self) -> &'static [Solver] {
-        if self.gives_way() { &SMOOTH_SOLVERS } else { &SOLVERS }
+        if self.gives_way() || self.elastic.faces() == 2 { &SMOOTH_SOLVERS } else { &SOLVERS }
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
@@ -171,7 +171,9 @@ impl Interface {
         let engine = match solver {
             Solver::Auto | Solver::Newton if self.has_energy() => return Ok(Method::Newton),
             Solver::Newton => return Err(Refusal::NoEnergy),
-            _ if self.gives_way() => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }),
+            _ if !self.solvers().contains(&solver) => {
+                return Err(Refusal::Solver { found: solver, allowed: self.solvers() });
+            }
             Solver::Fire => Fire::bitzek,
             Solver::Auto | Solver::Fire2 => Fire::v2,
             _ => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }),

@@ -229,7 +229,7 @@ impl Facts {
     }
 
     /// Returns true if the states follow a law across the gap; on a path that is periodic or moves all components also
-    /// for an elastic hard wall alone.
+    /// for an elastic hard wall alone, and for any hard wall of a slab between two surfaces.
     pub fn solves_a_law(&self) -> bool {
         let is_alone = !(self.hardness
             || self.yields
@@ -237,7 +237,7 @@ impl Facts {
             || self.boundary == Boundary::Free && !self.shears_by_law()
             || self.relaxes.is_some()
             || self.wear.is_some());
-        self.has_law() || self.task == Task::Path && is_alone
+        self.has_law() || self.task == Task::Path && (is_alone || self.lower.is_some())
     }
 
     /// Returns true for the path of a hard wall without friction that is solved by hard-wall methods.

@@ -5,8 +5,8 @@ use gfmd_contact::{
     SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    Interface, Loss, Losses, Quasistatic, QuasistaticContact, QuasistaticState, Reading, State, StiffnessError,
-    StoredFields, Trapping,
+    Interface, Loss, Losses, Quasistatic, QuasistaticContact, QuasistaticState, Reading, Squeezed, SqueezedState,
+    Stacked, State, StiffnessError, StoredFields, Trapping,
 };
 use gfmd_plasticity::{PlasticState, YieldingContact};
 use gfmd_relax::Why;
@@ -47,7 +47,7 @@ impl ContactKind for Contact {
         Contact::certify(self, pressure, drive.load)
     }
 
-    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<Solution, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<Solution, Refusal> {
         let approach = approach(&stored, Contact::surface(self).clearance());
         Contact::certify(self, stored.pressure, Load::Approach(approach))
     }
@@ -71,7 +71,7 @@ impl ContactKind for FullContact {
         FullContact::certify(self, pressure, drive.load)
     }
 
-    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<FullSolution, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<FullSolution, Refusal> {
         let mean = stored.pressure.mean().unwrap_or(f64::NAN);
         FullContact::certify(self, stored.pressure, Load::MeanPressure(mean))
     }
@@ -113,13 +113,68 @@ impl ContactKind for SqueezedContact {
         SqueezedContact::certify(self, all(fields)?, drive.load)
     }
 
-    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<SqueezedSolution, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<SqueezedSolution, Refusal> {
         let lower = lower.ok_or(Refusal::Basis { found: 1, expected: 2 })?;
-        SqueezedContact::certify(self, [stored.pressure, lower], Load::Approach(stored.approach))
+        SqueezedContact::certify(self, [stored.pressure, lower.pressure], Load::Approach(stored.approach))
     }
 
     fn stiffness(&self, _: &SqueezedSolution, _: f64) -> Result<Stiffness, NoStiffness> {
         Err(NoStiffness::Undefined("not computed of a slab between two surfaces, which has two contacts".into()))
+    }
+}
+
+impl<C> ContactKind for Squeezed<C>
+where
+    C: Stacked<State: Send + Sync + 'static> + Send + Sync + 'static,
+{
+    fn surface(&self) -> &RigidSurface {
+        self.surfaces()[0]
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        Squeezed::basis(self)
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedState<C::State>, Refusal> {
+        Squeezed::certify(self, fields, drive)
+    }
+
+    fn recall(
+        &self,
+        stored: StoredFields<'_>,
+        lower: Option<StoredFields<'_>>,
+    ) -> Result<SqueezedState<C::State>, Refusal> {
+        Squeezed::recall(self, stored, lower.ok_or(Refusal::Basis { found: 1, expected: 2 })?)
+    }
+
+    fn stiffness(&self, state: &SqueezedState<C::State>, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        Squeezed::stiffness(self, state, tolerance).map_err(no_stiffness)
+    }
+
+    fn reading(&self, state: &SqueezedState<C::State>) -> Reading {
+        Quasistatic::reading(self, state)
+    }
+
+    fn depends_on_division(
+        &self,
+        start: Option<&SqueezedState<C::State>>,
+        end: &SqueezedState<C::State>,
+        tolerance: f64,
+    ) -> bool {
+        Quasistatic::depends_on_division(self, start, end, tolerance)
+    }
+
+    fn change(
+        &self,
+        start: Option<&SqueezedState<C::State>>,
+        from: &SqueezedState<C::State>,
+        to: &SqueezedState<C::State>,
+    ) -> f64 {
+        Quasistatic::change(self, start, from, to)
+    }
+
+    fn trapping(&self) -> Option<Trapping> {
+        Squeezed::trapping(self)
     }
 }
 
@@ -129,15 +184,14 @@ impl ContactKind for Interface {
     }
 
     fn basis(&self) -> &'static [&'static str] {
-        if self.elastic().components() == 1 { &["gap", "pressure"] } else { &[] }
+        Interface::basis(self)
     }
 
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
-        let [gap, pressure] = all(fields)?;
-        Interface::certify(self, gap, pressure, drive)
+        self.certify_fields(fields, drive)
     }
 
-    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<State, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<State, Refusal> {
         let approach = approach(&stored, Interface::surface(self).clearance());
         Interface::recall(self, StoredFields { approach, ..stored })
     }
@@ -180,7 +234,7 @@ impl ContactKind for QuasistaticContact {
         QuasistaticContact::certify(self, fields, drive)
     }
 
-    fn recall(&self, stored: StoredFields<'_>, _: Option<&ArrayRef2<f64>>) -> Result<QuasistaticState, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<QuasistaticState, Refusal> {
         let approach = approach(&stored, QuasistaticContact::surface(self).clearance());
         QuasistaticContact::recall(self, StoredFields { approach, ..stored })
     }

@@ -22,6 +22,10 @@ impl MemoryNeed {
     pub const SQUEEZED: Self = Self(50);
     /// Slab between two surfaces with a hardness: its bounds and both plastic depths of two states.
     pub const SQUEEZED_WITH_HARDNESS: Self = Self(60);
+    /// Slab between two surfaces with a law at both faces, which are searched in double precision.
+    pub const SQUEEZED_BY_LAW: Self = Self(90);
+    /// Path of a slab between two surfaces, with the states before and after a jump.
+    pub const SQUEEZED_ON_PATH: Self = Self(140);
     /// Contact with a law that acts across the gap.
     pub const LAW: Self = Self(29);
     /// Contact with a law on a patch, which is solved in a cell with four times its points.
@@ -98,6 +102,11 @@ impl Facts {
         match self.task {
             Task::Loads if self.finite_slope => MemoryNeed::STEEP,
             Task::Loads if self.unknown == Unknown::All => MemoryNeed::WALL_ALL_COMPONENTS,
+            Task::Loads if self.lower.is_some() && self.has_law() => MemoryNeed::SQUEEZED_BY_LAW,
+            Task::Path if self.lower.is_some() && self.hardness => {
+                MemoryNeed(MemoryNeed::SQUEEZED_ON_PATH.0 + 2 * MemoryNeed::HARDNESS)
+            }
+            Task::Path if self.lower.is_some() => MemoryNeed::SQUEEZED_ON_PATH,
             Task::Loads if self.lower.is_some() && self.hardness => MemoryNeed::SQUEEZED_WITH_HARDNESS,
             Task::Loads if self.lower.is_some() => MemoryNeed::SQUEEZED,
             Task::Loads if self.has_law() && is_free => MemoryNeed::LAW_FREE,

@@ -1,16 +1,16 @@
 //! Parts of states that only one kind of contact has.
 
-use gfmd_contact::{FullSolution, Plastic, Solution, SqueezedSolution, SteepSolution};
-use gfmd_interface::{QuasistaticState, State};
+use gfmd_contact::{Fields, FullSolution, Plastic, Solution, SqueezedSolution, SteepSolution};
+use gfmd_interface::{QuasistaticState, SqueezedState, State};
 use gfmd_plasticity::PlasticState;
 use ndarray::{Array2, ArrayView2};
 
 use crate::AnyState;
 
 impl AnyState {
-    /// Returns the state at the end of an increment of a path.
+    /// Returns the state at the end of an increment of a path; the upper face if there are two.
     pub fn on_path(&self) -> Option<&QuasistaticState> {
-        self.get()
+        self.get().or_else(|| self.get().map(|state: &SqueezedState<QuasistaticState>| &state.upper))
     }
 
     /// Returns the state of a body that yields below its surface.
@@ -41,15 +41,10 @@ impl AnyState {
     /// surface, length; of a state with a hardness, on the upper face if there are two.
     pub fn plastic_fraction_and_volume(&self) -> Option<(f64, f64)> {
         if let Some(state) = self.on_path() {
-            return state.plastic_volume().map(|volume| (state.plastic_fraction, volume));
+            return volume_on_path(state);
         }
         let of_wall = self.plastic().map(|plastic| (plastic.fraction, plastic.volume));
-        of_wall.or_else(|| {
-            // Below a law, points carry the hardness where they are pressed in.
-            let depth = self.law()?.pressed_in.as_ref()?;
-            let count = depth.iter().filter(|depth| **depth > 0.0).count();
-            Some((count as f64 / depth.len() as f64, depth.mean()?))
-        })
+        of_wall.or_else(|| volume_below_law(self.law()?))
     }
 
     /// Returns the plastic depth `[x, y]` of a state with a hardness, length: of the load, or accumulated on a path; on
@@ -67,8 +62,45 @@ impl AnyState {
     }
 
     /// Returns the contact of the lower face of a slab between two surfaces, as seen from that face.
-    pub fn lower(&self) -> Option<&Solution> {
+    pub fn lower(&self) -> Option<&dyn Fields> {
+        let wall = self.lower_wall().map(|face| face as &dyn Fields);
+        wall.or_else(|| self.lower_on_path().map(|face| face as &dyn Fields))
+            .or_else(|| self.lower_law().map(|face| face as &dyn Fields))
+    }
+
+    /// Returns the state of the hard wall at the lower face, unless it is solved as a law.
+    pub fn lower_wall(&self) -> Option<&Solution> {
         self.get::<SqueezedSolution>().map(|state| &state.lower)
+    }
+
+    fn lower_on_path(&self) -> Option<&QuasistaticState> {
+        self.get().map(|state: &SqueezedState<QuasistaticState>| &state.lower)
+    }
+
+    /// Returns the state of the law at the lower face.
+    pub fn lower_law(&self) -> Option<&State> {
+        let of_load = || self.get().map(|state: &SqueezedState<State>| &state.lower);
+        self.lower_on_path().map_or_else(of_load, QuasistaticState::law)
+    }
+
+    /// Returns fraction and volume as [`plastic_fraction_and_volume`](Self::plastic_fraction_and_volume), of the lower
+    /// face.
+    pub fn lower_plastic_fraction_and_volume(&self) -> Option<(f64, f64)> {
+        if let Some(state) = self.lower_on_path() {
+            return volume_on_path(state);
+        }
+        let plastic = self.lower_wall().and_then(|face| face.plastic.as_ref());
+        let of_wall = plastic.map(|plastic| (plastic.fraction, plastic.volume));
+        of_wall.or_else(|| volume_below_law(self.lower_law()?))
+    }
+
+    /// Returns the plastic depth as [`plastic_depth`](Self::plastic_depth), of the lower face.
+    pub fn lower_plastic_depth(&self) -> Option<&Array2<f64>> {
+        if let Some(state) = self.lower_on_path() {
+            return state.plastic_depth();
+        }
+        let of_wall = self.lower_wall().and_then(|face| face.plastic.as_ref()).map(|plastic| &plastic.depth);
+        of_wall.or_else(|| self.lower_law()?.pressed_in.as_ref())
     }
 
     /// Returns the shear traction on the elastic surface along x (0) or y (1), stress, on a path of surfaces that shear
@@ -82,8 +114,22 @@ impl AnyState {
         self.get()
     }
 
-    /// Returns the state with a law across the gap.
+    /// Returns the state with a law across the gap; the upper face if there are two.
     pub fn law(&self) -> Option<&State> {
-        self.get().or_else(|| self.on_path().and_then(QuasistaticState::law))
+        let squeezed = || self.get().map(|state: &SqueezedState<State>| &state.upper);
+        self.get().or_else(|| self.on_path().and_then(QuasistaticState::law)).or_else(squeezed)
     }
+}
+
+/// Returns plastic fraction and volume of a state along a path with a hardness.
+fn volume_on_path(state: &QuasistaticState) -> Option<(f64, f64)> {
+    state.plastic_volume().map(|volume| (state.plastic_fraction, volume))
+}
+
+/// Returns plastic fraction and volume of a load with a hardness below a law: points carry the hardness where they are
+/// pressed in.
+fn volume_below_law(state: &State) -> Option<(f64, f64)> {
+    let depth = state.pressed_in.as_ref()?;
+    let count = depth.iter().filter(|depth| **depth > 0.0).count();
+    Some((count as f64 / depth.len() as f64, depth.mean()?))
 }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Contact, Dynamics, FullContact, Hardness, Refusal, SqueezedContact, SteepContact};
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
-use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Wear};
+use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Squeezed, Wear};
 use gfmd_law::{HardWall, Law};
 use gfmd_medium::Prony;
 use gfmd_plasticity::{PlasticityError, YieldingContact};
@@ -102,7 +102,34 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
             return Err(Refusal::Part { part });
         }
     }
+    let parts = || Parts {
+        body,
+        grid,
+        heights,
+        boundary: facts.boundary,
+        // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
+        law: facts.solves_a_law().then(|| Arc::clone(law)),
+        all_components: facts.shears_by_law(),
+        hardness: hardness.clone(),
+        shear: *shear,
+        relaxation: prony.zip(facts.relaxes),
+        wear: *wear,
+    };
     if let Some(lower) = lower {
+        if facts.task == Task::Path {
+            return Ok(Posed::new(Squeezed::on_path(&parts(), lower)?));
+        }
+        if facts.has_law() {
+            let law = Arc::clone(law);
+            let contact = match facts.unknown {
+                Unknown::Held => Squeezed::held_sideways(body, grid, heights, lower, law)?,
+                _ => Squeezed::new(body, grid, heights, lower, law)?,
+            };
+            return Ok(Posed::new(match hardness {
+                Some(hardness) => contact.with_hardness(hardness.clone())?,
+                None => contact,
+            }));
+        }
         let contact = match facts.unknown {
             Unknown::Held => SqueezedContact::held_sideways(body, grid, heights, lower)?,
             _ => SqueezedContact::new(body, grid, heights, lower)?,
@@ -127,20 +154,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
         });
     }
     if facts.task == Task::Path {
-        let parts = Parts {
-            body,
-            grid,
-            heights,
-            boundary: facts.boundary,
-            // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
-            law: facts.solves_a_law().then(|| Arc::clone(law)),
-            all_components: facts.shears_by_law(),
-            hardness: hardness.clone(),
-            shear: *shear,
-            relaxation: prony.zip(facts.relaxes),
-            wear: *wear,
-        };
-        return Ok(Posed::new(QuasistaticContact::new(&parts)?));
+        return Ok(Posed::new(QuasistaticContact::new(&parts())?));
     }
     if facts.has_law() {
         let law = Arc::clone(law);

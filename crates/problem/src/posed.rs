@@ -27,11 +27,12 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
     /// Returns an error if the fields do not fit the grid, or if the drive is invalid.
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Self::State, Refusal>;
 
-    /// Restores a state from stored fields, and from the pressure on the lower face if there is one, as a start.
+    /// Restores a state from stored fields, and from the fields of the lower face if there is one, as a start. The
+    /// fields of the upper face have the approach of the two surfaces.
     ///
     /// # Errors
     /// Returns an error if fields are missing or do not fit the grid.
-    fn recall(&self, stored: StoredFields<'_>, _lower: Option<&ArrayRef2<f64>>) -> Result<Self::State, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, _lower: Option<StoredFields<'_>>) -> Result<Self::State, Refusal> {
         self.certify(&[stored.pressure], Load::Approach(stored.approach).into())
     }
 
@@ -217,7 +218,7 @@ trait DynContact: Send + Sync {
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal>;
     fn basis(&self) -> &'static [&'static str];
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal>;
-    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<AnyState, Refusal>;
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal>;
     fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn stiffness_of_fields(&self, fields: [&ArrayRef2<f64>; 2], tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
@@ -276,7 +277,7 @@ impl<K: ContactKind> DynContact for K {
         ContactKind::certify(self, fields, drive).map(AnyState::new)
     }
 
-    fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<AnyState, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal> {
         ContactKind::recall(self, stored, lower).map(AnyState::new)
     }
 
@@ -353,11 +354,11 @@ impl Posed {
         self.0.certify(fields, drive)
     }
 
-    /// Restores a state from stored fields, and from the pressure on the lower face if there is one, as a start.
+    /// Restores a state from stored fields, and from the fields of the lower face if there is one, as a start.
     ///
     /// # Errors
     /// Returns an error if fields are missing or do not fit the grid.
-    pub fn recall(&self, stored: StoredFields<'_>, lower: Option<&ArrayRef2<f64>>) -> Result<AnyState, Refusal> {
+    pub fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal> {
         self.0.recall(stored, lower)
     }
 

@@ -391,12 +391,19 @@ impl Problem {
         let pressure = field("pressure").ok_or_else(missing)?;
         let displacement = field("displacement_z").ok_or_else(missing)?;
         let gap = field("gap").ok_or_else(missing)?;
-        let lower = field("lower_pressure");
+        let lower = ["lower_pressure", "lower_displacement_z", "lower_gap"].map(field);
         let made = quick(py, || {
             let own = self.prepared.lift().map(|lift| &displacement - lift);
             let displacement = own.as_ref().map_or(displacement, |own| own.view());
             let kept = StoredFields { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
-            self.contact.recall(kept, lower.as_deref()).map_err(|error: Refusal| Failure::input("start", error))
+            let below = lower[1].map(|displacement| -&displacement);
+            let lower = match (&lower, &below) {
+                ([Some(pressure), _, Some(gap)], Some(displacement)) => {
+                    Some(StoredFields { pressure, displacement_z: displacement, gap, approach: f64::NAN })
+                }
+                _ => None,
+            };
+            self.contact.recall(kept, lower).map_err(|error: Refusal| Failure::input("start", error))
         })?;
         made.map(|rest| self.state(rest, None)).map_err(|failure| failed(py, failure))
     }

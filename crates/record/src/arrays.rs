@@ -5,7 +5,7 @@ use gfmd_problem::{AnyState, Facts};
 use ndarray::{CowArray, Ix2};
 
 use crate::column::{Meaning, meaning};
-use crate::when::{any, between, hard_between, hardness, path, yields};
+use crate::when::{any, between, hard_between, hardness, law, path, yields};
 
 /// Field of a state, one number for each point `[x, y]`.
 #[derive(Clone, Copy, Debug)]
@@ -134,31 +134,49 @@ pub const ARRAYS: &[Array] = &[
         shear_of(rest, 1)
     })
     .of_paths(|facts| shear(facts) && !facts.line),
-    Array::new("lower_pressure", "stress", &[(any, "pressure on the lower face of the slab")], |rest, _| {
-        rest.lower().map(|lower| lower.pressure.view().into())
-    })
+    Array::new(
+        "lower_pressure",
+        "stress",
+        &[
+            (law, "pressure on the lower face of the slab; attraction is negative"),
+            (any, "pressure on the lower face of the slab"),
+        ],
+        |rest, facts| {
+            rest.lower().map(|face| if path(facts) && wall(facts) { face.repulsion() } else { face.pressure() })
+        },
+    )
     .with(BETWEEN, between),
     Array::new(
         "lower_displacement_z",
         "length",
         &[(any, "normal displacement of the lower face of the slab, positive upwards")],
-        |rest, _| rest.lower().map(|lower| (-&lower.displacement).into()),
+        |rest, _| rest.lower().map(|face| (-&face.displacement_z()).into()),
     )
     .with(BETWEEN, between),
     Array::new(
         "lower_gap",
         "length",
         &[(any, "distance between the lower face of the slab and the lower surface")],
-        |rest, _| rest.lower().map(|lower| lower.gap.view().into()),
+        |rest, _| rest.lower().map(|face| face.gap().into()),
     )
     .with(BETWEEN, between),
     Array::new(
         "lower_plastic_depth",
         "length",
-        &[(any, "depth by which the lower face and surface are pressed into each other beyond touching")],
-        |rest, _| Some(rest.lower()?.plastic.as_ref()?.depth.view().into()),
+        &[
+            (path, "depth by which the lower face and surface were pressed into each other so far"),
+            (any, "depth by which the lower face and surface are pressed into each other beyond touching"),
+        ],
+        |rest, _| rest.lower_plastic_depth().map(|depth| depth.view().into()),
     )
     .with(HARD_BETWEEN, hard_between),
+    Array::new(
+        "lower_repulsion",
+        "stress",
+        &[(any, "repulsive pressure on the lower face of the slab, without attraction")],
+        |rest, _| rest.lower().map(|face| face.repulsion()),
+    )
+    .with("--lower-surface or --lower-seed and a --law", |facts| between(facts) && !path(facts) && !wall(facts)),
     Array::new(
         "repulsion",
         "stress",

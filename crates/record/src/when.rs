@@ -38,6 +38,11 @@ pub(crate) fn between(facts: &Facts) -> bool {
     facts.lower.is_some()
 }
 
+/// Returns true for a slab between two surfaces whose hard walls are solved for the pressures of each face.
+pub(crate) fn wall_between(facts: &Facts) -> bool {
+    between(facts) && !of_a_law(facts)
+}
+
 /// Returns true for a slab between two surfaces with a hardness.
 pub(crate) fn hard_between(facts: &Facts) -> bool {
     between(facts) && hardness(facts)

@@ -2,16 +2,19 @@ use std::sync::Arc;
 
 use gfmd_field::{Grid, Split, Transform};
 
-use crate::{FullResponse, NormalResponse, Workspace};
+use crate::{FullResponse, NormalResponse, PlateResponse, PlateTransforms, Workspace};
 
-/// Elastic side of a contact, with u_z only or with all components of the surface displacement. The response is shared,
-/// so that clones are cheap.
+/// Elastic side of a contact: a surface with u_z only or with all components of its displacement, or both faces of a
+/// plate. The response is shared, so that clones are cheap.
 #[derive(Clone, Debug)]
 pub enum Elastic {
     /// Component u_z only.
     Normal(Arc<NormalResponse>),
     /// All components.
     Full(Arc<FullResponse>),
+    /// Normal displacement of both faces of a plate, outwards, as one field with the upper face first. It has a single
+    /// component and twice the points of the grid.
+    Plate(Arc<PlateResponse>),
 }
 
 impl From<Arc<NormalResponse>> for Elastic {
@@ -32,6 +35,12 @@ impl From<NormalResponse> for Elastic {
     }
 }
 
+impl From<PlateResponse> for Elastic {
+    fn from(response: PlateResponse) -> Self {
+        Self::Plate(response.into())
+    }
+}
+
 impl From<FullResponse> for Elastic {
     fn from(response: FullResponse) -> Self {
         Self::Full(response.into())
@@ -39,27 +48,34 @@ impl From<FullResponse> for Elastic {
 }
 
 impl Elastic {
-    /// Returns the grid of the surface.
+    /// Returns the grid of the surface, or of each face.
     pub fn grid(&self) -> &Grid {
         match self {
             Self::Normal(response) => response.grid(),
             Self::Full(response) => response.grid(),
+            Self::Plate(response) => response.grid(),
         }
     }
 
     /// Returns the number of components of a field; z is the last.
     pub fn components(&self) -> usize {
         match self {
-            Self::Normal(_) => 1,
+            Self::Normal(_) | Self::Plate(_) => 1,
             Self::Full(response) => response.components().len(),
         }
     }
 
+    /// Returns the number of faces: 2 for a plate.
+    pub fn faces(&self) -> usize {
+        if let Self::Plate(_) = self { 2 } else { 1 }
+    }
+
     /// Returns the compliance of the uniform mode for each component, in length/stress; 0 if the mean displacement does
-    /// not depend on the mean traction.
+    /// not depend on the mean traction. On a plate the tractions on both faces are equal.
     pub fn uniform_compliance(&self) -> Vec<f64> {
         match self {
             Self::Normal(response) => vec![response.uniform_compliance()],
+            Self::Plate(response) => vec![response.uniform_compliance()],
             Self::Full(response) => {
                 let all = response.uniform_compliance();
                 response.components().axes().iter().map(|&axis| all[axis]).collect()
@@ -72,6 +88,7 @@ impl Elastic {
         match self {
             Self::Normal(response) => response.stiffness_range(),
             Self::Full(response) => response.stiffness_range(),
+            Self::Plate(response) => response.stiffness_range(),
         }
     }
 
@@ -80,6 +97,7 @@ impl Elastic {
         match self {
             Self::Normal(response) => response.contact_modulus(),
             Self::Full(response) => response.contact_modulus(),
+            Self::Plate(response) => response.contact_modulus(),
         }
     }
 
@@ -88,6 +106,7 @@ impl Elastic {
         match self {
             Self::Normal(response) => Transforms::Normal(NormalTransforms::of(response)),
             Self::Full(response) => Transforms::Full(FullTransforms::of(response)),
+            Self::Plate(response) => Transforms::Plate(PlateTransforms::of(response)),
         }
     }
 }
@@ -95,16 +114,18 @@ impl Elastic {
 /// Stiffness and compliance of an [`Elastic`] surface, with the memory of the transforms and a counter.
 ///
 /// # Panics
-/// Every method panics if a field does not have the size of the grid times the number of components.
+/// Every method panics if a field does not have the size of the grid times the number of components, or of faces.
 #[derive(Debug)]
 #[expect(missing_docs, reason = "each variant is described by its type")]
 pub enum Transforms {
     Normal(NormalTransforms),
     Full(FullTransforms),
+    Plate(PlateTransforms),
 }
 
 impl Transforms {
-    /// Computes `out` = K `field`, except that the mean of each component is `uniform` times the mean of `field`.
+    /// Computes `out` = K `field`, except that the mean of each component is `uniform` times the mean of `field`; of a
+    /// plate, half sum and half difference of the two means.
     pub fn stiffness(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
         match self {
             Self::Normal(normal) => {
@@ -116,10 +137,11 @@ impl Transforms {
                 full.stiffness(field, out);
                 set_means(full.response.grid().len(), field, uniform, out);
             }
+            Self::Plate(plate) => plate.stiffness_with([uniform[0], uniform[1]], field, out),
         }
     }
 
-    /// Computes `out` = G `field`, except that the mean of each component is `uniform` times the mean of `field`.
+    /// Computes `out` = G `field`, with means as [`stiffness`](Self::stiffness).
     pub fn compliance(&mut self, field: &[f64], uniform: &[f64], out: &mut [f64]) {
         match self {
             Self::Normal(normal) => {
@@ -131,6 +153,7 @@ impl Transforms {
                 full.compliance(field, out);
                 set_means(full.response.grid().len(), field, uniform, out);
             }
+            Self::Plate(plate) => plate.compliance_with([uniform[0], uniform[1]], field, out),
         }
     }
 
@@ -139,6 +162,7 @@ impl Transforms {
         match self {
             Self::Normal(normal) => normal.pairs(),
             Self::Full(full) => full.pairs(),
+            Self::Plate(plate) => plate.pairs(),
         }
     }
 
@@ -147,6 +171,7 @@ impl Transforms {
         match self {
             Self::Normal(normal) => normal.counter(),
             Self::Full(full) => full.counter(),
+            Self::Plate(plate) => plate.counter(),
         }
     }
 }

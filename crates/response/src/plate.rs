@@ -152,6 +152,11 @@ impl PlateTransforms {
     /// Computes indentation = C `pressure`, with the compliance `uniform` for the half sum at q = 0. The half
     /// difference at q = 0 is zero: the plate as a whole has no support.
     pub fn compliance(&mut self, uniform: f64, pressure: &[f64], indentation: &mut [f64]) {
+        self.compliance_with([uniform, 0.0], pressure, indentation);
+    }
+
+    /// Computes indentation = C `pressure`, with the compliances `uniform` for half sum and half difference at q = 0.
+    pub fn compliance_with(&mut self, uniform: [f64; 2], pressure: &[f64], indentation: &mut [f64]) {
         let response = Arc::clone(&self.response);
         self.apply(&response.compliance, uniform, pressure, indentation);
     }
@@ -159,6 +164,11 @@ impl PlateTransforms {
     /// Computes pressure = C⁻¹ `indentation`, with the stiffness `uniform` for the half sum at q = 0, and zero pressure
     /// for the half difference at q = 0.
     pub fn stiffness(&mut self, uniform: f64, indentation: &[f64], pressure: &mut [f64]) {
+        self.stiffness_with([uniform, 0.0], indentation, pressure);
+    }
+
+    /// Computes pressure = C⁻¹ `indentation`, with the stiffnesses `uniform` for half sum and half difference at q = 0.
+    pub fn stiffness_with(&mut self, uniform: [f64; 2], indentation: &[f64], pressure: &mut [f64]) {
         let response = Arc::clone(&self.response);
         self.apply(&response.stiffness, uniform, indentation, pressure);
     }
@@ -169,20 +179,21 @@ impl PlateTransforms {
         fits(self.response.transform.convolve(&self.response.following, field, out, &mut self.workspace));
     }
 
-    fn apply(&mut self, table: &[Symmetric], uniform: f64, field: &[f64], out: &mut [f64]) {
+    fn apply(&mut self, table: &[Symmetric], uniform: [f64; 2], field: &[f64], out: &mut [f64]) {
         self.singles += 4;
         let Self { response, workspace, spectra: [upper, lower], .. } = self;
         let (transform, points) = (&response.transform, response.grid().len());
         fits(transform.forward(&field[..points], upper, workspace));
         fits(transform.forward(&field[points..], lower, workspace));
-        let level = uniform * 0.5 * (upper[0] + lower[0]);
+        let level = uniform[0] * 0.5 * (upper[0] + lower[0]);
+        let shift = uniform[1] * 0.5 * (upper[0] - lower[0]);
         (&mut *upper, &mut *lower, table).into_par_iter().with_min_len(CHUNK).for_each(|(upper, lower, m)| {
             let (sum, difference) = (0.5 * (*upper + *lower), 0.5 * (*upper - *lower));
             let (in_sum, in_difference) =
                 (sum * m.sum + difference * m.mixed, sum * m.mixed + difference * m.difference);
             (*upper, *lower) = (in_sum + in_difference, in_sum - in_difference);
         });
-        (upper[0], lower[0]) = (level, level);
+        (upper[0], lower[0]) = if uniform[1] == 0.0 { (level, level) } else { (level + shift, level - shift) };
         let (first, second) = out.split_at_mut(points);
         fits(transform.inverse(upper, first, workspace));
         fits(transform.inverse(lower, second, workspace));

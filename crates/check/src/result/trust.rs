@@ -120,6 +120,10 @@ const CONTACT: &[Row] = &[
     row(&["/patches/*", "/distributions/*", "/spectra/*"], Verified, Verified, "the fields of the loads"),
     row(&["/base/displacement", "/base/traction", "/base/lift"], Verified, Verified, "the body over this base"),
     row(&["/base/*"], Verified, Verified, "the layout that the configuration gives"),
+];
+
+/// Rows of the second surface of a slab.
+const LOWER: &[Row] = &[
     row(
         &["/lower/height", "/lower@height_sha256"],
         Verified,
@@ -247,8 +251,8 @@ const SWEEP: &[Row] = &[
 /// Returns the rows of a kind. The first row that matches a part applies to it.
 pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
-        ResultKind::Contact => &[SEARCH, CONTACT, ALL, SURFACE],
-        ResultKind::Path => &[PATH, SEARCH, ALL, SURFACE],
+        ResultKind::Contact => &[SEARCH, CONTACT, LOWER, ALL, SURFACE],
+        ResultKind::Path => &[PATH, SEARCH, LOWER, ALL, SURFACE],
         ResultKind::Slide => &[SLIDE, ALL, SURFACE],
         ResultKind::Punch => &[SEARCH, ALL, PUNCH],
         ResultKind::Body => &[ALL, BODY],

@@ -9,7 +9,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::statistics::Findings;
 use super::{Args, Loads};
-use crate::checking::{Checked, Checking};
+use crate::checking::{Checked, Checking, check_lower};
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
 use gfmd_check::statistics;
@@ -40,12 +40,7 @@ impl Checked for Args {
             let lift: Vec<f64> = base.lift.iter().copied().collect();
             comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
         }
-        if let Some(lower) = lower
-            && let Ok(stated) = reader.text("/lower", "height_sha256")
-            && lower.checksum() != stated
-        {
-            comparison.differ("/lower/height", "its checksum does not hold".into());
-        }
+        check_lower(reader, lower.as_ref(), comparison);
         let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
         let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.search.tolerance)?;
         let (count, asked) = (stored.count(), loads.drives.len());

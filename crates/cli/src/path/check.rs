@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use super::args::StepArgs;
 use super::leak::leak;
 use super::{Args, memory, strain};
-use crate::checking::{Checked, Checking};
+use crate::checking::{Checked, Checking, check_lower};
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
 use gfmd_input::failure::Failure;
@@ -28,6 +28,7 @@ impl Checked for Args {
         let mut input = super::path_input(&args, session)?;
         input.prepared.take_units(reader);
         let prepared = &input.prepared;
+        check_lower(reader, prepared.lower.as_ref(), comparison);
         let waypoints = input.places.count(input.drives.len());
         checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |mut file| {
             memory::lay_out(&mut file, prepared)?;

@@ -369,6 +369,7 @@ fn parts() {
         ("squeezed", "--height 0.2 --poisson 0.3 --lower-seed 2 --p-star 0.02,0.1"),
         ("squeezed-hardness", "--height 0.2 --poisson 0.3 --lower-seed 2 --hardness 0.08 --p-star 0.02,0.3"),
         ("squeezed-held", "--height 0.2 --poisson 0.3 --lower-seed 2 --components held --p-star 0.02,0.1"),
+        ("squeezed-law", &format!("--height 0.2 --poisson 0.3 --lower-seed 2 {law} --p-star 0.02,0.1")),
         ("measured", "--p-star 0.02,0.1 --statistics --flow --flow-threshold"),
         ("moved-base", "--height 0.2 --base-displacement base.npy --p-star 0.05"),
         ("layers", "--height 0.1 --layer 2,0.3,0.2 --base half-space --base-young 5 --base-poisson 0.2 --p-star 0.05"),
@@ -382,6 +383,10 @@ fn parts() {
         ("plastic", "--hardness 0.1 --p-star 0.01,0.3,0.01 --steps 3"),
         ("free", "--boundary free --p-star 0.01,0.1 --steps 2"),
         ("free-law", &format!("--boundary free {law} --p-star 0.01,0.02 --steps 2")),
+        (
+            "squeezed",
+            &format!("--height 0.2 --poisson 0.3 --lower-seed 2 {law} --hardness 0.1 --p-star 0.05,0.3,0.05 --steps 2"),
+        ),
         ("free-friction", "--boundary free --friction 0.3 --p-star 0.05 --lateral 0,0.001 --steps 2"),
         (
             "free-shear",

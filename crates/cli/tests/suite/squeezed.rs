@@ -156,6 +156,51 @@ fn a_file_has_the_fields_that_were_chosen() {
     }
 }
 
+/// Loads with a law at both faces, and paths with a law, a hardness, or a wall alone, are recorded, recomputed and
+/// continued.
+#[test]
+fn a_law_acts_at_both_faces() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let law = "--law exponential --param gamma=2e-5,range=2e-3";
+    let slab = SLAB.strip_prefix("contact ").unwrap();
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    for (name, flags) in [
+        ("a", format!("contact {slab} {law} --p-star 0.02,0.1 --plots a")),
+        ("b", format!("contact {slab} {law} --components held --hardness 0.2 --approach 0.01,0.02")),
+        ("c", format!("contact {slab} --law morse --param gamma=2e-5,range=4e-3 --p-star 0.05")),
+        ("d", format!("path {slab} {law} --approach 0.015,0.02,0.015 --steps 2")),
+        ("e", format!("path {slab} {law} --hardness 0.1 --p-star 0.05,0.3,0.05 --steps 2")),
+        ("f", format!("path {slab} --hardness 0.1 --p-star 0.05,0.3,0.05 --steps 2")),
+        ("g", format!("path {slab} --p-star 0.05,0.1 --steps 2 --plots g")),
+    ] {
+        let report = run(folder, &format!("{flags} --lower-seed 2 --out {name}.h5 --json"));
+        let states = report.get("loads").or_else(|| report.get("steps")).and_then(Value::as_array).unwrap();
+        for state in states {
+            assert_eq!(state["converged"], true, "{flags}");
+            let lower = &state["lower"];
+            let apart = number(&lower["mean_pressure"]) - number(&state["mean_pressure"]);
+            assert!(apart.abs() < 1e-9 * number(&lower["max_pressure"]), "{flags}: {apart}");
+            assert!(number(&lower["area_fraction"]) > 0.0 && number(&lower["approach"]) < number(&state["approach"]));
+            assert!(number(&state["stiffness"]) > 0.0, "{flags}: {}", state["stiffness"]);
+            assert!(lower.get("residual").is_none());
+        }
+        assert_eq!(run(folder, &format!("check {name}.h5 --json"))["differing"], 0, "{flags}");
+        assert!(gfmd(folder, &words(&format!("report {name}.h5 --out {name}.html"))).status.success());
+    }
+    let file = Reader::open(folder.join("e.h5")).unwrap();
+    let depth: Vec<f64> = file.values("/fields/lower_plastic_depth").unwrap();
+    assert!(depth.iter().any(|depth| *depth > 0.0));
+    assert_eq!(run(folder, "check e.h5 --rerun --json")["differing"], 0);
+    // A wall alone on a path is the wall under loads.
+    let path = run(folder, &format!("path {slab} --p-star 0.1 --steps 1 --lower-seed 2 --json"));
+    let loads = run(folder, &format!("contact {slab} --p-star 0.1 --lower-seed 2 --json"));
+    for key in ["approach", "mean_gap", "area_fraction", "elastic_energy"] {
+        let (found, wanted) = (number(&path["steps"][0][key]), number(&loads["loads"][0][key]));
+        assert!((found / wanted - 1.0).abs() < 1e-6, "{key}: {found} {wanted}");
+    }
+}
+
 #[test]
 fn what_does_not_go_together_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -168,7 +213,12 @@ fn what_does_not_go_together_is_refused() {
         ("contact --n 32 --eps-f-inv 4 --p-star 0.1 --lower-seed 2".to_owned(), ["--height", "--lower-seed"]),
         (format!("{with} --base sliding"), ["--base", "sliding"]),
         (format!("{with} --second-body 1,0.3"), ["--second-body", "--lower-seed"]),
-        (format!("{with} --law exponential --param gamma=1e-5 --param range=1e-3"), ["--law", "hard-wall"]),
+        (format!("{with} --law exponential --param gamma=1e-5,range=1e-3 --solver fire2"), ["--solver", "newton"]),
+        (format!("{} --friction 0.3", with.replace("contact", "path")), ["--friction", "--lower-seed"]),
+        (
+            format!("{} --coefficient 1 --distance 1", with.replace("contact", "path")),
+            ["--coefficient", "--lower-seed"],
+        ),
         (format!("{with} --hardness 1e-3"), ["0.001", "hardness"]),
         (format!("{with} --components all"), ["--components", "--lower-seed"]),
         (format!("{with} --finite-slope"), ["--finite-slope", "--lower-seed"]),

@@ -1,4 +1,4 @@
-//! Model of all components, in double precision.
+//! Model of all components, or of both faces of a plate, in double precision.
 
 use gfmd_relax::Visit;
 use gfmd_response::Transforms;

@@ -218,12 +218,15 @@ impl<'a, M: Model> Descent<'a, M> {
         unbalanced / largest.max(f64::MIN_POSITIVE)
     }
 
-    /// Returns true if the surface is pulled and no point attracts it any more.
+    /// Returns true if the surface is pulled and no point attracts it any more, or no point of one face of a plate.
     pub(super) fn is_apart(&mut self) -> bool {
-        let Self { frame, model, here: Placed { reaction, .. }, .. } = self;
+        let Self { interface, frame, model, here: Placed { reaction, .. }, .. } = self;
         let (traction, weight) = (reaction.traction(frame.z()), &model.weight()[frame.z() * frame.points()..]);
         let apart = |i: usize| weight[i].into() > 0.0 && traction[i].abs() < 1e-3 * frame.push.abs();
-        frame.push < 0.0 && reduce(frame.points(), &|mut range| range.all(apart), &|a, b| a && b)
+        let all =
+            |start: usize, count: usize| reduce(count, &|range| range.map(|i| start + i).all(apart), &|a, b| a && b);
+        let face = frame.points() / interface.elastic.faces();
+        frame.push < 0.0 && (0..interface.elastic.faces()).any(|index| all(index * face, face))
     }
 
     /// Finds the direction of the next step, with the given `accuracy` relative to the force.

@@ -161,7 +161,7 @@ impl QuasistaticContact {
     /// the gaps in contact show it: a pressure counts if it is lower by at most ten times the pressure that would close
     /// the largest one, or by a thousandth of the hardness, whichever is less. Reloaded to its largest load, a contact
     /// then has the hardness at all points that it had flattened, within the residuals of both states.
-    fn saturated(&self, state: &NormalState, hardness: &Hardness) -> f64 {
+    pub(super) fn saturated(&self, state: &NormalState, hardness: &Hardness) -> f64 {
         let [_, stiffest] = self.normal.stiffness_range();
         let pressure = state.pressure();
         let accuracy = match state {

@@ -89,7 +89,7 @@ impl Losses {
         self.and(other.times(-1.0))
     }
 
-    fn times(self, unit: f64) -> Self {
+    pub(crate) fn times(self, unit: f64) -> Self {
         Self {
             relaxation: self.relaxation * unit,
             friction: self.friction * unit,

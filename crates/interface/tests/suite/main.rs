@@ -14,6 +14,7 @@ mod path;
 mod plastic;
 mod relaxing;
 mod small_loads;
+mod squeezed;
 mod stiffness;
 mod wear;
 

@@ -10,7 +10,7 @@ use gfmd_contact::{
     SteepContact, Visit,
 };
 use gfmd_green::BaseKind;
-use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, StoredFields, Wear};
+use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, Squeezed, StoredFields, Wear};
 use gfmd_law::LawKind;
 use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Support, Task, Unknown, WearBy, pose, rules_of};
 use gfmd_problem::{rules_of_sliding, table};
@@ -50,6 +50,15 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     same(&solved(Facts { hardness: true, ..facts }), &hard);
     let held = SqueezedContact::held_sideways(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
     same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
+    let facts = Facts { law: LawKind::Exponential, ..facts };
+    let law = || Arc::clone(&Parts::of(facts).law);
+    let glued = Squeezed::new(&slab.body, &slab.grid, &slab.heights, lower, law()).unwrap();
+    same(&solved(facts), &glued.press(load).solve().unwrap());
+    let hard = glued.with_hardness(0.04).unwrap().press(load).solve().unwrap();
+    same(&solved(Facts { hardness: true, ..facts }), &hard);
+    let held = Squeezed::held_sideways(&slab.body, &slab.grid, &slab.heights, lower, law()).unwrap();
+    same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
+    assert!(solved(facts).law().is_some() && solved(facts).lower_law().is_some());
     assert!(state.lower().is_some());
     assert!(state.steep().is_none());
     assert!(state.plastic_depth().is_none());
@@ -123,11 +132,16 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
     };
     let drives = [0.004, 0.01, 0.02].map(drive);
     let on_path = Facts { task: Task::Path, ..Facts::default() };
+    let between = Facts { lower: Some(Lower::Seed), support: Support::Slab(BaseKind::Bonded), ..on_path };
     for facts in [
         Facts { hardness: true, ..on_path },
         Facts { friction: Some(Friction::Coulomb), ..on_path },
         Facts { law: LawKind::Exponential, ..on_path },
         Facts { wear: Some(WearBy::Distance), ..on_path },
+        Facts { hardness: true, ..between },
+        Facts { law: LawKind::Exponential, hardness: true, ..between },
+        Facts { law: LawKind::Exponential, ..between },
+        between,
     ] {
         let parts = Parts::of(facts);
         let given = parts.given();
@@ -139,6 +153,14 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         let lost: Vec<_> = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap().dissipated).collect();
         let Parts { body, grid, heights, .. } = &parts;
         let direct: Vec<_> = match (facts.law, facts.wear.is_some()) {
+            _ if facts.lower.is_some() => {
+                let law = Some(Arc::clone(&parts.law));
+                let hardness = facts.hardness.then(|| 0.04.into());
+                let all = gfmd_interface::Parts { law, hardness, ..gfmd_interface::Parts::new(body, grid, heights) };
+                let contact = Squeezed::on_path(&all, parts.lower.as_ref().unwrap()).unwrap();
+                let mut direct = Path::new(&contact, Budget::default(), refinement);
+                drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
+            }
             (LawKind::Exponential, _) => {
                 let contact = Interface::new(body, grid, heights, Arc::clone(&parts.law)).unwrap();
                 let mut direct = Path::new(&contact, Budget::default(), Refinement::default());
@@ -185,20 +207,29 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
         Facts { finite_slope: true, ..Facts::default() },
         Facts { law: LawKind::Exponential, ..Facts::default() },
         Facts { lower: Some(Lower::Seed), support: Support::Slab(BaseKind::Bonded), ..Facts::default() },
+        Facts {
+            lower: Some(Lower::Seed),
+            support: Support::Slab(BaseKind::Bonded),
+            law: LawKind::Exponential,
+            ..Facts::default()
+        },
     ];
     let posed: Vec<_> = kinds.iter().map(|facts| pose(&Parts::of(*facts).given()).unwrap()).collect();
     let mut states: Vec<_> = posed.iter().map(|problem| problem.press(load).solve().unwrap()).collect();
     for (index, problem) in posed.iter().enumerate() {
         let state = &states[index];
         let pressure = state.pressure().into_owned();
-        let lower = state.lower().map(|lower| lower.pressure.clone());
+        let lower = state
+            .lower()
+            .map(|lower| (lower.pressure().into_owned(), lower.displacement_z().to_owned(), lower.gap().to_owned()));
         let gap = state.gap().to_owned();
         let (displacement, approach) = (state.displacement_z().to_owned(), state.approach());
         let fields: Vec<_> = (problem.basis().iter())
             .map(|name| match *name {
                 "pressure" => &*pressure,
                 "gap" => &*gap,
-                "lower_pressure" => &**lower.as_ref().unwrap(),
+                "lower_pressure" => &lower.as_ref().unwrap().0,
+                "lower_gap" => &lower.as_ref().unwrap().2,
                 other => panic!("{other}"),
             })
             .collect();
@@ -206,7 +237,13 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
         assert!(certified.worst() <= 1e-8, "{:?}: {}", kinds[index], certified.worst());
         assert!(matches!(problem.certify(&[], load.into()), Err(Refusal::Basis { found: 0, .. })));
         let kept = StoredFields { pressure: &pressure, displacement_z: &displacement, gap: &gap, approach };
-        let recalled = problem.recall(kept, lower.as_deref()).unwrap();
+        let below = lower.as_ref().map(|(pressure, displacement_z, gap)| StoredFields {
+            pressure,
+            displacement_z,
+            gap,
+            approach: f64::NAN,
+        });
+        let recalled = problem.recall(kept, below).unwrap();
         let from = problem.press(load).starting_from(Some(&recalled)).solve().unwrap();
         assert!(from.worst() <= 1e-8, "{:?}: {}", kinds[index], from.worst());
         let mut checkpoint = MemoryCheckpoint::default();

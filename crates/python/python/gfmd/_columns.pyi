@@ -16,9 +16,9 @@ class Residuals(Record):
 
     @property
     def complementarity(self) -> float:
-        """Without unit: sum(p gap) / (sum(p) h_rms), from the final fields. With `lower_surface`: sum(p gap) /
-        (sum(p) h_rms), from the final fields, the larger of the two faces. With `law`: sum(p gap) / (sum(p) h_rms)
-        with p the pressure of the wall, from the final fields.
+        """Without unit: sum(p gap) / (sum(p) h_rms), from the final fields. With `law` or `lower_surface`: sum(p
+        gap) / (sum(p) h_rms), from the final fields, the larger of the two faces. With `law`: sum(p gap) / (sum(p)
+        h_rms) with p the pressure of the wall, from the final fields.
         """
 
     @property
@@ -29,18 +29,18 @@ class Residuals(Record):
 
     @property
     def negative_pressure(self) -> float:
-        """Without unit: max(0, -min p) / mean p, from the final fields. With `lower_surface`: max(0, -min p) / mean
-        p, from the final fields, the larger of the two faces. With `law`: largest tension that the wall would have
-        to hold, from the final fields, / the stress scale (the largest traction, or the softest stiffness times
-        h_rms if more).
+        """Without unit: max(0, -min p) / mean p, from the final fields. With `law` or `lower_surface`: max(0, -min
+        p) / mean p, from the final fields, the larger of the two faces. With `law`: largest tension that the wall
+        would have to hold, from the final fields, / the stress scale (the largest traction, or the softest stiffness
+        times h_rms if more).
         """
 
     @property
     def load(self) -> float:
-        """Without unit: |mean p - asked| / asked, from the final fields. With `lower_surface`: |mean p - asked| /
-        asked, the larger of the two faces; if the approach is prescribed the difference of their mean pressures over
-        its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed, / the stress
-        scale (the largest traction, or the softest stiffness times h_rms if more).
+        """Without unit: |mean p - asked| / asked, from the final fields. With `law` or `lower_surface`: |mean p -
+        asked| / asked, the larger of the two faces; if the approach is prescribed the difference of their mean
+        pressures over its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed,
+        / the stress scale (the largest traction, or the softest stiffness times h_rms if more).
         """
 
     @property
@@ -112,7 +112,7 @@ class LowerFace(Record):
 
     @property
     def residual(self) -> Residual:
-        """Residuals, recomputed from the final fields; `float(...)` is the largest."""
+        """Residuals, recomputed from the final fields; `float(...)` is the largest. In some problems only."""
 
 class Numbers(Record):
     """The numbers of a load."""
@@ -209,7 +209,9 @@ class Numbers(Record):
 
     @property
     def interface_energy(self) -> float:
-        """Stress * length: energy of the contact law per area of the surface, zero far away. With `law` only."""
+        """Stress * length: energy of the contact law per area of the surface, zero far away. With `lower_surface`:
+        energy of the law at both faces per area of the slab, zero far away. With `law` only.
+        """
 
     @property
     def passed_instability(self) -> bool:
@@ -494,8 +496,8 @@ class Fields:
 
     @property
     def lower_pressure(self) -> Optional[Array]:
-        """Stress [x, y]: pressure on the lower face of the slab. With `lower_surface` only, otherwise None.
-        Read-only.
+        """Stress [x, y]: pressure on the lower face of the slab. With `law`: pressure on the lower face of the slab;
+        attraction is negative. With `lower_surface` only, otherwise None. Read-only.
         """
 
     @property
@@ -517,6 +519,12 @@ class Fields:
         """
 
     @property
+    def lower_repulsion(self) -> Optional[Array]:
+        """Stress [x, y]: repulsive pressure on the lower face of the slab, without attraction. With `law` and
+        `lower_surface` only, otherwise None. Read-only.
+        """
+
+    @property
     def repulsion(self) -> Optional[Array]:
         """Stress [x, y]: repulsive pressure, without attraction; positive at the points in contact. With `law` only,
         otherwise None. Read-only.
@@ -535,7 +543,9 @@ class Steps(Record):
 
     @property
     def approach(self) -> Array:
-        """Length [step]: rigid approach beyond first touch."""
+        """Length [step]: rigid approach beyond first touch. With `lower_surface`: approach of the two rigid surfaces
+        beyond the distance at which both touch the undeformed slab.
+        """
 
     @property
     def time(self) -> Array:
@@ -591,12 +601,15 @@ class Steps(Record):
     def elastic_energy(self) -> Array:
         """Stress * length [step]: elastic energy per area of the surface. With `yield_stress`: elastic energy per
         area of the surface, with the energy of residual stress. With `prony`: energy stored in the springs of all
-        branches, per area of the surface.
+        branches, per area of the surface. With `lower_surface`: elastic energy of the slab per area, by the
+        pressures on both faces.
         """
 
     @property
     def interface_energy(self) -> Array:
-        """Stress * length [step]: energy of the law per area of the surface, zero far away; NaN if it has none."""
+        """Stress * length [step]: energy of the law per area of the surface, zero far away; NaN if it has none. With
+        `lower_surface`: energy of the law at both faces per area of the slab, zero far away.
+        """
 
     @property
     def dissipated(self) -> Array:
@@ -737,7 +750,9 @@ class Steps(Record):
 
     @property
     def residual_penetration(self) -> Array:
-        """Without unit [step]: max(0, -min gap) / h_rms, from the final fields."""
+        """Without unit [step]: max(0, -min gap) / h_rms, from the final fields. With `lower_surface`: max(0, -min
+        gap) / h_rms, from the final fields, the larger of the two faces.
+        """
 
     @property
     def residual_negative_pressure(self) -> Array:
@@ -749,9 +764,10 @@ class Steps(Record):
 
     @property
     def residual_load(self) -> Array:
-        """Without unit [step]: |mean p - asked| / asked, from the final fields. With `law`: |mean p - asked| from
-        the final fields, 0 if the approach is prescribed, / the stress scale (the largest traction, or the softest
-        stiffness times h_rms if more).
+        """Without unit [step]: |mean p - asked| / asked, from the final fields. With `law` or `lower_surface`: |mean
+        p - asked| / asked, the larger of the two faces; if the approach is prescribed the difference of their mean
+        pressures over its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed,
+        / the stress scale (the largest traction, or the softest stiffness times h_rms if more).
         """
 
     @property
@@ -764,7 +780,9 @@ class Steps(Record):
 
     @property
     def residual_saturation(self) -> Array:
-        """Without unit [step]: largest gap / h_rms where the pressure is the hardness. With `hardness` only."""
+        """Without unit [step]: largest gap / h_rms where the pressure is the hardness. With `lower_surface`: largest
+        gap / h_rms where the pressure is the hardness, the larger of the two faces. With `hardness` only.
+        """
 
     @property
     def residual_yield(self) -> Array:
@@ -869,6 +887,10 @@ class Steps(Record):
         """Without unit [step]: largest of what is missing in a cell and the deviations of sections and power, over
         the mean flow. With `flow` only.
         """
+
+    @property
+    def lower(self) -> Array:
+        """Stress [step, 2]: mean pressure over the whole lower surface. With `lower_surface` only."""
 
     @property
     def mean_pressure_limit(self) -> Array:
@@ -1070,6 +1092,30 @@ class StepFields(Record):
     @property
     def shear_y(self) -> Array:
         """Stress [waypoint, x, y]: shear traction on the elastic surface along y. In some problems only. Read-only."""
+
+    @property
+    def lower_pressure(self) -> Array:
+        """Stress [waypoint, x, y]: pressure on the lower face of the slab. With `law`: pressure on the lower face of
+        the slab; attraction is negative. With `lower_surface` only. Read-only.
+        """
+
+    @property
+    def lower_displacement_z(self) -> Array:
+        """Length [waypoint, x, y]: normal displacement of the lower face of the slab, positive upwards. With
+        `lower_surface` only. Read-only.
+        """
+
+    @property
+    def lower_gap(self) -> Array:
+        """Length [waypoint, x, y]: distance between the lower face of the slab and the lower surface. With
+        `lower_surface` only. Read-only.
+        """
+
+    @property
+    def lower_plastic_depth(self) -> Array:
+        """Length [waypoint, x, y]: depth by which the lower face and surface were pressed into each other so far.
+        With `hardness` and `lower_surface` only. Read-only.
+        """
 
 class Patches(Record):
     """The patches of points in contact, as `gfmd contact --statistics` measures them."""

@@ -64,6 +64,8 @@ class PathOptions(TypedDict, total=False):
     """Arguments of `path` beside those of `friction` and `wear`."""
 
     stress_unit: Optional[str]
+    lower_surface: Optional[Surface | npt.ArrayLike]
+    lower_seed: Optional[int]
     cells: Quantity
     coarsening: Optional[Sequence[int]]
     kept_strain: Literal["last", "waypoints"]

@@ -22,7 +22,7 @@ from ._load import Residual, residual_of
 from ._parts import Wear, wear_keys
 from ._record import Record, by_name, without_null
 from ._result import Computed
-from ._surface import Surface, as_hardness, as_surface
+from ._surface import Surface, as_hardness, as_lower, as_surface
 from ._units import known
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ class Path(Leaks, Computed, StepFields):
         steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints
             that were not reached.
         hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
+        lower_surface: the given second surface, a `Surface`; with one only.
         wear: the given wear, a `Wear`; with wear only, as are
         coefficient: its coefficient as a number, 1/stress, and
         wear_volume: mean depth lost at the end, length; None if no step was solved.
@@ -356,6 +357,7 @@ def path(
     friction_of: Literal["repulsion", "net"] | str = "repulsion",
     wear: Optional[Wear] = None,
     hardness: Quantity | npt.ArrayLike | None = None,
+    lower_surface: Surface | npt.ArrayLike | None = None,
     cells: Any = None,
     coarsening: Any = None,
     kept_strain: Literal["last", "waypoints"] | str = "last",
@@ -397,6 +399,7 @@ def path(
         wear: wear of both surfaces, a `Wear`, by the distances given as `distance` or by their own slip.
         hardness: largest pressure, stress, as in `contact`; the plastic depth is kept. Beside a law it limits the
             pressure on the body, the repulsion less the attraction.
+        lower_surface: a second rigid surface below a slab, as in `contact`; law and hardness act at both faces.
         cells: cells below the surface of a body that yields (`Body(yield_stress=...)`), in which the plastic strain is
             constant in depth: "graded:0.5,1.12,3" by default (thickness of the first one in grid steps, thickness
             divided by the thickness above, depth divided by the grid step of the cell), "uniform:N,DEPTH", or the
@@ -477,6 +480,9 @@ def path(
         problem.update(_command.law_keys(given))
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
+    lower = as_lower(lower_surface, made)
+    if lower is not None:
+        arrays["lower_surface"] = lower.heights
     problem.update(size=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))
     problem.update(_command.plasticity_keys(elastic))
     values, failure, fields, file = _command.solve("path", problem, arrays, threads, out, made)
@@ -485,6 +491,8 @@ def path(
         reported["hardness"] = bound
     if wear is not None:
         reported["wear"] = wear
+    if lower is not None:
+        reported["lower_surface"] = lower
     result = Path({**reported, "unit": made.unit, "surface": made, **fields}, file)
     return _command.ended(result, failure)
 

@@ -30,6 +30,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "interface_energy",
         "stress*length",
         &[
+            (between, "energy of the law at both faces per area of the slab, zero far away"),
             (path, "energy of the law per area of the surface, zero far away; NaN if it has none"),
             (any, "energy of the contact law per area of the surface, zero far away"),
         ],

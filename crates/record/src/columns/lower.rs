@@ -1,11 +1,9 @@
 //! Lower face of a slab between two surfaces.
 
-use gfmd_contact::Fields as _;
-
 use super::Column;
-use crate::Cell;
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, between, hard_between};
+use crate::when::{any, between, hard_between, hardness, path, wall_between};
+use crate::{Cell, StateContext};
 
 /// Column of the lower face of a slab between two surfaces.
 macro_rules! lower {
@@ -26,10 +24,10 @@ macro_rules! lower {
 macro_rules! lower_residual {
     ($name:ident, $meaning:literal) => {
         Column::new(concat!("lower_residual_", stringify!($name)), "1", &[(any, $meaning)], |at| {
-            at.rest.and_then(|rest| rest.lower()).map_or(f64::NAN, |face| face.residual.$name).into()
+            at.rest.and_then(|rest| rest.lower_wall()).map_or(f64::NAN, |face| face.residual.$name).into()
         })
         .at(concat!("lower.residual.", stringify!($name)))
-        .with(between)
+        .with(wall_between)
         .by(Origin::Residual)
     };
 }
@@ -39,7 +37,7 @@ pub(super) const COLUMNS: &[Column] =
     &[
         lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary
             .mean_pressure),
-        lower!("approach", "length", "part of the approach at the lower face", |face, summary| face.approach).on(
+        lower!("approach", "length", "part of the approach at the lower face", |face, summary| face.approach()).on(
             Table::LowerFace,
             "approach",
             Form::Size,
@@ -74,18 +72,25 @@ pub(super) const COLUMNS: &[Column] =
             "mean pressure over the points in contact at the lower face",
             |face, summary| summary.mean_pressure_in_contact
         ),
-        lower!(
-            "plastic_fraction",
+        Column::new(
+            "lower_plastic_fraction",
             "1",
-            "points of the lower face whose pressure is the hardness over all points",
-            |face, summary| face.plastic.as_ref().map_or(f64::NAN, |plastic| plastic.fraction)
+            &[(any, "points of the lower face whose pressure is the hardness over all points")],
+            |at| plastic(at).map_or(f64::NAN, |(fraction, _)| fraction).into(),
         )
+        .at("lower.plastic_fraction")
         .with(hard_between)
         .on(Table::LowerFace, "plastic", Form::Share),
-        lower!("plastic_volume", "length", "mean plastic depth over the whole lower face", |face, summary| face
-            .plastic
-            .as_ref()
-            .map_or(f64::NAN, |plastic| plastic.volume))
+        Column::new(
+            "lower_plastic_volume",
+            "length",
+            &[
+                (path, "mean plastic depth over the whole lower face so far"),
+                (any, "mean plastic depth over the whole lower face"),
+            ],
+            |at| plastic(at).map_or(f64::NAN, |(_, volume)| volume).into(),
+        )
+        .at("lower.plastic_volume")
         .with(hard_between)
         .on(Table::LowerFace, "depth", Form::Size),
         lower_residual!(complementarity, "sum(p gap) / (sum(p) h_rms) of the lower face"),
@@ -97,11 +102,16 @@ pub(super) const COLUMNS: &[Column] =
             "1",
             &[(any, "largest gap / h_rms where the pressure is the hardness, of the lower face")],
             |at| {
-                let plastic = at.rest.and_then(|rest| rest.lower()).and_then(|face| face.plastic.as_ref());
+                let plastic = at.rest.and_then(|rest| rest.lower_wall()).and_then(|face| face.plastic.as_ref());
                 plastic.map_or(f64::NAN, |plastic| plastic.saturation).into()
             },
         )
         .at("lower.residual.saturation")
-        .with(hard_between)
+        .with(|facts| wall_between(facts) && hardness(facts))
         .by(Origin::Residual),
     ];
+
+/// Returns plastic fraction and volume of the lower face.
+fn plastic(at: &StateContext) -> Option<(f64, f64)> {
+    at.rest.and_then(|rest| rest.lower_plastic_fraction_and_volume())
+}

@@ -30,7 +30,7 @@ pub struct SceneFields {
 impl SceneFields {
     /// Returns the fields of a state. The displacement `lift` of a moving base is added to the level of the surface,
     /// and a plastic `depth` is subtracted.
-    pub fn of(state: &impl Fields, lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
+    pub fn of(state: &(impl Fields + ?Sized), lift: Option<&Array2<f64>>, depth: Option<&Array2<f64>>) -> Self {
         let mut level = contiguous(&state.displacement_z()).into_owned();
         let mut add = |field: Option<&Array2<f64>>, sign: f64| {
             let values = field.into_iter().flatten();
@@ -58,7 +58,7 @@ impl SceneFields {
     }
 
     /// Returns the fields of the contact with a lower surface, with a plastic `depth`, in the frame of that surface.
-    pub fn below(state: &impl Fields, depth: Option<&Array2<f64>>) -> Self {
+    pub fn below(state: &dyn Fields, depth: Option<&Array2<f64>>) -> Self {
         let mut shown = Self::of(state, None, depth);
         shown.level.iter_mut().for_each(|level| *level = -*level);
         shown

@@ -7,7 +7,7 @@ use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, 
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
 };
-use gfmd_problem::{Accuracy, AnyState, Facts, GridError, Lower, MovedBase, Posed, Unknown, key, setting, words};
+use gfmd_problem::{Accuracy, AnyState, Facts, GridError, MovedBase, Posed, Unknown, key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
@@ -120,11 +120,7 @@ impl ContactArgs {
             boundary: self.boundary,
             unknown: self.components,
             finite_slope: self.finite_slope,
-            lower: match (&self.lower.lower_surface, self.lower.lower_seed) {
-                (Some(_), _) => Some(Lower::Surface),
-                (_, Some(_)) => Some(Lower::Seed),
-                _ => None,
-            },
+            lower: self.lower.fact(),
             moved_base: match (&self.base.base_displacement, &self.base.base_traction) {
                 (Some(_), _) => Some(MovedBase::Displacement),
                 (_, Some(_)) => Some(MovedBase::Traction),

@@ -477,8 +477,9 @@ impl Case {
             text.push_str(" --boundary free");
         }
         let modulus = body.contact_modulus();
+        let between = has_lower && !is_steep && components != Components::All;
         let may_have_law = plain || components == Components::Held && !has_lower;
-        let has_law = (may_have_law && dice.chance(0.3)) || wild(dice, 0.3);
+        let has_law = (may_have_law && dice.chance(0.3)) || (between && dice.chance(0.4)) || wild(dice, 0.3);
         let size = gradient * length_x;
         let law = has_law.then(|| {
             let gamma = short(modulus * size * gradient * dice.scale(0.01, 0.1));
@@ -506,8 +507,9 @@ impl Case {
         if let Some(law) = &law {
             let _ = write!(text, " {}", law.words());
         }
-        let has_hardness =
-            may_have_law && law.is_none() && dice.chance(0.25) || wild(dice, 0.2) || has_lower && dice.chance(0.4);
+        let has_hardness = may_have_law && law.is_none() && dice.chance(0.25)
+            || wild(dice, 0.2)
+            || has_lower && law.is_none() && dice.chance(0.4);
         let hardness = has_hardness.then(|| {
             let most = short(modulus * gradient * dice.scale(0.2, 2.0));
             if dice.chance(0.6) {

@@ -1,0 +1,85 @@
+//! Contacts of both faces of a plate.
+
+use std::sync::Arc;
+
+use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
+use gfmd_green::Plate;
+use gfmd_law::{HardWall, InUnits, Law};
+
+use super::normal::{Normal, NormalState};
+use super::{Parts, QuasistaticContact, QuasistaticState};
+use crate::Interface;
+
+impl QuasistaticContact {
+    /// Creates the contact of both faces of a plate as one ([`Squeezed`](crate::Squeezed)); a hardness has the points
+    /// of both faces, and the heights of the parts are not used.
+    pub(crate) fn squeezed(parts: &Parts, surfaces: &[Arc<RigidSurface>; 2]) -> Result<Self, Refusal> {
+        let Parts { body, boundary, law, all_components, hardness, shear, relaxation, wear, .. } = parts;
+        for (is_given, with) in [
+            (*boundary == Boundary::Free, "free boundaries"),
+            (*all_components, "all components of the displacement"),
+            (shear.is_some(), "a limit of the shear"),
+            (relaxation.is_some(), "a body that relaxes"),
+            (wear.is_some(), "wear"),
+        ] {
+            if is_given {
+                return Err(Refusal::NoWall { part: "a lower surface is", with });
+            }
+        }
+        let given = Arc::new(RigidSurface::stacked(&surfaces[0], &surfaces[1])?);
+        let units = Units::of(body, &given)?;
+        let (stress, length) = (units.stress(), units.length());
+        let law = law.clone().unwrap_or_else(|| HardWall.into_shared());
+        let law = if units.are_one() { law } else { InUnits::new(law, stress, length).into_shared() };
+        let (scaled, hardness) = (units.surface(&given), hardness.as_ref().map(|h| h.times(1.0 / stress)));
+        let interface = Interface::of_plate(Plate::of, &units.body(body), &scaled, law)?;
+        let interface = match &hardness {
+            Some(hardness) => interface.with_hardness(hardness.clone())?,
+            None => interface,
+        };
+        Ok(Self {
+            normal: Normal::Law(interface),
+            medium: None,
+            hardness,
+            shear: None,
+            response: None,
+            wear: None,
+            all_components: false,
+            scaled,
+            given,
+            contact_modulus: body.contact_modulus(),
+            units,
+        })
+    }
+
+    /// Returns the interface of a contact with a law.
+    pub(crate) fn interface(&self) -> Option<&Interface> {
+        if let Normal::Law(interface) = &self.normal { Some(interface) } else { None }
+    }
+
+    /// Returns a face, 0 for the upper one, of the state of both faces of a plate.
+    pub(crate) fn face(&self, both: &QuasistaticState, face: usize, surface: &Arc<RigidSurface>) -> QuasistaticState {
+        let normal = match (&both.normal, &self.normal) {
+            (NormalState::Law(state), Normal::Law(interface)) => {
+                NormalState::Law(interface.face_of(state, face, surface, self.units.length()))
+            }
+            (state, _) => state.clone(),
+        };
+        let part = |field: &ndarray::Array2<f64>| {
+            let rows = field.nrows() / 2;
+            field.slice(ndarray::s![face * rows..(face + 1) * rows, ..]).to_owned()
+        };
+        // The hardness of both faces is the same, point by point.
+        let hardness = self.hardness.as_ref().map(|hardness| hardness.times(self.units.stress()));
+        QuasistaticState {
+            plastic_fraction: hardness.map_or(0.0, |hardness| self.saturated(&normal, &hardness)),
+            normal,
+            worn: both.worn.as_ref().map(part),
+            pressed_in: both.pressed_in.as_ref().map(part),
+            elastic_energy: 2.0 * both.elastic_energy,
+            losses: both.losses.times(2.0),
+            work_imbalance: 2.0 * both.work_imbalance,
+            ..both.clone()
+        }
+    }
+}

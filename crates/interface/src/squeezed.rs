@@ -1,0 +1,454 @@
+//! Laws at both faces of a plate between two rough rigid surfaces (theory.md, section 8.4).
+//!
+//! Both faces are one contact with twice the points: the fields of the lower face, seen from outside the
+//! plate, follow the fields of the upper one. Half of the approach acts on each face, and the shift of the plate as a whole is one more
+//! unknown, with no stiffness of its own.
+
+use std::sync::Arc;
+
+use gfmd_contact::{
+    Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError, Solver,
+    Stiffness, Visit,
+};
+use gfmd_field::Grid;
+use gfmd_green::{Body, GreenError, Plate};
+use gfmd_law::Law;
+use gfmd_measure::{Scales, Summary};
+use gfmd_relax::{Budget, Watch};
+use ndarray::{Array2, ArrayRef2, ArrayView2, Axis, CowArray, Ix2, concatenate, s};
+
+use crate::quasistatic::{Parts, QuasistaticContact, QuasistaticState, StiffnessError};
+use crate::{Interface, Loss, Quasistatic, Reading, State, StoredFields, Trapping};
+
+/// Slab, or stack of layers, between two rigid surfaces, with one law at both faces. Nothing else holds the slab: the
+/// mean pressures on its two faces are equal. `C` is the contact of both faces as one: an [`Interface`] under loads, a
+/// [`QuasistaticContact`] along a path. Clones share the data.
+#[derive(Clone, Debug)]
+pub struct Squeezed<C> {
+    contact: C,
+    surfaces: [Arc<RigidSurface>; 2],
+}
+
+/// State of a [`Squeezed`] contact. Each face has its fields, its mean pressure and its part of the approach.
+/// Displacements are measured from the level at which the mean displacements of the two faces are opposite, positive
+/// out of the plate. In both faces, energies, losses, residuals and effort belong to the whole plate.
+#[derive(Clone, Debug)]
+pub struct SqueezedState<S> {
+    /// Both faces as one.
+    both: S,
+    /// Contact with the upper surface.
+    pub upper: S,
+    /// Contact with the lower surface, seen from below.
+    pub lower: S,
+    /// Approach of the two rigid surfaces to each other beyond the distance at which both touch the undeformed slab.
+    pub approach: f64,
+}
+
+/// Contact of both faces of a plate as one. Its approach and its energies per area are half the values of the plate.
+pub trait Stacked: Quasistatic + Resumable {
+    /// Returns the law at both faces.
+    fn interface(&self) -> Option<&Interface>;
+
+    /// Returns a face, 0 for the upper one, of a state.
+    fn face(&self, both: &Self::State, face: usize, surface: &Arc<RigidSurface>) -> Self::State;
+
+    /// Returns the names of the fields that determine a state.
+    fn basis(&self) -> &'static [&'static str];
+
+    /// Computes the state of the basis fields.
+    ///
+    /// # Errors
+    /// Returns an error for fields that do not fit the grid, or an invalid drive.
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Self::State, Refusal>;
+
+    /// Restores a state from stored fields.
+    ///
+    /// # Errors
+    /// Returns an error for fields that do not fit the grid.
+    fn recall(&self, stored: StoredFields<'_>) -> Result<Self::State, Refusal>;
+
+    /// Computes the stiffness of a state.
+    ///
+    /// # Errors
+    /// Returns the reason why there is none.
+    fn stiffness(&self, state: &Self::State, tolerance: f64) -> Result<Stiffness, StiffnessError>;
+}
+
+impl Stacked for Interface {
+    fn interface(&self) -> Option<&Interface> {
+        Some(self)
+    }
+
+    fn face(&self, both: &State, face: usize, surface: &Arc<RigidSurface>) -> State {
+        self.face_of(both, face, surface, self.units.length())
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        Interface::basis(self)
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
+        self.certify_fields(fields, drive)
+    }
+
+    fn recall(&self, stored: StoredFields<'_>) -> Result<State, Refusal> {
+        Interface::recall(self, stored)
+    }
+
+    fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, StiffnessError> {
+        Ok(Interface::stiffness(self, state, tolerance)?)
+    }
+}
+
+impl Stacked for QuasistaticContact {
+    fn interface(&self) -> Option<&Interface> {
+        self.interface()
+    }
+
+    fn face(&self, both: &QuasistaticState, face: usize, surface: &Arc<RigidSurface>) -> QuasistaticState {
+        self.face(both, face, surface)
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        QuasistaticContact::basis(self)
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<QuasistaticState, Refusal> {
+        QuasistaticContact::certify(self, fields, drive)
+    }
+
+    fn recall(&self, stored: StoredFields<'_>) -> Result<QuasistaticState, Refusal> {
+        QuasistaticContact::recall(self, stored)
+    }
+
+    fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, StiffnessError> {
+        QuasistaticContact::stiffness(self, state, tolerance)
+    }
+}
+
+impl Interface {
+    /// Returns a face, 0 for the upper one, of the state of both faces of a plate, which is in this unit of `length`.
+    pub(crate) fn face_of(&self, both: &State, face: usize, surface: &Arc<RigidSurface>, length: f64) -> State {
+        let rows = both.gap.nrows() / 2;
+        let part = |field: &Array2<f64>| field.slice(s![face * rows..(face + 1) * rows, ..]).to_owned();
+        let means = |field: &ndarray::Array3<f64>| {
+            [0, 1].map(|face| field.slice(s![.., face * rows..(face + 1) * rows, ..]).mean().unwrap_or(f64::NAN))
+        };
+        let [above, below] = means(&both.displacement);
+        let shift = if face == 0 { 0.5 * (above - below) } else { 0.5 * (below - above) };
+        let tractions = means(&both.traction);
+        let vectors = |field: &ndarray::Array3<f64>| field.slice(s![.., face * rows..(face + 1) * rows, ..]).to_owned();
+        let (gap, wall_pressure) = (part(&both.gap), part(&both.wall_pressure));
+        let touching = match self.law.has_wall() {
+            true => wall_pressure.iter().filter(|pressure| **pressure > 0.0).count(),
+            false => gap.iter().filter(|gap| self.law.traction(**gap / length, [0.0; 2])[2] < 0.0).count(),
+        };
+        State {
+            displacement: vectors(&both.displacement) - shift,
+            traction: vectors(&both.traction),
+            contact_fraction: touching as f64 / gap.len() as f64,
+            gap,
+            wall_pressure,
+            pressed_in: both.pressed_in.as_ref().map(part),
+            mean_pressure: both.mean_pressure + 0.5 * (tractions[1 - face] - tractions[face]),
+            approach: both.approach + shift,
+            elastic_energy: 2.0 * both.elastic_energy,
+            interface_energy: 2.0 * both.interface_energy,
+            surface: Arc::clone(surface),
+            ..both.clone()
+        }
+    }
+}
+
+/// Returns the surfaces of both faces.
+fn surfaces(grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<[Arc<RigidSurface>; 2], Refusal> {
+    Ok([RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()])
+}
+
+/// Returns the hardness of both faces.
+fn of_both(hardness: &Hardness, surface: &RigidSurface) -> Result<Hardness, Refusal> {
+    let Hardness::Field(field) = hardness else { return Ok(hardness.clone()) };
+    let (found, expected) = (field.dim().into(), surface.grid().points());
+    if found != expected {
+        return Err(Refusal::HardnessShape { found, expected });
+    }
+    Ok(Hardness::Field(stacked(field, field)))
+}
+
+fn stacked(upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Array2<f64> {
+    concatenate(Axis(0), &[upper.view(), lower.view()]).expect("the fields of both faces have one shape")
+}
+
+impl Squeezed<Interface> {
+    /// Creates the contact of the layers of `body`, without its base, with two rigid profiles on `grid`: `upper` above
+    /// the slab and `lower` below it, each in length with peaks towards the slab. Points with the same indices lie
+    /// above each other, and a constant in the heights has no effect.
+    ///
+    /// # Errors
+    /// Returns an error for a body that is no slab and no stack of layers, and for heights that differ in shape from
+    /// the grid or are not finite.
+    pub fn new(
+        body: &Body,
+        grid: &Grid,
+        upper: &ArrayRef2<f64>,
+        lower: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::of_plate(Plate::of, body, surfaces(grid, upper, lower)?, law)
+    }
+
+    /// Creates the contact as [`new`](Self::new) of a slab whose faces have no lateral displacement: the two surfaces
+    /// hold all their points sideways.
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new).
+    pub fn held_sideways(
+        body: &Body,
+        grid: &Grid,
+        upper: &ArrayRef2<f64>,
+        lower: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::of_plate(Plate::held_sideways, body, surfaces(grid, upper, lower)?, law)
+    }
+
+    fn of_plate(
+        plate: impl FnOnce(&Body) -> Result<Plate, GreenError>,
+        body: &Body,
+        surfaces: [Arc<RigidSurface>; 2],
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        let given = RigidSurface::stacked(&surfaces[0], &surfaces[1])?.into();
+        Ok(Self { contact: Interface::of_plate(plate, body, &given, law)?, surfaces })
+    }
+
+    /// Sets the hardness of both faces, as [`Interface::with_hardness`]; a field has the points of one face.
+    ///
+    /// # Errors
+    /// Returns an error as [`Interface::with_hardness`].
+    pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
+        let hardness = of_both(&hardness.into(), &self.surfaces[0])?;
+        Ok(Self { contact: self.contact.with_hardness(hardness)?, ..self })
+    }
+}
+
+impl Squeezed<QuasistaticContact> {
+    /// Creates the contact of these parts with a second surface `lower` below the slab, along a path; a hard wall
+    /// without a law. A hardness has the points of one face.
+    ///
+    /// # Errors
+    /// Returns an error as [`QuasistaticContact::new`] and [`Squeezed::new`], and for shear, wear, a body that relaxes,
+    /// and free boundaries.
+    pub fn on_path(parts: &Parts, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let surfaces = surfaces(parts.grid, parts.heights, lower)?;
+        let hardness = parts.hardness.as_ref().map(|hardness| of_both(hardness, &surfaces[0])).transpose()?;
+        let contact = QuasistaticContact::squeezed(&Parts { hardness, ..parts.clone() }, &surfaces)?;
+        Ok(Self { contact, surfaces })
+    }
+}
+
+impl<C: Stacked> Squeezed<C> {
+    /// Returns the rigid surfaces: the upper, then the lower.
+    pub fn surfaces(&self) -> [&RigidSurface; 2] {
+        self.surfaces.each_ref().map(|surface| &**surface)
+    }
+
+    /// Returns a warning if the law is too steep for the grid ([`Interface::trapping`]).
+    pub fn trapping(&self) -> Option<Trapping> {
+        self.contact.interface().and_then(Interface::trapping)
+    }
+
+    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state.
+    pub fn basis(&self) -> &'static [&'static str] {
+        match self.contact.basis().len() {
+            2 => &["gap", "pressure", "lower_gap", "lower_pressure"],
+            _ => &["gap", "pressure", "plastic_depth", "lower_gap", "lower_pressure", "lower_plastic_depth"],
+        }
+    }
+
+    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms.
+    ///
+    /// # Errors
+    /// Returns an error if the fields are not the basis or do not fit the grid, or if the drive is invalid.
+    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedState<C::State>, Refusal> {
+        let expected = self.basis().len();
+        if fields.len() != expected {
+            return Err(Refusal::Basis { found: fields.len(), expected });
+        }
+        let (upper, lower) = fields.split_at(expected / 2);
+        let both = upper.iter().zip(lower).map(|(upper, lower)| self.stack(upper, lower));
+        let both = both.collect::<Result<Vec<_>, _>>()?;
+        let both: Vec<&ArrayRef2<f64>> = both.iter().map(|field| &**field).collect();
+        self.contact.certify(&both, half(drive)).map(|both| self.state(both)).map_err(whole)
+    }
+
+    /// Restores a state from the stored fields of both faces, as a start. The approach of the upper ones is the
+    /// approach of the two surfaces to each other.
+    ///
+    /// # Errors
+    /// Returns an error for fields that do not fit the grid.
+    pub fn recall(&self, upper: StoredFields<'_>, lower: StoredFields<'_>) -> Result<SqueezedState<C::State>, Refusal> {
+        let clearance = self.surfaces[0].clearance();
+        let values = upper.gap.iter().zip(upper.displacement_z);
+        let sum: f64 = clearance.iter().zip(values).map(|(clearance, (gap, u))| clearance - gap - u).sum();
+        let approach = 0.5 * upper.approach;
+        let shift = sum / clearance.len() as f64 - approach;
+        let pressure = self.stack(upper.pressure, lower.pressure)?;
+        let displacement_z = self.stack(&(upper.displacement_z + shift), &(lower.displacement_z - shift))?;
+        let gap = self.stack(upper.gap, lower.gap)?;
+        let both = StoredFields { pressure: &pressure, displacement_z: &displacement_z, gap: &gap, approach };
+        self.contact.recall(both).map(|both| self.state(both))
+    }
+
+    /// Computes the stiffness d(mean pressure)/d(approach) of a state, in stress/length, to a relative error, as
+    /// [`Interface::stiffness`].
+    ///
+    /// # Errors
+    /// Returns the reason why there is none.
+    pub fn stiffness(&self, state: &SqueezedState<C::State>, tolerance: f64) -> Result<Stiffness, StiffnessError> {
+        let found = self.contact.stiffness(&state.both, tolerance)?;
+        Ok(Stiffness { value: 0.5 * found.value, ..found })
+    }
+
+    fn stack(&self, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Array2<f64>, Refusal> {
+        let [nx, ny] = self.surfaces[0].grid().points();
+        match [upper, lower].into_iter().find(|field| field.dim() != (nx, ny)) {
+            Some(wrong) => Err(Refusal::Start { found: wrong.len(), expected: nx * ny }),
+            None => Ok(stacked(upper, lower)),
+        }
+    }
+
+    fn state(&self, both: C::State) -> SqueezedState<C::State> {
+        let [upper, lower] = [0, 1].map(|face| self.contact.face(&both, face, &self.surfaces[face]));
+        let approach = 2.0 * both.approach();
+        SqueezedState { both, upper, lower, approach }
+    }
+}
+
+/// Returns the drive of each face.
+fn half(drive: Drive) -> Drive {
+    match drive.load {
+        Load::Approach(approach) => Drive { load: Load::Approach(0.5 * approach), ..drive },
+        Load::MeanPressure(_) => drive,
+    }
+}
+
+/// Converts the approach of a face in a refusal to the approach of both.
+fn whole(refusal: Refusal) -> Refusal {
+    if let Refusal::Distance { .. } = refusal { refusal } else { refusal.times(2.0, 1.0) }
+}
+
+impl<C: Stacked> Equilibrium for Squeezed<C> {
+    type State = SqueezedState<C::State>;
+
+    fn solvers(&self) -> &'static [Solver] {
+        self.contact.solvers()
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        self.contact.check(half(drive)).map_err(whole)
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        self.contact.check_resolution(half(drive), tolerance).map_err(whole)
+    }
+
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&Self::State>,
+        watch: &mut dyn Watch,
+    ) -> Result<Self::State, SolveError<Self::State>> {
+        let solved = self.contact.equilibrate(half(drive), solver, budget, start.map(|start| &start.both), watch);
+        solved.map(|both| self.state(both)).map_err(|error| match error {
+            SolveError::Refused(refusal) => whole(refusal).into(),
+            error => error.map(|both| self.state(both)),
+        })
+    }
+}
+
+impl<C: Stacked> Quasistatic for Squeezed<C> {
+    fn reading(&self, state: &Self::State) -> Reading {
+        let reading = self.contact.reading(&state.both);
+        let loss = match reading.loss {
+            Loss::Balance(stored) => Loss::Balance(2.0 * stored),
+            Loss::Known(lost) => Loss::Known(2.0 * lost),
+            Loss::Certified { lost, imbalance, stored, flows } => Loss::Certified {
+                lost: 2.0 * lost,
+                imbalance: 2.0 * imbalance,
+                stored: stored.map(|stored| 2.0 * stored),
+                flows,
+            },
+            Loss::Unknown => Loss::Unknown,
+        };
+        Reading { approach: state.approach, losses: reading.losses.times(2.0), loss, ..reading }
+    }
+
+    fn depends_on_division(&self, start: Option<&Self::State>, end: &Self::State, tolerance: f64) -> bool {
+        self.contact.depends_on_division(start.map(|start| &start.both), &end.both, tolerance)
+    }
+
+    fn change(&self, start: Option<&Self::State>, from: &Self::State, to: &Self::State) -> f64 {
+        self.contact.change(start.map(|start| &start.both), &from.both, &to.both)
+    }
+
+    fn change_of_stick(&self, from: &Self::State, to: &Self::State) -> f64 {
+        self.contact.change_of_stick(&from.both, &to.both)
+    }
+}
+
+/// The faces follow from the state of both.
+impl<C: Stacked> Resumable for Squeezed<C> {
+    fn keep(&self, state: &mut Self::State, visitor: &mut dyn Visit) {
+        self.contact.keep(&mut state.both, visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Self::State, Refusal> {
+        self.contact.restore(half(drive), visitor).map(|both| self.state(both)).map_err(whole)
+    }
+}
+
+impl<S: Fields> Fields for SqueezedState<S> {
+    fn pressure(&self) -> CowArray<'_, f64, Ix2> {
+        self.upper.pressure()
+    }
+
+    fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
+        self.upper.repulsion()
+    }
+
+    fn displacement_z(&self) -> ArrayView2<'_, f64> {
+        self.upper.displacement_z()
+    }
+
+    fn gap(&self) -> ArrayView2<'_, f64> {
+        self.upper.gap()
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.upper.mean_pressure()
+    }
+
+    fn approach(&self) -> f64 {
+        self.approach
+    }
+
+    fn effort(&self) -> Effort {
+        self.both.effort()
+    }
+
+    fn residuals(&self) -> Vec<(&'static str, f64)> {
+        self.both.residuals()
+    }
+
+    fn scales(&self) -> Scales {
+        self.upper.scales()
+    }
+
+    /// Returns the summary of the upper contact, with the elastic energy of the plate.
+    fn summary_in(&self, scales: &Scales) -> Summary {
+        self.upper.summary_in(scales)
+    }
+}
