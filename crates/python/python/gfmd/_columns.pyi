@@ -741,7 +741,8 @@ class Steps(Record):
     @property
     def residual_equilibrium(self) -> Array:
         """Without unit [step]: largest unbalanced force per area, from the final fields, / the stress scale (the
-        largest traction, or the softest stiffness times h_rms if more). In some problems only.
+        largest traction, or the softest stiffness times h_rms if more). With `yield_stress`: rms unbalanced force on
+        nodes below the surface / rms force on them, from the final strain. In some problems only.
         """
 
     @property

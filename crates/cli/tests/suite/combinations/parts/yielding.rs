@@ -235,7 +235,7 @@ fn one(
     found.near("plastic_displacement.mean", number(told, "mean"), mean(&imprint), 1e-12 * largest(&imprint));
     found.near("plastic_displacement.min", number(told, "min"), lowest, 1e-12 * lowest.abs());
     let residual = &step["residual"];
-    for key in ["yield", "flow", "flow_complementarity", "complementarity", "penetration"] {
+    for key in ["yield", "flow", "flow_complementarity", "equilibrium", "complementarity", "penetration"] {
         let left = number(residual, key);
         found.must(left <= parts.tolerance, || format!("the residual {key} is {left:e}"));
     }
