@@ -118,8 +118,8 @@ impl RigidSurface {
     }
 
     /// Returns two surfaces on equal grids as one, with the rows of `lower` after the rows of `upper`: the surfaces
-    /// that press the two faces of a plate. Each keeps its own highest point. The squares of their rms heights add, and the
-    /// rms gradient is the larger one.
+    /// that press the two faces of a plate. Each keeps its own highest point. The squares of their rms heights add, and
+    /// the rms gradient is the larger one.
     ///
     /// # Errors
     /// Surfaces of different shapes, or of too many points.

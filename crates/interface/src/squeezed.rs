@@ -1,8 +1,8 @@
 //! Laws at both faces of a plate between two rough rigid surfaces (theory.md, section 8.4).
 //!
-//! Both faces are one contact with twice the points: the fields of the lower face, seen from outside the
-//! plate, follow the fields of the upper one. Half of the approach acts on each face, and the shift of the plate as a whole is one more
-//! unknown, with no stiffness of its own.
+//! Both faces are one contact with twice the points: the fields of the lower face, seen from outside the plate, follow
+//! the fields of the upper one. Half of the approach acts on each face, and the shift of the plate as a whole is one
+//! more unknown, with no stiffness of its own.
 
 use std::sync::Arc;
 

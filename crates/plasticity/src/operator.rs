@@ -199,8 +199,8 @@ impl<T: Real> Operator<T> {
         });
     }
 
-    /// Passes once over all waves, lane by lane. The sums of squares of forces are added to `balances`, one per lane, or
-    /// none.
+    /// Passes once over all waves, lane by lane. The sums of squares of forces are added to `balances`, which has one
+    /// entry per lane or none.
     fn pass(&mut self, direction: Direction, selection: &Selection, balances: &mut [[f64; 2]]) {
         let Self { volume, levels, spectra, surface, .. } = self;
         let volume = &**volume;
