@@ -237,8 +237,8 @@ impl Squeezed<QuasistaticContact> {
     /// without a law. A hardness has the points of one face.
     ///
     /// # Errors
-    /// Returns an error as [`QuasistaticContact::new`] and [`Squeezed::new`], and for shear, wear, a body that relaxes,
-    /// and free boundaries.
+    /// Returns an error as [`QuasistaticContact::new`] and [`Squeezed::new`], and for shear, wear by slip, a body that
+    /// relaxes in shear alone, and free boundaries.
     pub fn on_path(parts: &Parts, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let surfaces = surfaces(parts.grid, parts.heights, lower)?;
         let hardness = parts.hardness.as_ref().map(|hardness| of_both(hardness, &surfaces[0])).transpose()?;
@@ -258,11 +258,26 @@ impl<C: Stacked> Squeezed<C> {
         self.contact.interface().and_then(Interface::trapping)
     }
 
-    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state.
+    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one, of
+    /// a slab that relaxes.
     pub fn basis(&self) -> &'static [&'static str] {
-        match self.contact.basis().len() {
-            2 => &["gap", "pressure", "lower_gap", "lower_pressure"],
-            _ => &["gap", "pressure", "plastic_depth", "lower_gap", "lower_pressure", "lower_plastic_depth"],
+        match self.contact.basis() {
+            [] => &[],
+            [_, _] => &["gap", "pressure", "lower_gap", "lower_pressure"],
+            [_, _, "plastic_depth"] => {
+                &["gap", "pressure", "plastic_depth", "lower_gap", "lower_pressure", "lower_plastic_depth"]
+            }
+            [_, _, _] => &["gap", "pressure", "wear_depth", "lower_gap", "lower_pressure", "lower_wear_depth"],
+            _ => &[
+                "gap",
+                "pressure",
+                "plastic_depth",
+                "wear_depth",
+                "lower_gap",
+                "lower_pressure",
+                "lower_plastic_depth",
+                "lower_wear_depth",
+            ],
         }
     }
 
@@ -272,7 +287,7 @@ impl<C: Stacked> Squeezed<C> {
     /// Returns an error if the fields are not the basis or do not fit the grid, or if the drive is invalid.
     pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedState<C::State>, Refusal> {
         let expected = self.basis().len();
-        if fields.len() != expected {
+        if expected == 0 || fields.len() != expected {
             return Err(Refusal::Basis { found: fields.len(), expected });
         }
         let (upper, lower) = fields.split_at(expected / 2);

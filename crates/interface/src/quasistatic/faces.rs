@@ -5,9 +5,10 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_green::Plate;
 use gfmd_law::{HardWall, InUnits, Law};
+use gfmd_medium::{Medium, Relaxes, Relaxing};
 
 use super::normal::{Normal, NormalState};
-use super::{Parts, QuasistaticContact, QuasistaticState};
+use super::{Parts, QuasistaticContact, QuasistaticState, Wear};
 use crate::Interface;
 
 impl QuasistaticContact {
@@ -19,8 +20,6 @@ impl QuasistaticContact {
             (*boundary == Boundary::Free, "free boundaries"),
             (*all_components, "all components of the displacement"),
             (shear.is_some(), "a limit of the shear"),
-            (relaxation.is_some(), "a body that relaxes"),
-            (wear.is_some(), "wear"),
         ] {
             if is_given {
                 return Err(Refusal::NoWall { part: "a lower surface is", with });
@@ -31,6 +30,17 @@ impl QuasistaticContact {
         let (stress, length) = (units.stress(), units.length());
         let law = law.clone().unwrap_or_else(|| HardWall.into_shared());
         let law = if units.are_one() { law } else { InUnits::new(law, stress, length).into_shared() };
+        let wear = wear.map(Wear::check).transpose()?;
+        if wear.is_some_and(|wear| wear.by_slip > 0.0) {
+            return Err(Refusal::WearBySlip);
+        }
+        let medium = relaxation.map(|(prony, relaxes)| {
+            if relaxes == Relaxes::Shear {
+                return Err(Refusal::ShearAlone { with: "a second surface" });
+            }
+            let medium = Relaxing::new(body, given.grid(), *boundary, 1, prony, relaxes)?;
+            Ok::<Arc<dyn Medium>, Refusal>(Arc::new(medium))
+        });
         let (scaled, hardness) = (units.surface(&given), hardness.as_ref().map(|h| h.times(1.0 / stress)));
         let interface = Interface::of_plate(Plate::of, &units.body(body), &scaled, law)?;
         let interface = match &hardness {
@@ -39,11 +49,11 @@ impl QuasistaticContact {
         };
         Ok(Self {
             normal: Normal::Law(interface),
-            medium: None,
+            medium: medium.transpose()?,
             hardness,
             shear: None,
             response: None,
-            wear: None,
+            wear: wear.map(|wear| Wear { by_distance: wear.by_distance * stress, ..wear }),
             all_components: false,
             scaled,
             given,

@@ -1,12 +1,13 @@
 //! Laws at both faces of a plate: limits that are contacts of one surface or of hard walls, a dense reference, jumps.
 
 use gfmd_contact::{
-    Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver, SqueezedContact,
+    Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver, SqueezedContact,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Base, Body, Plate};
 use gfmd_interface::{Interface, Parts, Path, QuasistaticContact, Refinement, Squeezed, State, StoredFields, Wear};
 use gfmd_law::{Exponential, HardWall, Law, Morse};
+use gfmd_medium::{Prony, Relaxes};
 use gfmd_relax::Budget;
 use ndarray::Array2;
 
@@ -407,6 +408,107 @@ fn a_path_remembers_the_hardness_of_both_faces() {
     }
 }
 
+/// Loads, holds and unloads, while both surfaces slide on.
+fn drives(scale: f64) -> [Drive; 5] {
+    [(0.1, 0.0), (0.2, 0.5), (0.2, 3.0), (0.05, 3.5), (0.15, 10.0)]
+        .map(|(mean, time)| Drive::from(Load::MeanPressure(scale * mean)).at(time).after(0.1 * time))
+}
+
+fn follow<E: Equilibrium>(contact: &E, drives: &[Drive]) -> Vec<E::State> {
+    let mut states: Vec<E::State> = Vec::new();
+    for drive in drives {
+        let solved = contact.press(*drive).tolerance(1e-10).max_iterations(500).starting_from(states.last()).solve();
+        states.push(solved.unwrap_or_else(|error| panic!("{drive:?}: {error}")));
+    }
+    states
+}
+
+/// Relaxation, wear, hardness and a law at once: mirror images are one surface on a sliding base of half the height.
+#[test]
+fn histories_of_mirror_images_are_those_of_one_surface() {
+    let (surface, grid, prony) = (rough(&grid(), 1), grid(), Prony::from_fractions(&[(1.3, 0.6)]).unwrap());
+    let (body, half) = (slab(0.3, 0.4), slab(0.3, 0.2).on(Base::SLIDING).unwrap());
+    let law = || Some(Exponential::new(5e-5, 0.01).unwrap().into_shared());
+    let relaxation = Some((&prony, Relaxes::Both));
+    let wear = Some(Wear { by_distance: 0.03, by_slip: 0.0 });
+    let plain = Parts::new(&body, &grid, &surface);
+    for parts in [
+        Parts { relaxation, ..plain.clone() },
+        Parts { relaxation, law: law(), ..plain.clone() },
+        Parts { wear, ..plain.clone() },
+        Parts { wear, law: law(), ..plain.clone() },
+        Parts { relaxation, wear, hardness: Some(0.5.into()), law: law(), ..plain.clone() },
+    ] {
+        let both = follow(&Squeezed::on_path(&parts, &surface).unwrap(), &drives(1.0));
+        let one = follow(&QuasistaticContact::new(&Parts { body: &half, ..parts.clone() }).unwrap(), &drives(1.0));
+        for (found, wanted) in both.iter().zip(&one) {
+            for face in [&found.upper, &found.lower] {
+                let error = apart(&face.pressure(), &wanted.pressure());
+                assert!(error < 1e-6, "{error}");
+                let depths = face.wear_depth().zip(wanted.wear_depth());
+                assert!(depths.is_none_or(|(found, wanted)| wanted.sum() == 0.0 || apart(found, wanted) < 1e-6));
+                assert_near(face.elastic_energy, 2.0 * wanted.elastic_energy, 1e-6);
+                let (lost, expected) = (face.losses, wanted.losses);
+                for (lost, expected) in [
+                    (lost.relaxation, expected.relaxation),
+                    (lost.wear, expected.wear),
+                    (lost.plastic, expected.plastic),
+                ] {
+                    assert!((lost - 2.0 * expected).abs() < 1e-6 * wanted.elastic_energy, "{lost} {expected}");
+                }
+            }
+            assert_near(found.approach, 2.0 * wanted.approach(), 1e-6);
+        }
+    }
+}
+
+/// Two surfaces that differ: a jump and a long hold are elastic contacts with the short- and the long-term moduli, and
+/// each face wears in proportion to load and distance.
+#[test]
+fn histories_of_two_surfaces_have_their_limits() {
+    let (upper, lower) = (rough(&grid(), 1), rough(&grid(), 2));
+    let (body, grid, prony) = (slab(0.3, 0.2), grid(), Prony::from_fractions(&[(1.3, 0.6)]).unwrap());
+    let plain = Parts::new(&body, &grid, &upper);
+    let relaxing = Parts { relaxation: Some((&prony, Relaxes::Both)), ..plain.clone() };
+    let contact = Squeezed::on_path(&relaxing, &lower).unwrap();
+    let load = Load::MeanPressure(0.15);
+    assert!(contact.basis().is_empty());
+    let states = follow(&contact, &[0.0, 100.0, 200.0, 300.0, 400.0].map(|time| Drive::from(load).at(time)));
+    let elastic = SqueezedContact::new(&body, &grid, &upper, &lower).unwrap();
+    let stiffening = 1.0 / (1.0 - 0.6);
+    let jump = solve(&elastic, Load::MeanPressure(0.15 / stiffening), None);
+    let held = solve(&elastic, load, None);
+    for (state, wanted, factor) in [(&states[0], &jump, stiffening), (&states[4], &held, 1.0)] {
+        for (face, wanted) in [(&state.upper, &wanted.upper), (&state.lower, &wanted.lower)] {
+            let error = apart(&face.pressure(), &(factor * &wanted.pressure));
+            assert!(error < 1e-5, "{error}");
+        }
+        assert_near(state.approach, wanted.approach, 1e-6);
+        assert_near(state.upper.elastic_energy, factor * wanted.summary_in(&wanted.scales()).elastic_energy, 1e-5);
+    }
+    let wear = Parts { wear: Some(Wear { by_distance: 0.03, by_slip: 0.0 }), ..plain };
+    let (mut volume, mut distance) = (0.0, 0.0);
+    let contact = Squeezed::on_path(&wear, &lower).unwrap();
+    for (state, drive) in follow(&contact, &drives(1.0)).iter().zip(drives(1.0)) {
+        let Load::MeanPressure(mean) = drive.load else { panic!() };
+        volume += 0.03 * mean * (drive.distance - distance);
+        distance = drive.distance;
+        for face in [&state.upper, &state.lower] {
+            let (found, _) = face.wear_volume_and_depth().unwrap();
+            assert!((found - volume).abs() <= 1e-8 * volume, "{found} {volume}");
+        }
+        let fields: Vec<_> = [&state.upper, &state.lower]
+            .iter()
+            .flat_map(|face| [face.gap().to_owned(), face.pressure().into_owned(), face.wear_depth().unwrap().clone()])
+            .collect();
+        assert_eq!(contact.basis().len(), fields.len());
+        let fields: Vec<_> = fields.iter().map(|field| &**field).collect();
+        let certified = contact.certify(&fields, drive).unwrap();
+        assert!(certified.worst() < 1e-8, "{}", certified.worst());
+        assert_near(certified.approach, state.approach, 1e-8);
+    }
+}
+
 /// A pull that one face cannot bear parts the surfaces, whatever the other face bears.
 #[test]
 fn a_pull_parts_the_weaker_face() {
@@ -458,9 +560,12 @@ fn impossible_problems_are_refused() {
     let small = Array2::zeros((4, 4));
     let refused = Squeezed::new(&body, &grid, &surface, &small, morse());
     assert!(matches!(refused, Err(Refusal::Shape { .. })));
-    let wear = Some(Wear { by_distance: 1.0, by_slip: 0.0 });
+    let wear = Some(Wear { by_distance: 0.0, by_slip: 1.0 });
     let parts = Parts { wear, ..Parts::new(&body, &grid, &surface) };
-    assert!(matches!(Squeezed::on_path(&parts, &surface), Err(Refusal::NoWall { .. })));
+    assert!(matches!(Squeezed::on_path(&parts, &surface), Err(Refusal::WearBySlip)));
+    let prony = Prony::from_fractions(&[(1.3, 0.6)]).unwrap();
+    let parts = Parts { relaxation: Some((&prony, Relaxes::Shear)), ..Parts::new(&body, &grid, &surface) };
+    assert!(matches!(Squeezed::on_path(&parts, &surface), Err(Refusal::ShearAlone { .. })));
     let contact = Squeezed::new(&body, &grid, &surface, &surface, exponential()).unwrap();
     assert!(matches!(contact.clone().with_hardness(small), Err(Refusal::HardnessShape { expected: [N, N], .. })));
     // An incompressible slab cannot be pressed beyond full contact, and its limit counts both surfaces.
