@@ -258,8 +258,8 @@ impl<C: Stacked> Squeezed<C> {
         self.contact.interface().and_then(Interface::trapping)
     }
 
-    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one, of
-    /// a slab that relaxes.
+    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one,
+    /// of a slab that relaxes.
     pub fn basis(&self) -> &'static [&'static str] {
         match self.contact.basis() {
             [] => &[],
