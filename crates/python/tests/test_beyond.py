@@ -125,6 +125,16 @@ def test_all_fields_are_drawn():
                 c.plot(other)
 
 
+def test_a_law_acts_at_both_faces_and_a_path_follows_them():
+    law = gfmd.law("exponential", gamma=1e-5, range=2e-2)
+    contact = gfmd.contact(SMALL, BODY, p_star=0.02, law=law, lower_surface=BELOW)
+    assert abs(contact.lower.mean_pressure / contact.mean_pressure - 1) < 1e-6
+    assert contact.lower_gap.shape == (32, 32) and contact.lower_repulsion.max() > contact.lower_pressure.max() > 0
+    loop = gfmd.path(SMALL, BODY, approach=[0.0, 0.02, 0.0], law=law, lower_surface=BELOW, steps=2)
+    assert loop.steps.converged.all() and abs(loop.steps.approach[-1]) < 1e-9
+    assert loop.lower_gap.shape == (3, 32, 32)
+
+
 def test_what_does_not_go_together_is_named():
     law, half_space = gfmd.law("morse", gamma=1e-4, range=5e-3), gfmd.Body()
     steep, squeezed, plain = (gfmd.contact(SMALL, BODY, p_star=0.1, **options) for options in (*KINDS.values(), {}))
@@ -141,7 +151,7 @@ def test_what_does_not_go_together_is_named():
         (dict(finite_slope=True, body=gfmd.Body(height=0.5, second_body=(1.0, 0.3))), "second_body is given"),
         (dict(lower_surface=BELOW, body=half_space), "height is inf; it must be finite with lower_surface"),
         (dict(lower_surface=BELOW, body=gfmd.Body(height=0.5, base="sliding")), "base is sliding; it must be left out"),
-        (dict(lower_surface=BELOW, law=law), "law is morse"),
+        (dict(lower_surface=BELOW, law=law, components="all"), "components is all"),
         (dict(lower_surface=BELOW, components="all"), "components is all"),
         (dict(lower_surface=BELOW, surface=np.zeros((32, 32))), "surface: the heights are all equal"),
         (dict(lower_surface=gfmd.self_affine(n=16)), "n of lower_surface is (16, 16); it must be (32, 32)"),
