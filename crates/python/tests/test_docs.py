@@ -151,6 +151,7 @@ def test_results_have_the_attributes_that_are_documented(words):
     steel = gfmd.Body(yield_stress=0.01, hardening=0.02, kinematic_hardening=0.01)
     curve = gfmd.Body(yield_stress=0.01, hardening_curve=[(0.0, 0.01), (0.1, 0.02)])
     dented = [gfmd.path(slab, metal, p_star=0.05, steps=1, kept_strain="waypoints") for metal in (steel, curve)]
+    between = gfmd.path(slab, gfmd.Body(height=0.5), p_star=0.05, hardness=0.05, lower_surface=slab, steps=1)
     warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
     refined = gfmd.slide(slab, rubber, velocity=1.0, p_star=0.05, hardness=0.05, grid_error="refine")
     sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm), refined]
@@ -167,14 +168,17 @@ def test_results_have_the_attributes_that_are_documented(words):
                 flattened,
             ],
         ),
-        (gfmd.Path, [words["loop"], rubbed, indented, composed, *dented]),
+        (gfmd.Path, [words["loop"], rubbed, indented, composed, between, *dented]),
         (gfmd.Adhesion, [adhesive.adhesion()]),
         (gfmd.Flow, [words["c"].flow()]),
         (
             Steps,
             [
                 result.steps
-                for result in (words["loop"], rubbed, indented, creeping, pulled, sticking, worn, composed, *dented)
+                for result in (
+                    *(words["loop"], rubbed, indented, creeping, pulled, sticking),
+                    *(worn, composed, between, *dented),
+                )
             ],
         ),
         (States, [[key for key in result.states if not key.startswith("residual_")] for result in sliding]),

@@ -321,7 +321,7 @@ fn python_has_the_types_of_the_options() {
     };
     let contact = with(without(keys::<ContactArgs>(), &body, &["param", "law_table"]), &["stress_unit", "threads"]);
     let loads = ["pressure", "p_star", "approach", "lateral", "lateral_y", "friction", "shear_strength"];
-    let others = ["param", "law_table", "coefficient", "wear_by", "distance", "plots", "resume"];
+    let others = ["param", "law_table", "coefficient", "wear_by", "distance", "lower_seed", "plots", "resume"];
     let of_body = ["yield_stress", "hardening", "hardening_curve", "kinematic_hardening", "layer_yield"];
     let path = without(all("path"), &body, &[&loads[..], &others, &of_body].concat());
     let places = ["levels", "deepest", "slice", "quantities", "out", "threads"];

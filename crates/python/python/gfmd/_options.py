@@ -65,7 +65,6 @@ class PathOptions(TypedDict, total=False):
 
     stress_unit: Optional[str]
     lower_surface: Optional[Surface | npt.ArrayLike]
-    lower_seed: Optional[int]
     cells: Quantity
     coarsening: Optional[Sequence[int]]
     kept_strain: Literal["last", "waypoints"]

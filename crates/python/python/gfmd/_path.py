@@ -38,7 +38,8 @@ class Path(Leaks, Computed, StepFields):
         steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints
             that were not reached.
         hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
-        lower_surface: the given second surface, a `Surface`; with one only.
+        lower_surface: the given second surface, a `Surface`, and
+        lower: its description, rms gradient and rms height; with one only.
         wear: the given wear, a `Wear`; with wear only, as are
         coefficient: its coefficient as a number, 1/stress, and
         wear_volume: mean depth lost at the end, length; None if no step was solved.
@@ -74,6 +75,8 @@ class Path(Leaks, Computed, StepFields):
 
     steps: Steps
     hardness: Union[float, Array]
+    lower_surface: Surface
+    lower: Record
     wear: Wear
     coefficient: float
     wear_volume: Optional[float]
