@@ -40,6 +40,9 @@ pub fn table_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units,
         [Table::LowerFace, ..] => Some("lower_residual"),
         _ => None,
     };
+    // A law at both faces has one residual, in the table of the state.
+    let is_known = |prefix: &&str| rows.iter().any(|row| row.cells.iter().any(|(of, _)| of.name.starts_with(prefix)));
+    let residual = residual.filter(|prefix| tables[0] == Table::State || is_known(prefix));
     let residuals = residual.map(|prefix| {
         let cells = rows.iter().map(|row| format!("{:.1e}", row.worst_of(prefix)));
         std::iter::once("residual".to_owned()).chain(cells).collect::<Vec<_>>()
