@@ -18,6 +18,9 @@ struct Level<T: Real> {
     cost: f64,
 }
 
+/// Fields of the five components of each cell, one component after the other; empty for a cell without.
+pub(crate) type CellFields<T> = Vec<Vec<T>>;
+
 /// Memory for the transforms of one cell at a time: a field, and the memory of each level.
 struct Bench<T: Real> {
     field: Vec<T>,
@@ -151,37 +154,6 @@ impl<T: Real> Operator<T> {
     /// Transforms the strain of some cells back; `take(output, component, field)` gets each component for the output of
     /// its cell.
     pub(crate) fn synthesise<O: Send>(&mut self, outputs: Vec<(usize, O)>, take: impl Fn(&mut O, usize, &[T]) + Sync) {
-        self.back(outputs, |output, component, field, invert| {
-            invert(field);
-            take(output, component, field);
-        });
-    }
-
-    /// Transforms the strain of selected cells back into the `fields` of all cells. Components that vanish in plane
-    /// strain are left as they are.
-    pub(crate) fn fields(&mut self, selected: &[bool], mut fields: &mut [T]) {
-        let mut outputs = Vec::new();
-        for (number, cell) in self.volume.mesh.cells.iter().enumerate() {
-            let own = COMPONENTS * cell.grid(&self.volume.mesh.grid).len();
-            let (output, rest) = std::mem::take(&mut fields).split_at_mut(own);
-            if selected[number] {
-                outputs.push((number, output));
-            }
-            fields = rest;
-        }
-        self.back(outputs, |output, component, field, invert| {
-            let points = field.len();
-            invert(&mut output[component * points..(component + 1) * points]);
-        });
-    }
-
-    /// Calls `work(output, component, field, invert)` for the components of some cells, with a free field; `invert`
-    /// transforms the component into a field.
-    fn back<O: Send>(
-        &mut self,
-        outputs: Vec<(usize, O)>,
-        work: impl Fn(&mut O, usize, &mut [T], &mut dyn FnMut(&mut [T])) + Sync,
-    ) {
         self.count(outputs.iter().map(|(cell, _)| *cell));
         let Self { volume, levels, spectra, benches, .. } = self;
         distribute(benches, outputs.into_iter(), |(cell, mut output), Bench { field, workspaces }| {
@@ -190,13 +162,30 @@ impl<T: Real> Operator<T> {
             let field = &mut field[..transform.grid().len()];
             let modes = transform.grid().spectrum_len();
             for (spectrum, component) in spectra[cell].chunks_exact(modes).zip(&volume.components) {
-                work(&mut output, *component, field, &mut |field| {
-                    transform
-                        .inverse(spectrum, field, workspace)
-                        .expect("spectra and fields have the sizes of the grid");
-                });
+                transform.inverse(spectrum, field, workspace).expect("spectra and fields have the sizes of the grid");
+                take(&mut output, *component, field);
             }
         });
+    }
+
+    /// Transforms the strain of selected cells back into fields, and frees their spectra one after the other. Components
+    /// that vanish in plane strain are zero.
+    pub(crate) fn fields(&mut self, selected: &[bool]) -> CellFields<T> {
+        self.count((0..selected.len()).filter(|cell| selected[*cell]));
+        let Self { volume, levels, spectra, benches, .. } = self;
+        let mut all = vec![Vec::new(); selected.len()];
+        let cells = spectra.iter_mut().zip(&mut all).enumerate().filter(|(cell, _)| selected[*cell]);
+        distribute(benches, cells, |(cell, (spectra, fields)), Bench { workspaces, .. }| {
+            let level = volume.levels[cell];
+            let (transform, workspace) = (&levels[level].transform, &mut workspaces[level]);
+            let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
+            fields.resize(COMPONENTS * points, T::default());
+            for (spectrum, component) in std::mem::take(spectra).chunks_exact(modes).zip(&volume.components) {
+                let field = &mut fields[component * points..(component + 1) * points];
+                transform.inverse(spectrum, field, workspace).expect("spectra and fields have the sizes of the grid");
+            }
+        });
+        all
     }
 
     /// Passes once over all waves, lane by lane. The sums of squares of forces are added to `balances`, which has one
@@ -243,6 +232,7 @@ mod tests {
     use gfmd_green::{Base, Body, Material};
 
     use super::*;
+    use crate::cells::Mesh;
     use crate::sweep;
     use crate::volume::WavePack;
     use crate::{Cell, Cells, Hardening};
@@ -273,14 +263,13 @@ mod tests {
     }
 
     /// Returns random numbers between −1 and 1, zero for components that vanish in plane strain.
-    fn random(volume: &Volume, seed: u64) -> Vec<f64> {
+    fn random(volume: &Volume, seed: u64) -> CellFields<f64> {
         let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1);
-        let offsets = volume.offsets();
-        let mut all = vec![0.0; offsets[offsets.len() - 1]];
-        for pair in offsets.windows(2) {
-            let points = (pair[1] - pair[0]) / COMPONENTS;
+        let mut all = zeros(volume);
+        for fields in &mut all {
+            let points = fields.len() / COMPONENTS;
             for component in &volume.components {
-                for value in &mut all[pair[0] + component * points..pair[0] + (component + 1) * points] {
+                for value in &mut fields[component * points..(component + 1) * points] {
                     state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                     *value = (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
                 }
@@ -289,34 +278,33 @@ mod tests {
         all
     }
 
+    fn zeros(volume: &Volume) -> CellFields<f64> {
+        let Mesh { cells, grid, .. } = &*volume.mesh;
+        cells.iter().map(|cell| vec![0.0; COMPONENTS * cell.grid(grid).len()]).collect()
+    }
+
     /// Returns strain and displacement of the surface, by plastic strain and pressure.
-    fn apply(volume: &Arc<Volume>, plastic: &[f64], pressure: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    fn apply(volume: &Arc<Volume>, plastic: &CellFields<f64>, pressure: &[f64]) -> (CellFields<f64>, Vec<f64>) {
         let mut operator = Operator::<f64>::new(volume);
-        let offsets = volume.offsets();
-        let cells = volume.mesh.cells.len();
-        let all = vec![true; cells];
+        let all = vec![true; volume.mesh.cells.len()];
         operator.analyse(&all, |cell, c, field| {
-            let (first, points) = (offsets[cell], field.len());
-            field.copy_from_slice(&plastic[first + c * points..first + (c + 1) * points]);
+            let points = field.len();
+            field.copy_from_slice(&plastic[cell][c * points..(c + 1) * points]);
         });
         let mut displacement = vec![0.0; pressure.len()];
         operator.surface_displacement(&all, &mut displacement);
         let unbalanced = operator.strain_in_balance(pressure, &Selection { plastic: all.clone(), strain: all.clone() });
         assert!(unbalanced < 1e-13, "{unbalanced}");
-        let mut strain = vec![0.0; plastic.len()];
-        operator.fields(&all, &mut strain);
-        (strain, displacement)
+        (operator.fields(&all), displacement)
     }
 
     /// Returns Σ h ⟨2μ a:b⟩.
-    fn product(volume: &Volume, a: &[f64], b: &[f64]) -> f64 {
-        let offsets = volume.offsets();
-        let of_cell = |(number, cell): (usize, &Cell)| {
-            let range = offsets[number]..offsets[number + 1];
-            let sum: f64 = a[range.clone()].iter().zip(&b[range.clone()]).map(|(a, b)| a * b).sum();
-            2.0 * cell.shear_modulus * cell.thickness * sum * COMPONENTS as f64 / range.len() as f64
+    fn product(volume: &Volume, a: &CellFields<f64>, b: &CellFields<f64>) -> f64 {
+        let of_cell = |((cell, a), b): ((&Cell, &Vec<f64>), &Vec<f64>)| {
+            let sum: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+            2.0 * cell.shear_modulus * cell.thickness * sum * COMPONENTS as f64 / a.len() as f64
         };
-        volume.mesh.cells.iter().enumerate().map(of_cell).sum()
+        volume.mesh.cells.iter().zip(a).zip(b).map(of_cell).sum()
     }
 
     #[test]
@@ -342,7 +330,7 @@ mod tests {
                 assert!((ab - ba).abs() < 1e-14 * all, "{ab} {ba} {body:?}");
                 assert!(aa > 0.0 && aa < all, "{aa} {all}");
                 // A pressure works on plastic strain as plastic strain on the pressure.
-                let (by_pressure, _) = apply(&volume, &vec![0.0; a.len()], &pressure);
+                let (by_pressure, _) = apply(&volume, &zeros(&volume), &pressure);
                 let work = product(&volume, &b, &by_pressure);
                 let other = pressure.iter().zip(&displacement).map(|(p, u)| -p * u).sum::<f64>() / grid.len() as f64;
                 assert!((work - other).abs() < 1e-13 * all, "{work} {other} {body:?}");
@@ -375,14 +363,14 @@ mod tests {
     fn uniform_plastic_strain_thins_every_cell_alone() {
         let grid = Grid::square(8, 1.0).unwrap();
         let volume = volume(&Body::half_space(material(1.0, 0.3)), grid, vec![0.1, 0.2], Vec::new());
-        let mut plastic = vec![0.0; 2 * COMPONENTS * 64];
-        plastic[..64].fill(-0.01);
+        let mut plastic = zeros(&volume);
+        plastic[0][..64].fill(-0.01);
         let pressure = vec![0.002; 64];
         let (strain, displacement) = apply(&volume, &plastic, &pressure);
         let (shear, wave) = (1.0 / 2.6, 0.7 / (1.3 * 0.4));
         let factor = (2.0_f64 / 3.0).sqrt();
         let normal = 2.0 * shear * factor * -0.01 / wave;
         assert!(displacement.iter().all(|u| (u - 0.1 * normal).abs() < 1e-17));
-        assert!(strain[..64].iter().all(|e| (e - factor * (normal - 0.002 / wave)).abs() < 1e-17));
+        assert!(strain[0][..64].iter().all(|e| (e - factor * (normal - 0.002 / wave)).abs() < 1e-17));
     }
 }

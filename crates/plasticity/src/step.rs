@@ -12,7 +12,7 @@ use num_complex::Complex;
 
 use crate::frozen::FrozenContact;
 use crate::lane::Selection;
-use crate::operator::Operator;
+use crate::operator::{CellFields, Operator};
 use crate::plastic::{Yielded, scatter};
 use crate::volume::COMPONENTS;
 use crate::yielding::{Energies, Evaluation};
@@ -78,7 +78,7 @@ struct Search<'a> {
     operators: u64,
     contact_pairs: f64,
     /// Change of the strain by the last Newton step, and the part of it that is taken.
-    change: Vec<f32>,
+    change: CellFields<f32>,
     part: f64,
     residual: f64,
     /// Factor on the tolerance of the contact.
@@ -89,8 +89,8 @@ struct Search<'a> {
 struct Trial<'a> {
     problem: &'a YieldingContact,
     before: &'a PlasticStrain,
-    strain: &'a [f64],
-    change: &'a [f32],
+    strain: &'a CellFields<f64>,
+    change: &'a CellFields<f32>,
     part: f64,
 }
 
@@ -150,24 +150,23 @@ impl YieldingContact {
 impl Search<'_> {
     fn run(mut self) -> Result<(PlasticState, Ending), Refusal> {
         let before = &self.before.plastic;
-        let mut last = self.evaluate(before, &self.before.solution.pressure, Vec::new())?;
+        let mut last = self.evaluate(before, &self.before.solution.pressure)?;
         let (mut plastic, mut flowing) = self.trial(&last.strain).map();
         if flowing.iter().all(|cell| cell.tangents.is_empty()) {
             // Without flow the strain is the one at the end of the step, once the contact is as good as required.
             if last.solution.residual.worst() > self.contact_tolerance(0.0) {
-                last = self.evaluate_to(0.0, before, &last.solution.pressure.clone(), last.strain)?;
+                last = self.evaluate_to(0.0, before, &last.solution.pressure)?;
                 (plastic, flowing) = self.trial(&last.strain).map();
             }
             if flowing.iter().all(|cell| cell.tangents.is_empty()) {
                 return Ok(self.end(&last, plastic, Ending::Converged));
             }
         }
-        let mut spare = Vec::new();
         let (mut least, mut shortened) = (f64::INFINITY, 0);
         let mut before_last = None;
         let mut may_fall_back = false;
         loop {
-            let now = self.evaluate(&plastic, &last.solution.pressure, std::mem::take(&mut spare))?;
+            let now = self.evaluate(&plastic, &last.solution.pressure)?;
             let energy = self.energy(&now, &plastic);
             let noise = ROUNDING_OF_ENERGY * energy.abs() + self.noise(&last) + self.noise(&now);
             let falls = energy <= least + noise;
@@ -177,12 +176,12 @@ impl Search<'_> {
                 shortened += 1;
                 may_fall_back = shortened <= SHORTENED;
                 self.part = if may_fall_back { 0.25 * self.part } else { 0.0 };
-                spare = now.strain;
+                drop(now);
                 if let Some(ending) = self.ends() {
                     // The plastic strain of the safe step, and the contact that belongs to it.
                     self.part = 0.0;
                     (plastic, _) = self.trial(&last.strain).map();
-                    let at = self.evaluate(&plastic, &last.solution.pressure, spare)?;
+                    let at = self.evaluate(&plastic, &last.solution.pressure)?;
                     return Ok(self.end(&at, plastic, ending));
                 }
                 (plastic, flowing) = self.trial(&last.strain).map();
@@ -207,11 +206,11 @@ impl Search<'_> {
                 return Ok(self.end(&now, plastic, ending));
             }
             drop(plastic);
-            self.newton(&last.strain, &now, &flowing, before_last)?;
+            self.newton(std::mem::take(&mut last.strain), &now, &flowing, before_last)?;
             drop(flowing);
             before_last = Some(self.residual);
             (self.part, may_fall_back) = (1.0, true);
-            spare = std::mem::replace(&mut last, now).strain;
+            last = now;
             (plastic, flowing) = self.trial(&last.strain).map();
         }
     }
@@ -232,13 +231,8 @@ impl Search<'_> {
         (self.tightening * (CONTACT_OF_RESIDUAL * residual).min(CONTACT_MOST).max(least)).max(CONTACT_LEAST)
     }
 
-    fn evaluate(
-        &mut self,
-        plastic: &PlasticStrain,
-        start: &Array2<f64>,
-        strain: Vec<f64>,
-    ) -> Result<Evaluation, Refusal> {
-        self.evaluate_to(self.residual, plastic, start, strain)
+    fn evaluate(&mut self, plastic: &PlasticStrain, start: &Array2<f64>) -> Result<Evaluation, Refusal> {
+        self.evaluate_to(self.residual, plastic, start)
     }
 
     fn evaluate_to(
@@ -246,10 +240,9 @@ impl Search<'_> {
         residual: f64,
         plastic: &PlasticStrain,
         start: &Array2<f64>,
-        strain: Vec<f64>,
     ) -> Result<Evaluation, Refusal> {
         let budget = Budget { tolerance: self.contact_tolerance(residual), max_iterations: CONTACT_ITERATIONS };
-        let found = self.problem.evaluate(&mut self.operator, plastic, self.load, start, &budget, strain)?;
+        let found = self.problem.evaluate(&mut self.operator, plastic, self.load, start, &budget)?;
         self.operators += 1;
         self.contact_pairs += found.solution.effort.transform_pairs;
         Ok(found)
@@ -271,40 +264,39 @@ impl Search<'_> {
     }
 
     /// Returns the trial that adds the part taken of the change to a strain.
-    fn trial<'b>(&'b self, strain: &'b [f64]) -> Trial<'b> {
+    fn trial<'b>(&'b self, strain: &'b CellFields<f64>) -> Trial<'b> {
         let Self { problem, before, change, part, .. } = self;
         Trial { problem, before: &before.plastic, strain, change, part: *part }
     }
 
     /// Solves (1 − Γ 2μ𝒟) x = ε̂ − ε by conjugate gradients on the points that flow, and sets the change of the strain
-    /// from ε̂ to Γ 2μ𝒟 x.
+    /// from ε̂ to Γ 2μ𝒟 x. Frees the strain from which the trial of ε̂ started.
     fn newton(
         &mut self,
-        trial: &[f64],
+        start: CellFields<f64>,
         now: &Evaluation,
         flowing: &[Flowing],
         last: Option<f64>,
     ) -> Result<(), Refusal> {
         let cells = flowing.len();
-        let offsets = &self.problem.offsets;
         let floating = matches!(self.load, Load::MeanPressure(_));
         let active: Vec<bool> = flowing.iter().map(|cell| !cell.tangents.is_empty()).collect();
         let mut starts = vec![0];
         for cell in flowing {
             starts.push(starts[starts.len() - 1] + cell.tangents.len());
         }
-        let trial = self.trial(trial);
         let mut residual: Strains = Vec::with_capacity(starts[cells]);
+        let trial = self.trial(&start);
         for (number, cell) in flowing.iter().enumerate() {
-            let points = (offsets[number + 1] - offsets[number]) / COMPONENTS;
+            let (trial, found) = (trial.of_cell(number), at_points(&now.strain[number]));
             residual.extend(cell.tangents.iter().map(|tangent| -> [f32; COMPONENTS] {
                 let i = tangent.point as usize;
-                let trial = trial.at(offsets[number], points, i);
-                std::array::from_fn(|c| (now.strain[offsets[number] + c * points + i] - trial[c]) as f32)
+                let (trial, found) = (trial(i), found(i));
+                std::array::from_fn(|c| (found[c] - trial[c]) as f32)
             }));
         }
-        self.change.resize(offsets[cells], 0.0);
-        self.change.fill(0.0);
+        drop(start);
+        self.change = Vec::new();
         let Self { problem, operator, linear, budget, operators, change, .. } = self;
         operator.release();
         let linear = linear.get_or_insert_with(|| Linear::new(problem, floating));
@@ -350,29 +342,33 @@ impl Search<'_> {
             });
             slope = next;
         }
-        linear.finish(&active, change);
+        *change = linear.finish(&active);
         Ok(())
     }
 }
 
 impl Trial<'_> {
-    /// Returns the deviatoric strain of a point.
-    #[inline(always)]
-    fn at(&self, offset: usize, points: usize, i: usize) -> [f64; COMPONENTS] {
-        std::array::from_fn(|c| {
-            let place = offset + c * points + i;
-            let change = self.change.get(place).map_or(0.0, |change| self.part * f64::from(*change));
-            self.strain[place] + change
-        })
+    /// Returns a function for the deviatoric strain of the points of a cell.
+    fn of_cell(&self, cell: usize) -> impl Fn(usize) -> [f64; COMPONENTS] + Sync + '_ {
+        let strain = at_points(&self.strain[cell]);
+        let change = self.change.get(cell).filter(|change| !change.is_empty()).map(|change| at_points(change));
+        move |i| {
+            let mut strain = strain(i);
+            if let Some(change) = &change {
+                let change = change(i);
+                (0..COMPONENTS).for_each(|c| strain[c] += self.part * f64::from(change[c]));
+            }
+            strain
+        }
     }
 
     /// Maps the strain of the trial to the plastic strain.
     fn map(&self) -> (PlasticStrain, Vec<Flowing>) {
-        let (mesh, offsets) = (&self.problem.volume.mesh, &self.problem.offsets);
+        let mesh = &self.problem.volume.mesh;
         let of_cell = |(number, cell): (usize, &crate::Cell)| {
             let before = &self.before.cells[number];
             let Some(hardening) = &cell.hardening else { return (Arc::clone(before), Flowing::default()) };
-            let points = (offsets[number + 1] - offsets[number]) / COMPONENTS;
+            let (points, trial) = (self.strain[number].len() / COMPONENTS, self.of_cell(number));
             let stretches = YieldingContact::stretches(points, |range| {
                 let mut place = before.points.partition_point(|point| (*point as usize) < range.start);
                 let (mut yielded, mut tangents) = (Yielded::default(), Vec::new());
@@ -381,7 +377,7 @@ impl Trial<'_> {
                     let (plastic, equivalent) =
                         if has { (before.strain[place], before.equivalent[place]) } else { ([0.0; COMPONENTS], 0.0) };
                     place += usize::from(has);
-                    let strain = self.at(offsets[number], points, i);
+                    let strain = trial(i);
                     match hardening.flow(cell.shear_modulus, &strain, (&plastic, equivalent)) {
                         Some(flow) => {
                             yielded.push(i as u32, flow.strain, flow.equivalent);
@@ -413,14 +409,14 @@ impl Trial<'_> {
 
     /// Returns the largest difference between a trial and the strain that follows from it, over the points that flow in
     /// either, as an equivalent stress divided by the yield stress.
-    fn residual(&self, strain: &[f64], flowing: &[Flowing]) -> f64 {
-        let offsets = &self.problem.offsets;
+    fn residual(&self, strain: &CellFields<f64>, flowing: &[Flowing]) -> f64 {
         let worse = |a: f64, b: f64| if b <= a { a } else { b };
         let of_cell = |(number, cell): (usize, &crate::Cell)| {
             let Some(hardening) = &cell.hardening else { return 0.0 };
             let before = &self.before.cells[number];
             let tangents = &flowing[number].tangents;
-            let points = (offsets[number + 1] - offsets[number]) / COMPONENTS;
+            let points = strain[number].len() / COMPONENTS;
+            let (trial, found) = (self.of_cell(number), at_points(&strain[number]));
             let unit = 1.5_f64.sqrt() * 2.0 * cell.shear_modulus / hardening.yield_stress();
             let stretch = |range: std::ops::Range<usize>| {
                 let mut place = before.points.partition_point(|point| (*point as usize) < range.start);
@@ -433,11 +429,11 @@ impl Trial<'_> {
                     place += usize::from(has);
                     let flows = tangents.get(next).is_some_and(|tangent| tangent.point as usize == i);
                     next += usize::from(flows);
-                    let found: [f64; COMPONENTS] = std::array::from_fn(|c| strain[offsets[number] + c * points + i]);
+                    let found = found(i);
                     let driving = hardening.driving_stress(cell.shear_modulus, &found, &plastic);
                     let stays = hardening.overstress(&driving, equivalent) <= 0.0;
                     if flows || !stays {
-                        let trial = self.at(offsets[number], points, i);
+                        let trial = trial(i);
                         let difference: [f64; COMPONENTS] = std::array::from_fn(|c| found[c] - trial[c]);
                         worst = worse(worst, unit * crate::hardening::norm(&difference));
                     }
@@ -448,6 +444,12 @@ impl Trial<'_> {
         };
         self.problem.cells().iter().enumerate().map(of_cell).fold(0.0, worse)
     }
+}
+
+/// Returns a function for the components of a point in the fields of a cell.
+fn at_points<T: Copy + Sync>(fields: &[T]) -> impl Fn(usize) -> [T; COMPONENTS] + Sync + '_ {
+    let points = fields.len() / COMPONENTS;
+    move |i| std::array::from_fn(|c| fields[c * points + i])
 }
 
 /// Applies the tangent of the flow of a point to a strain.
@@ -539,10 +541,9 @@ impl Linear {
     }
 
     /// Transforms the change back, in the cells with points that flow, and frees the spectra.
-    fn finish(&mut self, active: &[bool], change: &mut [f32]) {
+    fn finish(&mut self, active: &[bool]) -> CellFields<f32> {
         self.operator.release();
         std::mem::swap(&mut self.operator.spectra, &mut self.change);
-        self.operator.fields(active, change);
-        self.operator.release();
+        self.operator.fields(active)
     }
 }

@@ -208,15 +208,4 @@ impl Volume {
         };
         Self { mesh: Arc::new(mesh), packs, components, levels, scales }
     }
-
-    /// Returns the number of strain components in all cells, each with its own number of points.
-    pub(crate) fn offsets(&self) -> Vec<usize> {
-        let mut sum = 0;
-        let mut offsets = vec![0];
-        for cell in &self.mesh.cells {
-            sum += COMPONENTS * cell.grid(&self.mesh.grid).len();
-            offsets.push(sum);
-        }
-        offsets
-    }
 }

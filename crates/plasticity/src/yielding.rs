@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::cells::Cells;
 use crate::lane::Selection;
-use crate::operator::Operator;
+use crate::operator::{CellFields, Operator};
 use crate::plastic::{Yielded, scatter};
 use crate::state::FlowResidual;
 use crate::volume::{COMPONENTS, Volume};
@@ -29,8 +29,6 @@ pub struct YieldingContact {
     contact: Contact,
     pub(crate) response: Arc<NormalResponse>,
     pub(crate) volume: Arc<Volume>,
-    /// Places of the strain of each cell in one vector, and its length.
-    pub(crate) offsets: Vec<usize>,
     /// Largest mean pressure divided by the pressure at which the whole half-space yields; none on rigid ground.
     limit: Option<f64>,
 }
@@ -41,8 +39,8 @@ pub(crate) struct Evaluation {
     pub(crate) solution: Solution,
     /// Normal displacement by plastic strain alone.
     pub(crate) plastic_displacement: Vec<f64>,
-    /// Deviatoric strain of all cells.
-    pub(crate) strain: Vec<f64>,
+    /// Deviatoric strain of the cells that may yield.
+    pub(crate) strain: CellFields<f64>,
     /// Unbalanced forces on nodes divided by the forces on them.
     pub(crate) unbalanced: f64,
 }
@@ -82,8 +80,7 @@ impl YieldingContact {
         });
         let response = Arc::new(NormalResponse::new(*grid, body));
         let volume = Arc::new(Volume::new(mesh));
-        let offsets = volume.offsets();
-        Ok(Self { contact, response, volume, offsets, limit })
+        Ok(Self { contact, response, volume, limit })
     }
 
     /// Returns the rigid surface.
@@ -174,11 +171,10 @@ impl YieldingContact {
         load: Load,
         start: &Array2<f64>,
         budget: &Budget,
-        strain: Vec<f64>,
     ) -> Result<Evaluation, Refusal> {
         let plastic_displacement = self.plastic_displacement(operator, plastic);
         let solution = self.touch(&plastic_displacement, load, start, budget)?;
-        let (strain, unbalanced) = self.strain_of(operator, plastic, &solution.pressure, strain);
+        let (strain, unbalanced) = self.strain_of(operator, plastic, &solution.pressure);
         Ok(Evaluation { solution, plastic_displacement, strain, unbalanced })
     }
 
@@ -245,13 +241,10 @@ impl YieldingContact {
         operator: &mut Operator<f64>,
         plastic: &PlasticStrain,
         pressure: &Array2<f64>,
-        mut strain: Vec<f64>,
-    ) -> (Vec<f64>, f64) {
-        strain.resize(self.offsets[self.offsets.len() - 1], 0.0);
+    ) -> (CellFields<f64>, f64) {
         let selection = self.selection(plastic);
         let unbalanced = operator.strain_in_balance(&contiguous(pressure), &selection);
-        operator.fields(&selection.strain, &mut strain);
-        (strain, unbalanced)
+        (operator.fields(&selection.strain), unbalanced)
     }
 
     /// Computes the energies of an evaluation (Colonnetti's theorem: the stress by the load and the residual stress do
@@ -269,7 +262,7 @@ impl YieldingContact {
         let on_load = gfmd_vector::dot(&pressure, plastic_displacement) / n;
         let (mesh, cells) = (&self.volume.mesh, self.cells());
         let on_plastic = plastic.integral(mesh, |number, place, plastic_strain, _| {
-            let fields = &strain[self.offsets[number]..self.offsets[number + 1]];
+            let fields = &strain[number];
             let (points, i) = (fields.len() / COMPONENTS, plastic.cells[number].points[place] as usize);
             let product = |c: usize| (fields[c * points + i] - plastic_strain[c]) * plastic_strain[c];
             2.0 * cells[number].shear_modulus * (0..COMPONENTS).map(product).sum::<f64>()
@@ -291,7 +284,7 @@ impl YieldingContact {
     /// Computes the residuals of yield condition and flow, without equilibrium.
     pub(crate) fn flow_residual(
         &self,
-        strain: &[f64],
+        strain: &CellFields<f64>,
         plastic: &PlasticStrain,
         before: &PlasticStrain,
     ) -> FlowResidual {
@@ -302,7 +295,7 @@ impl YieldingContact {
         let mut all = none;
         for (number, cell) in self.cells().iter().enumerate() {
             let Some(hardening) = &cell.hardening else { continue };
-            let fields = &strain[self.offsets[number]..self.offsets[number + 1]];
+            let fields = &strain[number];
             let points = fields.len() / COMPONENTS;
             let (now, then) = (&plastic.cells[number], &before.cells[number]);
             let of_range = |range: std::ops::Range<usize>| {
@@ -408,7 +401,7 @@ impl YieldingContact {
         if parted {
             solution.residual.complementarity = 0.0;
         }
-        let (strain, unbalanced) = self.strain_of(&mut operator, plastic, &solution.pressure, Vec::new());
+        let (strain, unbalanced) = self.strain_of(&mut operator, plastic, &solution.pressure);
         let transform_pairs = operator.pairs() + solution.effort.transform_pairs;
         let effort = Effort { iterations: 1, transform_pairs };
         let evaluation = Evaluation { solution, plastic_displacement, strain, unbalanced };
