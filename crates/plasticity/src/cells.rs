@@ -247,7 +247,7 @@ impl Cells {
                     return Err(PlasticityError::Coarsenings { found: coarsenings.len(), cells });
                 }
                 let wrong = |found: &usize| {
-                    let fits = |side: &Side| *found > 0 && divides(*found, side.points, LEAST_POINTS);
+                    let fits = |side: &Side| *found > 0 && leaves(*found, side.points, LEAST_POINTS);
                     *found != 1 && !(found.is_power_of_two() && sides(grid).iter().all(fits))
                 };
                 match coarsenings.iter().position(wrong) {
@@ -267,7 +267,7 @@ impl Cells {
                 let of_cell = |thickness: &f64| {
                     let mut coarser = 1;
                     while 2.0 * coarser as f64 * spacing * coarsening <= top
-                        && sides.iter().all(|side| divides(2 * coarser, side.points, LEAST_POINTS_OF_GRADED))
+                        && sides.iter().all(|side| leaves(2 * coarser, side.points, LEAST_POINTS_OF_GRADED))
                     {
                         coarser *= 2;
                     }
@@ -299,8 +299,9 @@ fn sides(grid: &Grid) -> Vec<Side> {
     if several.is_empty() { vec![Side { points: 1, length: grid.lengths()[0] }] } else { several }
 }
 
-fn divides(coarsening: usize, points: usize, least: usize) -> bool {
-    points.is_multiple_of(coarsening) && points / coarsening >= least
+/// Returns true if a coarser side has enough points; their number is rounded up.
+fn leaves(coarsening: usize, points: usize, least: usize) -> bool {
+    points.div_ceil(coarsening) >= least
 }
 
 /// Adds cells of a growing thickness that fill an extent. Returns the thickness of the next cell.
@@ -328,15 +329,15 @@ impl Cell {
     }
 
     /// Returns the number of points of the surface per point of the cell.
-    pub(crate) fn share(&self, surface: &Grid) -> usize {
-        surface.len() / self.grid(surface).len()
+    pub(crate) fn share(&self, surface: &Grid) -> f64 {
+        surface.len() as f64 / self.grid(surface).len() as f64
     }
 }
 
 impl Mesh {
     /// Returns the number of cells on the full grid with the same number of points.
     pub(crate) fn equivalent_cells(&self) -> f64 {
-        self.cells.iter().map(|cell| 1.0 / cell.share(&self.grid) as f64).sum()
+        self.cells.iter().map(|cell| 1.0 / cell.share(&self.grid)).sum()
     }
 }
 
@@ -369,7 +370,7 @@ mod tests {
         assert_eq!(list(&[0.1, -0.1], &[]), "the thickness of cell 1 is -0.1; it must be positive and finite");
         assert_eq!(list(&[0.1], &[1, 2]), "there are 2 coarsenings; there must be 1, one per cell");
         assert!(list(&[0.1], &[3]).starts_with("the coarsening of cell 0 is 3; it must be a power of two"));
-        assert!(list(&[0.1], &[16]).ends_with("leaves at least 4"));
+        assert!(list(&[0.1], &[16]).ends_with("leaves at least 4 of [32, 32] points"));
         let graded = |thickness, growth, coarsening| {
             mesh(&Cells::Graded { thickness, growth, coarsening }, 32).map(|_| ()).unwrap_err().to_string()
         };

@@ -133,8 +133,8 @@ pub enum PlasticityError {
     },
     /// A coarsening is not a power of two, or leaves too few points.
     #[error(
-        "the coarsening of cell {index} is {found}; it must be a power of two that divides {points:?} points and \
-             leaves at least {least}"
+        "the coarsening of cell {index} is {found}; it must be a power of two that leaves at least {least} of \
+             {points:?} points"
     )]
     Coarsening {
         /// Number of the cell, from the surface.
