@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::{Drive, Load};
-use gfmd_interface::{LimitingPressure, Path, QuasistaticState, Refinement, Step, Wear};
+use gfmd_interface::{LimitingPressure, Path, Refinement, Step, Wear};
 use gfmd_law::LawKind;
 use gfmd_plasticity::PlasticState;
 use gfmd_problem::{AnyState, Facts, Posed, WearBy, key, setting, words};
@@ -281,9 +281,8 @@ fn finish(
 ) -> Result<Outcome<Report>, Failure> {
     let Followed { contact, path, outcome, mut file, widest, unsettled } = followed;
     warn_unsettled_steps(&unsettled, &path, args, session);
-    let remembered = path.state().and_then(AnyState::on_path).and_then(QuasistaticState::memory);
-    if let (Some(file), Some(remembered)) = (&mut file, remembered) {
-        memory::write(file, &prepared.surface, &remembered)?;
+    if let (Some(file), Some(state)) = (&mut file, path.state()) {
+        memory::write(file, &prepared.surface, state)?;
     }
     if let Some(state) = path.state().and_then(AnyState::yielding) {
         warn_of_strain(state, prepared, session);

@@ -265,6 +265,11 @@ impl Interface {
         self.elastic.components() == 1 || self.law.energy(0.0, 0.0).is_some()
     }
 
+    /// Returns true if the law acts beyond touching: a hard wall alone does not.
+    pub(crate) fn attracts(&self) -> bool {
+        !self.law.has_wall() || self.law.opening_energy(0.0) != 0.0 || self.law.stiffness_bound(0.0) != 0.0
+    }
+
     /// Returns a warning if the law is too steep for the grid (theory.md, section 8). It is not an error, since the
     /// states are correct for the discrete surface.
     pub fn trapping(&self) -> Option<Trapping> {

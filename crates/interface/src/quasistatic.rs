@@ -262,7 +262,7 @@ impl QuasistaticContact {
     /// Returns true if surfaces in first touch without load are not in equilibrium on a body that relaxes: the law
     /// attracts them at once.
     fn is_drawn(&self) -> bool {
-        self.medium.is_some() && matches!(self.normal, Normal::Law(_))
+        self.medium.is_some() && self.attracts()
     }
 
     /// Solves an increment in the units of the solve.
@@ -430,16 +430,16 @@ impl Quasistatic for QuasistaticContact {
             Normal::Law(interface) => interface.has_energy(),
             Normal::Wall(_) => true,
         };
-        let loss = match (&self.normal, self.may_jump()) {
-            (Normal::Law(_), false) if has_energy() => Loss::Balance(stored()),
-            (Normal::Law(_), false) => Loss::Unknown,
-            (Normal::Wall(_), _) if self.medium.is_none() && self.wear.is_none() => Loss::Known(state.losses.total()),
-            (_, jumps) => {
+        let loss = match &self.normal {
+            Normal::Law(_) if !self.loses() && has_energy() => Loss::Balance(stored()),
+            Normal::Law(_) if !self.loses() => Loss::Unknown,
+            Normal::Wall(_) if self.medium.is_none() && self.wear.is_none() => Loss::Known(state.losses.total()),
+            _ => {
                 let flows = self.shear.is_some() || self.hardness.is_some();
                 Loss::Certified {
                     lost: state.losses.total(),
                     imbalance: state.work_imbalance,
-                    stored: (jumps && !flows).then(stored),
+                    stored: (self.may_jump() && !flows).then(stored),
                     flows,
                 }
             }

@@ -72,6 +72,19 @@ pub trait Stacked: Quasistatic + Resumable {
     /// # Errors
     /// Returns the reason why there is none.
     fn stiffness(&self, state: &Self::State, tolerance: f64) -> Result<Stiffness, StiffnessError>;
+
+    /// Computes the stiffness of the state with these fields, also where they do not determine it.
+    ///
+    /// # Errors
+    /// Returns the reason why there is none; always under loads, where the fields make the state.
+    fn stiffness_of_fields(
+        &self,
+        _pressure: &ArrayRef2<f64>,
+        _gap: &ArrayRef2<f64>,
+        _tolerance: f64,
+    ) -> Result<Stiffness, StiffnessError> {
+        Err(Refusal::OtherKind.into())
+    }
 }
 
 impl Stacked for Interface {
@@ -123,6 +136,15 @@ impl Stacked for QuasistaticContact {
 
     fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, StiffnessError> {
         QuasistaticContact::stiffness(self, state, tolerance)
+    }
+
+    fn stiffness_of_fields(
+        &self,
+        pressure: &ArrayRef2<f64>,
+        gap: &ArrayRef2<f64>,
+        tolerance: f64,
+    ) -> Result<Stiffness, StiffnessError> {
+        QuasistaticContact::stiffness_of_fields(self, pressure, gap, tolerance)
     }
 }
 
@@ -322,6 +344,21 @@ impl<C: Stacked> Squeezed<C> {
     /// Returns the reason why there is none.
     pub fn stiffness(&self, state: &SqueezedState<C::State>, tolerance: f64) -> Result<Stiffness, StiffnessError> {
         let found = self.contact.stiffness(&state.both, tolerance)?;
+        Ok(Stiffness { value: 0.5 * found.value, ..found })
+    }
+
+    /// Computes the stiffness of the state along a path with these pressures and gaps of the upper and the lower face,
+    /// as [`QuasistaticContact::stiffness_of_fields`].
+    ///
+    /// # Errors
+    /// Returns the reason why there is none.
+    pub fn stiffness_of_fields(
+        &self,
+        [upper, lower]: [[&ArrayRef2<f64>; 2]; 2],
+        tolerance: f64,
+    ) -> Result<Stiffness, StiffnessError> {
+        let [pressure, gap] = [self.stack(upper[0], lower[0])?, self.stack(upper[1], lower[1])?];
+        let found = self.contact.stiffness_of_fields(&pressure, &gap, tolerance)?;
         Ok(Stiffness { value: 0.5 * found.value, ..found })
     }
 

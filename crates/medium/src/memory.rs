@@ -1,5 +1,7 @@
 //! Memory of a body: its displacement and the spring elongations of all branches.
 
+use std::ops::Range;
+
 use gfmd_field::{Grid, ShapeError, Transform};
 use gfmd_relax::Visit;
 use gfmd_vector::{add, for_each, pass, reduce};
@@ -53,6 +55,16 @@ impl Memory {
             Fields::Waves(fields) => fields.iter_mut().flatten().for_each(|x| *x *= length),
         }
         self
+    }
+
+    /// Returns the memory of the values in a range, with another indentation there, in length; `None` for a body whose
+    /// waves relax by branches of their own.
+    pub fn part(&self, range: Range<usize>, indentation: Vec<f64>) -> Option<Self> {
+        let Fields::Points { lengths, stresses } = &self.0 else { return None };
+        let values = |fields: &[Vec<f64>]| fields.iter().map(|field| field[range.clone()].to_vec()).collect::<Vec<_>>();
+        let mut lengths = values(lengths);
+        lengths[0] = indentation;
+        Some(Self(Fields::Points { lengths, stresses: values(stresses) }))
     }
 
     /// Returns the indentation −u_z and the spring elongation of each branch along z, row by row, in length; `grid` is

@@ -3,8 +3,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use gfmd_contact::{Boundary, Refusal};
 use gfmd_field::{Grid, Transform, Workspace};
-use gfmd_green::Body;
-use gfmd_vector::contiguous;
+use gfmd_green::{Body, Plate};
+use gfmd_response::{PlateResponse, PlateTransforms};
+use gfmd_vector::{contiguous, dot};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -110,6 +111,30 @@ impl Relaxing {
         // The mean level of a half-space does not move.
         let modes = (0..grid.spectrum_len()).filter(|mode| stiffness[*mode].is_finite());
         Ok(Some(modes.map(of).sum()))
+    }
+
+    /// Computes the energy stored in all springs as [`elastic_energy`](Self::elastic_energy), of a plate between two
+    /// surfaces from the memories of both faces; `body` is its body without the base.
+    ///
+    /// # Errors
+    /// Returns an error as [`elastic_energy`](Self::elastic_energy), for a body that is no plate, and for a body whose
+    /// waves relax by branches of their own.
+    pub fn elastic_energy_of_plate(&self, body: &Body, memories: [&[Array2<f64>]; 2]) -> Result<f64, Refusal> {
+        memories.into_iter().try_for_each(|memory| self.check(memory))?;
+        let Spectrum::Common(branches) = &*self.spectrum else {
+            return Err(Refusal::ShearAlone { with: "a second surface" });
+        };
+        let mut transforms = PlateTransforms::of(&PlateResponse::new(self.grid, &Plate::of(body)?).into());
+        let uniform = 1.0 / transforms.response().uniform_compliance();
+        let weights = std::iter::once(1.0).chain(branches.iter().map(|branch| branch.weight));
+        let [upper, lower] = memories;
+        let energies = weights.zip(upper).zip(lower).map(|((weight, upper), lower)| {
+            let lengths: Vec<f64> = upper.iter().chain(lower).copied().collect();
+            let mut stresses = vec![0.0; lengths.len()];
+            transforms.stiffness(uniform, &lengths, &mut stresses);
+            0.5 * weight * dot(&lengths, &stresses) / upper.len() as f64
+        });
+        Ok(energies.sum())
     }
 
     fn check(&self, memory: &[Array2<f64>]) -> Result<(), Refusal> {

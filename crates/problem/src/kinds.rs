@@ -13,7 +13,7 @@ use gfmd_relax::Why;
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
-use crate::posed::{ContactKind, NoStiffness, of_fields};
+use crate::posed::{ContactKind, NoStiffness, of_fields, other_fields};
 
 /// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
@@ -151,6 +151,11 @@ where
         Squeezed::stiffness(self, state, tolerance).map_err(no_stiffness)
     }
 
+    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        let faces = faces.try_into().map_err(|_| other_fields())?;
+        Squeezed::stiffness_of_fields(self, faces, tolerance).map_err(no_stiffness)
+    }
+
     fn reading(&self, state: &SqueezedState<C::State>) -> Reading {
         Quasistatic::reading(self, state)
     }
@@ -243,12 +248,8 @@ impl ContactKind for QuasistaticContact {
         QuasistaticContact::stiffness(self, state, tolerance).map_err(no_stiffness)
     }
 
-    fn stiffness_of_fields(
-        &self,
-        pressure: &ArrayRef2<f64>,
-        gap: &ArrayRef2<f64>,
-        tolerance: f64,
-    ) -> Result<Stiffness, NoStiffness> {
+    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        let [[pressure, gap]] = faces.try_into().map_err(|_| other_fields())?;
         QuasistaticContact::stiffness_of_fields(self, pressure, gap, tolerance).map_err(no_stiffness)
     }
 
@@ -291,12 +292,8 @@ impl ContactKind for YieldingContact {
         YieldingContact::stiffness(self, state, tolerance).map_err(inexact)
     }
 
-    fn stiffness_of_fields(
-        &self,
-        pressure: &ArrayRef2<f64>,
-        _gap: &ArrayRef2<f64>,
-        tolerance: f64,
-    ) -> Result<Stiffness, NoStiffness> {
+    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        let [[pressure, _]] = faces.try_into().map_err(|_| other_fields())?;
         // It is the stiffness of the elastic contact with these points in contact.
         let elastic = self.contact().certify(pressure, Load::Approach(0.0));
         let elastic = elastic.map_err(|refusal| NoStiffness::Undefined(refusal.to_string().into()))?;

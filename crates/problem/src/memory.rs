@@ -103,10 +103,6 @@ impl Facts {
             Task::Loads if self.finite_slope => MemoryNeed::STEEP,
             Task::Loads if self.unknown == Unknown::All => MemoryNeed::WALL_ALL_COMPONENTS,
             Task::Loads if self.lower.is_some() && self.has_law() => MemoryNeed::SQUEEZED_BY_LAW,
-            Task::Path if self.lower.is_some() && self.hardness => {
-                MemoryNeed(MemoryNeed::SQUEEZED_ON_PATH.0 + 2 * MemoryNeed::HARDNESS)
-            }
-            Task::Path if self.lower.is_some() => MemoryNeed::SQUEEZED_ON_PATH,
             Task::Loads if self.lower.is_some() && self.hardness => MemoryNeed::SQUEEZED_WITH_HARDNESS,
             Task::Loads if self.lower.is_some() => MemoryNeed::SQUEEZED,
             Task::Loads if self.has_law() && is_free => MemoryNeed::LAW_FREE,
@@ -122,6 +118,7 @@ impl Facts {
     fn need_of_path(&self, is_free: bool) -> MemoryNeed {
         let (law, sideways) = (self.solves_a_law(), self.moves_sideways());
         let base = match (sideways, law, is_free) {
+            _ if self.lower.is_some() => MemoryNeed::SQUEEZED_ON_PATH,
             (true, _, true) if self.shears_by_law() => MemoryNeed::LAW_ALL_COMPONENTS_FREE,
             (true, _, true) => MemoryNeed::ALL_COMPONENTS_FREE,
             (true, _, false) => MemoryNeed::ALL_COMPONENTS,
@@ -130,11 +127,10 @@ impl Facts {
             (false, false, _) => MemoryNeed::FREE,
         };
         let of = |is_part: bool, fields: u64| if is_part { fields } else { 0 };
-        MemoryNeed(
-            base.0
-                + of(self.friction.is_some() && law, MemoryNeed::LAW_BESIDE_FRICTION)
-                + of(self.wear.is_some(), MemoryNeed::WEAR)
-                + of(self.hardness && (law || sideways), MemoryNeed::HARDNESS),
-        )
+        let histories =
+            of(self.wear.is_some(), MemoryNeed::WEAR) + of(self.hardness && (law || sideways), MemoryNeed::HARDNESS);
+        let faces = 1 + u64::from(self.lower.is_some());
+        let friction = of(self.friction.is_some() && law, MemoryNeed::LAW_BESIDE_FRICTION);
+        MemoryNeed(base.0 + friction + faces * histories)
     }
 }

@@ -73,7 +73,8 @@ impl AnyState {
         self.get::<SqueezedSolution>().map(|state| &state.lower)
     }
 
-    fn lower_on_path(&self) -> Option<&QuasistaticState> {
+    /// Returns the state of the lower face along a path.
+    pub fn lower_on_path(&self) -> Option<&QuasistaticState> {
         self.get().map(|state: &SqueezedState<QuasistaticState>| &state.lower)
     }
 

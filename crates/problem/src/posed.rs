@@ -42,17 +42,13 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
     /// Returns the reason why there is no stiffness, or why it is less exact than requested.
     fn stiffness(&self, state: &Self::State, tolerance: f64) -> Result<Stiffness, NoStiffness>;
 
-    /// Computes the stiffness of the state with this pressure and gap, also where they do not determine the state.
+    /// Computes the stiffness of the state with this pressure and gap of each face, the upper one first, also where
+    /// they do not determine the state.
     ///
     /// # Errors
     /// Returns an error as [`stiffness`](Self::stiffness), and for all kinds but those along a path.
-    fn stiffness_of_fields(
-        &self,
-        _pressure: &ArrayRef2<f64>,
-        _gap: &ArrayRef2<f64>,
-        _tolerance: f64,
-    ) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined("the fields do not determine the state".into()))
+    fn stiffness_of_fields(&self, _faces: &[[&ArrayRef2<f64>; 2]], _tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        Err(other_fields())
     }
 
     /// Computes the derivatives of a scalar under a load of this kind, from its derivatives with respect to a state.
@@ -90,6 +86,11 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
     fn trapping(&self) -> Option<Trapping> {
         None
     }
+}
+
+/// Returns the reason why the fields of another kind of contact give no stiffness.
+pub(crate) fn other_fields() -> NoStiffness {
+    NoStiffness::Undefined("the fields do not determine the state".into())
 }
 
 /// Returns the reading of a state that is pressed without shear and has an unknown loss.
@@ -220,7 +221,7 @@ trait DynContact: Send + Sync {
     fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal>;
     fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal>;
     fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness>;
-    fn stiffness_of_fields(&self, fields: [&ArrayRef2<f64>; 2], tolerance: f64) -> Result<Stiffness, NoStiffness>;
+    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
     fn reading(&self, state: &AnyState) -> Reading;
     fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool;
@@ -288,12 +289,8 @@ impl<K: ContactKind> DynContact for K {
         }
     }
 
-    fn stiffness_of_fields(
-        &self,
-        [pressure, gap]: [&ArrayRef2<f64>; 2],
-        tolerance: f64,
-    ) -> Result<Stiffness, NoStiffness> {
-        ContactKind::stiffness_of_fields(self, pressure, gap, tolerance)
+    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        ContactKind::stiffness_of_fields(self, faces, tolerance)
     }
 
     fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
@@ -370,18 +367,17 @@ impl Posed {
         self.0.stiffness(state, tolerance)
     }
 
-    /// Computes the [`stiffness`](Self::stiffness) of the state along a path with this pressure and gap, also where
-    /// they do not determine the state.
+    /// Computes the [`stiffness`](Self::stiffness) of the state along a path with this pressure and gap of each face,
+    /// the upper one first, also where they do not determine the state.
     ///
     /// # Errors
     /// Returns an error as [`stiffness`](Self::stiffness), and for a contact of another kind.
     pub fn stiffness_of_fields(
         &self,
-        pressure: &ArrayRef2<f64>,
-        gap: &ArrayRef2<f64>,
+        faces: &[[&ArrayRef2<f64>; 2]],
         tolerance: f64,
     ) -> Result<Stiffness, NoStiffness> {
-        self.0.stiffness_of_fields([pressure, gap], tolerance)
+        self.0.stiffness_of_fields(faces, tolerance)
     }
 
     /// Computes the derivatives of a scalar under a `load` of this kind, from its derivatives `of` with respect to a

@@ -151,7 +151,9 @@ def test_results_have_the_attributes_that_are_documented(words):
     steel = gfmd.Body(yield_stress=0.01, hardening=0.02, kinematic_hardening=0.01)
     curve = gfmd.Body(yield_stress=0.01, hardening_curve=[(0.0, 0.01), (0.1, 0.02)])
     dented = [gfmd.path(slab, metal, p_star=0.05, steps=1, kept_strain="waypoints") for metal in (steel, curve)]
-    between = gfmd.path(slab, gfmd.Body(height=0.5), p_star=0.05, hardness=0.05, lower_surface=slab, steps=1)
+    plate = gfmd.Body(height=0.5, prony=[(0.1, 0.3)])
+    two_faces = dict(lower_surface=slab, hardness=0.05, wear=gfmd.Wear(1.0), time=[0, 1], distance=[0, 0.1])
+    between = gfmd.path(slab, plate, p_star=0.05, steps=1, **two_faces)
     warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
     refined = gfmd.slide(slab, rubber, velocity=1.0, p_star=0.05, hardness=0.05, grid_error="refine")
     sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm), refined]

@@ -114,9 +114,15 @@ pub const ARRAYS: &[Array] = &[
         |rest, _| Some(rest.yielding()?.plastic_displacement.view().into()),
     )
     .of_paths(yields),
-    Array::new("wear_depth", "length", &[(any, "depth that both surfaces have lost so far")], |rest, _| {
-        rest.on_path()?.wear_depth().map(|depth| depth.view().into())
-    })
+    Array::new(
+        "wear_depth",
+        "length",
+        &[
+            (between, "depth that the upper face and surface have lost so far"),
+            (any, "depth that both surfaces have lost so far"),
+        ],
+        |rest, _| rest.on_path()?.wear_depth().map(|depth| depth.view().into()),
+    )
     .of_paths(|facts| facts.wear.is_some()),
     Array::new("displacement_x", "length", &[(any, "displacement of the elastic surface along x")], |rest, _| {
         axis_of(rest, 0)
@@ -170,6 +176,13 @@ pub const ARRAYS: &[Array] = &[
         |rest, _| rest.lower_plastic_depth().map(|depth| depth.view().into()),
     )
     .with(HARD_BETWEEN, hard_between),
+    Array::new(
+        "lower_wear_depth",
+        "length",
+        &[(any, "depth that the lower face and surface have lost so far")],
+        |rest, _| rest.lower_on_path()?.wear_depth().map(|depth| depth.view().into()),
+    )
+    .of_paths(|facts| between(facts) && facts.wear.is_some()),
     Array::new(
         "lower_repulsion",
         "stress",

@@ -149,6 +149,11 @@ impl PlateTransforms {
         }
     }
 
+    /// Returns the response.
+    pub fn response(&self) -> &PlateResponse {
+        &self.response
+    }
+
     /// Computes indentation = C `pressure`, with the compliance `uniform` for the half sum at q = 0. The half
     /// difference at q = 0 is zero: the plate as a whole has no support.
     pub fn compliance(&mut self, uniform: f64, pressure: &[f64], indentation: &mut [f64]) {

@@ -138,9 +138,14 @@ const LOWER: &[Row] = &[
 
 const PATH: &[Row] = &[
     row(&["/history/index", "/history/x", "/history/y"], Verified, Verified, "the layout that the configuration gives"),
-    row(&["/history/displacement"], Verified, Verified, "the displacement of the last step"),
     row(
-        &["/history/branch"],
+        &["/history/displacement", "/history/lower_displacement"],
+        Verified,
+        Verified,
+        "the displacement of the last step",
+    ),
+    row(
+        &["/history/branch", "/history/lower_branch"],
         Verified,
         Verified,
         "the pressure of the last step, computed from it and the displacement",

@@ -6,7 +6,7 @@ use gfmd_problem::{AnyState, WearBy};
 use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 use std::path::PathBuf;
 
 use super::args::StepArgs;
@@ -95,6 +95,37 @@ struct Work {
     floor: f64,
 }
 
+/// Fields of one face of the body at a waypoint, as seen from outside.
+struct Face<'a> {
+    /// Beginning of the names of its fields and numbers.
+    prefix: &'static str,
+    /// Heights of the rigid surface.
+    heights: &'a Array2<f64>,
+    pressure: Array2<f64>,
+    /// Displacement out of the body.
+    displacement: Array2<f64>,
+    gap: Array2<f64>,
+    plastic_depth: Option<Array2<f64>>,
+    wear_depth: Option<Array2<f64>>,
+}
+
+impl Face<'_> {
+    /// Returns the gap of each point at zero approach.
+    fn rooms(&self) -> impl Iterator<Item = f64> {
+        let highest = self.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut rooms = self.heights.mapv(|height| highest - height) - &self.displacement;
+        for depth in self.plastic_depth.iter().chain(&self.wear_depth) {
+            rooms += depth;
+        }
+        rooms.into_iter()
+    }
+
+    /// Returns the approach of which the gaps tell.
+    fn apart(&self) -> f64 {
+        self.rooms().zip(&self.gap).map(|(room, gap)| room - gap).sum::<f64>() / self.gap.len() as f64
+    }
+}
+
 /// Check of the numbers of a step that do not follow from its state alone.
 struct StepCheck<'a> {
     args: &'a Args,
@@ -154,8 +185,13 @@ impl StepCheck<'_> {
     /// Compares the energy lost by wear with the pressure at a waypoint.
     fn lost_by_wear(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
         let Some(rate) = self.rate(step) else { return Ok(()) };
-        let field = self.stored.field("pressure", waypoint)?;
-        let squares = field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
+        let faces: &[&str] =
+            if self.stored.prepared.lower.is_some() { &["pressure", "lower_pressure"] } else { &["pressure"] };
+        let mut squares = 0.0;
+        for name in faces {
+            let field = self.stored.field(name, waypoint)?;
+            squares += field.iter().map(|p| p * p).sum::<f64>() / field.len() as f64;
+        }
         let [all, part] = ["dissipated", "lost_wear"].map(|name| self.stored.number(name, step));
         let (name, lost) = if part.is_nan() { ("dissipated", all) } else { ("lost_wear", part) };
         comparison.number(&format!("/path/{name}"), lost, rate * squares, 0.0);
@@ -209,8 +245,9 @@ impl StepCheck<'_> {
     /// Compares the stiffness with its value from the stored pressure and gap; surfaces that shear have none.
     fn stiffness(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
         let file = self.stored;
-        let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
-        let found = self.args.stiffness.of_fields(file.contact, [&pressure, &gap]);
+        let faces = self.faces(waypoint)?;
+        let fields: Vec<[&ArrayRef2<f64>; 2]> = faces.iter().map(|face| [&*face.pressure, &*face.gap]).collect();
+        let found = self.args.stiffness.of_fields(file.contact, &fields);
         // Infinite in full contact, which a file says by its reason.
         let finite = |value: f64| if value.is_finite() { value } else { f64::NAN };
         let [value, error] = found.map_or([f64::NAN; 2], |found| [found.value, found.error].map(finite));
@@ -282,102 +319,32 @@ impl StepCheck<'_> {
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
         let Self { args, stored: file } = self;
-        let Prepared { facts, surface, law, hardness, shear, prony, .. } = file.prepared;
-        let tolerance = args.steps.search.tolerance;
-        let field = |name: &str| file.field(name, waypoint);
-        let [pressure, displacement, gap] = [field("pressure")?, field("displacement_z")?, field("gap")?];
+        let Prepared { facts, law, shear, prony, .. } = file.prepared;
         let (number, height) = (|name: &str| file.number(name, step), file.height());
-        let mean = |field: &Array2<f64>| field.mean().unwrap_or(f64::NAN);
-        let mut depth = Array2::zeros(surface.grid.points());
-        for (name, volume) in [("plastic_depth", "plastic_volume"), ("wear_depth", "wear_volume")] {
-            let is_kept = if name == "wear_depth" { facts.wear.is_some() } else { facts.hardness };
-            if is_kept {
-                let kept = field(name)?;
-                comparison.number(&format!("/path/{volume}"), number(volume), mean(&kept), 0.0);
-                if name == "wear_depth" {
-                    let deepest = kept.iter().copied().fold(0.0, f64::max);
-                    comparison.number("/path/max_wear", number("max_wear"), deepest, 0.0);
-                }
-                depth += &kept;
-            }
-        }
-        let highest = surface.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let rooms =
-            surface.heights.iter().zip(&displacement).zip(&depth).map(|((h, u), depth)| highest - h - u + depth);
-        let rooms: Vec<f64> = rooms.collect();
-        let apart = rooms.iter().zip(&gap).map(|(room, gap)| room - gap).sum::<f64>() / gap.len() as f64;
+        let faces = self.faces(waypoint)?;
+        let apart: Vec<f64> = faces.iter().map(Face::apart).collect();
         // The mean displacement of a half-space is a convention, as is the level of a profile on a patch.
-        let approach = if facts.has_level() { number("approach") } else { apart };
-        let found: Vec<f64> = rooms.iter().map(|room| room - approach).collect();
-        comparison.values("/fields/gap", &flat(&gap), &found, height);
-        let least = |values: &Array2<f64>| values.iter().copied().fold(0.0, f64::min);
-        let (repulsion, floor) = self.repulsion(&pressure, &gap);
-        let acts_alone = !facts.shears_by_law();
-        if facts.has_law() && acts_alone {
-            let touches = |gap: f64| law.has_wall() && gap <= 0.0;
-            let law_pressure = gap.mapv(|gap| -law.traction(gap, [0.0; 2])[2]);
-            let left = pressure.iter().zip(&law_pressure).zip(&gap).map(|((p, of_law), gap)| {
-                let left = p - of_law;
-                if touches(*gap) { (-left).max(0.0) } else { left.abs() }
-            });
-            comparison.at_most("/fields/pressure (of the law)", worst(left) / floor, 100.0 * tolerance);
-            let energy = mean(&gap.mapv(|gap| law.opening_energy(gap)));
+        let levels = match faces.len() {
+            1 if facts.has_level() => vec![number("approach")],
+            2 => {
+                comparison.number("/path/approach (of the gaps)", number("approach"), apart.iter().sum(), height);
+                comparison.number("/path/lower_approach", number("lower_approach"), apart[1], height);
+                apart
+            }
+            _ => apart,
+        };
+        for (face, level) in faces.iter().zip(levels) {
+            self.face(face, level, step, comparison);
+        }
+        if facts.has_law() && !facts.shears_by_law() {
+            let energy = faces.iter().map(|face| mean(&face.gap.mapv(|gap| law.opening_energy(gap)))).sum::<f64>();
             let size = number("elastic_energy").abs() + energy.abs();
             comparison.number("/path/interface_energy", number("interface_energy"), energy, size);
         }
-        if !facts.has_law() && acts_alone {
-            comparison.at_most("/fields/pressure (tension)", -least(&pressure), 0.0);
-            let pressed = pressure.sum();
-            let closed = (&pressure * &gap).sum().abs();
-            let open = if pressed > 0.0 { closed / (pressed * height) } else { 0.0 };
-            comparison.at_most("/fields/gap (in contact)", open, tolerance);
-        }
-        if let Some(hardness) = hardness {
-            let over = match hardness {
-                Hardness::Uniform(hardness) => worst(pressure.iter().map(|p| (p / hardness - 1.0).max(0.0))),
-                Hardness::Field(field) => worst(pressure.iter().zip(field).map(|(p, hard)| (p / hard - 1.0).max(0.0))),
-            };
-            comparison.at_most("/fields/pressure (hardness)", over, 100.0 * tolerance);
-        }
-        if law.has_wall() {
-            comparison.at_most("/fields/gap (penetration)", -least(&gap) / height, tolerance);
-        }
-        match facts.has_law() || facts.shears_by_law() {
-            // The mean pressure follows from the law, the field from the displacement: they agree up to the residual.
-            true => {
-                let floor = if floor > 0.0 { floor } else { file.prepared.unit_pressure() };
-                comparison.at_most(
-                    "/path/mean_pressure",
-                    (number("mean_pressure") - mean(&pressure)).abs() / floor,
-                    100.0 * tolerance,
-                );
-            }
-            false => comparison.number("/path/mean_pressure", number("mean_pressure"), mean(&pressure), floor),
-        }
-        if acts_alone {
-            if !number("max_pressure").is_nan() {
-                let largest = repulsion.iter().copied().fold(0.0, f64::max);
-                let stored = number("max_pressure");
-                // Beside a law, the depths pressed in and worn off determine the repulsion up to the residual.
-                if facts.has_law() && (facts.hardness || facts.wear.is_some()) {
-                    let apart = (stored - largest).abs() / floor;
-                    comparison.at_most("/path/max_pressure (of the fields)", apart, 100.0 * tolerance);
-                } else {
-                    comparison.number("/path/max_pressure", stored, largest, floor);
-                }
-            }
-            // Where a law vanishes, its pressure has the sign of rounding errors.
-            let touching =
-                |least: f64| repulsion.iter().filter(|p| **p > least).count() as f64 / repulsion.len() as f64;
-            let [fewest, most] = [touching(tolerance * floor), touching(0.0)];
-            let area = number("area_fraction");
-            comparison.number("/path/area_fraction", area, area.clamp(fewest, most), 0.0);
-        }
+        let Face { pressure, displacement, gap, .. } = &faces[0];
         if facts.yields {
-            self.yielded((waypoint, step), (&pressure, &displacement), comparison)?;
+            self.yielded((waypoint, step), (pressure, displacement), comparison)?;
         }
-        let is_closed = !facts.has_law() && number("area_fraction") == 1.0;
-        compare_gap(comparison, number("mean_gap"), mean(&gap), (is_closed, height, tolerance));
         if facts.moves_sideways() {
             let shears = self.shear(waypoint, step, comparison)?;
             if let Some(shear) = shear {
@@ -386,17 +353,125 @@ impl StepCheck<'_> {
                     LimitingPressure::Net if *r > 0.0 => shear.limit.at(p.max(0.0)),
                     _ => 0.0,
                 };
-                let limits = ndarray::Zip::from(&repulsion).and(&pressure).map_collect(limit);
+                let (repulsion, _) = self.repulsion(pressure, gap);
+                let limits = ndarray::Zip::from(&repulsion).and(pressure).map_collect(limit);
                 self.limits(&flat(&limits), &shears, comparison);
             }
             if prony.is_none() {
-                self.elastic(step, (&shears, &pressure, &displacement), comparison)?;
+                self.elastic(step, (&shears, pressure, displacement), comparison)?;
             }
         } else if is_last && prony.is_some() {
-            let fields = (&pressure, &displacement, number("elastic_energy"));
-            memory::check(file.reader, file.prepared, fields, 100.0 * tolerance, comparison)?;
+            let fields: Vec<_> = faces.iter().map(|face| [&face.pressure, &face.displacement]).collect();
+            let tolerance = 100.0 * args.steps.search.tolerance;
+            memory::check(file.reader, file.prepared, (&fields, number("elastic_energy")), tolerance, comparison)?;
         }
         Ok(())
+    }
+
+    /// Reads the faces of the body at a waypoint, the upper one first.
+    fn faces(&self, waypoint: usize) -> Result<Vec<Face<'_>>, Failure> {
+        let Prepared { facts, surface, lower, .. } = self.stored.prepared;
+        let surfaces = [("", Some(surface)), ("lower_", lower.as_ref())];
+        let mut faces = Vec::new();
+        for (prefix, surface) in surfaces.into_iter().filter_map(|(prefix, surface)| Some((prefix, surface?))) {
+            let field = |name: &str| self.stored.field(&format!("{prefix}{name}"), waypoint);
+            let displacement = field("displacement_z")?;
+            faces.push(Face {
+                prefix,
+                heights: &surface.heights,
+                pressure: field("pressure")?,
+                displacement: if prefix.is_empty() { displacement } else { -displacement },
+                gap: field("gap")?,
+                plastic_depth: facts.hardness.then(|| field("plastic_depth")).transpose()?,
+                wear_depth: facts.wear.map(|_| field("wear_depth")).transpose()?,
+            });
+        }
+        Ok(faces)
+    }
+
+    /// Compares the fields of a face with each other, with its `level`, its part of the approach, and with the numbers
+    /// of its step.
+    fn face(&self, face: &Face, level: f64, step: usize, comparison: &mut Comparison) {
+        let Self { args, stored: file } = self;
+        let Prepared { facts, law, hardness, .. } = file.prepared;
+        let Face { prefix, pressure, gap, .. } = face;
+        let (tolerance, height) = (args.steps.search.tolerance, file.height());
+        let number = |name: &str| file.number(&format!("{prefix}{name}"), step);
+        let [field, column] = ["fields", "path"].map(|group| move |name: &str| format!("/{group}/{prefix}{name}"));
+        for (kept, volume) in [(&face.plastic_depth, "plastic_volume"), (&face.wear_depth, "wear_volume")] {
+            if let Some(kept) = kept {
+                comparison.number(&column(volume), number(volume), mean(kept), 0.0);
+            }
+        }
+        if let Some(worn) = &face.wear_depth {
+            let deepest = worn.iter().copied().fold(0.0, f64::max);
+            comparison.number(&column("max_wear"), number("max_wear"), deepest, 0.0);
+        }
+        let found: Vec<f64> = face.rooms().map(|room| room - level).collect();
+        comparison.values(&field("gap"), &flat(gap), &found, height);
+        let least = |values: &Array2<f64>| values.iter().copied().fold(0.0, f64::min);
+        let (repulsion, floor) = self.repulsion(pressure, gap);
+        let acts_alone = !facts.shears_by_law();
+        if facts.has_law() && acts_alone {
+            let touches = |gap: f64| law.has_wall() && gap <= 0.0;
+            let law_pressure = gap.mapv(|gap| -law.traction(gap, [0.0; 2])[2]);
+            let left = pressure.iter().zip(&law_pressure).zip(gap).map(|((p, of_law), gap)| {
+                let left = p - of_law;
+                if touches(*gap) { (-left).max(0.0) } else { left.abs() }
+            });
+            comparison.at_most(&field("pressure (of the law)"), worst(left) / floor, 100.0 * tolerance);
+        }
+        if !facts.has_law() && acts_alone {
+            comparison.at_most(&field("pressure (tension)"), -least(pressure), 0.0);
+            let pressed = pressure.sum();
+            let closed = (pressure * gap).sum().abs();
+            let open = if pressed > 0.0 { closed / (pressed * height) } else { 0.0 };
+            comparison.at_most(&field("gap (in contact)"), open, tolerance);
+        }
+        if let Some(hardness) = hardness {
+            let over = match hardness {
+                Hardness::Uniform(hardness) => worst(pressure.iter().map(|p| (p / hardness - 1.0).max(0.0))),
+                Hardness::Field(field) => worst(pressure.iter().zip(field).map(|(p, hard)| (p / hard - 1.0).max(0.0))),
+            };
+            comparison.at_most(&field("pressure (hardness)"), over, 100.0 * tolerance);
+        }
+        if law.has_wall() {
+            comparison.at_most(&field("gap (penetration)"), -least(gap) / height, tolerance);
+        }
+        // The mean pressure follows from the law, or from both faces, the field from the displacement: they agree up to
+        // the residual.
+        match facts.has_law() || facts.shears_by_law() || facts.lower.is_some() {
+            true => {
+                let floor = if floor > 0.0 { floor } else { file.prepared.unit_pressure() };
+                comparison.at_most(
+                    &column("mean_pressure"),
+                    (number("mean_pressure") - mean(pressure)).abs() / floor,
+                    100.0 * tolerance,
+                );
+            }
+            false => comparison.number(&column("mean_pressure"), number("mean_pressure"), mean(pressure), floor),
+        }
+        if acts_alone {
+            if !number("max_pressure").is_nan() {
+                let largest = repulsion.iter().copied().fold(0.0, f64::max);
+                let stored = number("max_pressure");
+                // Beside a law, the depths pressed in and worn off determine the repulsion up to the residual.
+                if facts.has_law() && (facts.hardness || facts.wear.is_some()) {
+                    let apart = (stored - largest).abs() / floor;
+                    comparison.at_most(&column("max_pressure (of the fields)"), apart, 100.0 * tolerance);
+                } else {
+                    comparison.number(&column("max_pressure"), stored, largest, floor);
+                }
+            }
+            // Where a law vanishes, its pressure has the sign of rounding errors.
+            let touching =
+                |least: f64| repulsion.iter().filter(|p| **p > least).count() as f64 / repulsion.len() as f64;
+            let [fewest, most] = [touching(tolerance * floor), touching(0.0)];
+            let area = number("area_fraction");
+            comparison.number(&column("area_fraction"), area, area.clamp(fewest, most), 0.0);
+        }
+        let is_closed = !facts.has_law() && number("area_fraction") == 1.0;
+        compare_gap((&column("mean_gap"), number("mean_gap"), mean(gap)), (is_closed, height, tolerance), comparison);
     }
 
     /// Compares the plastic displacement of a state with its numbers, and the rest of the displacement with the
@@ -498,16 +573,24 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     worst(distances)
 }
 
+fn mean(field: &Array2<f64>) -> f64 {
+    field.mean().unwrap_or(f64::NAN)
+}
+
 fn flat(field: &Array2<f64>) -> Vec<f64> {
     field.iter().copied().collect()
 }
 
-/// Compares the mean gap, relative to heights of size `height`. In full contact behind a wall the stored gap is zero,
-/// while the search leaves a gap within its tolerance.
-fn compare_gap(comparison: &mut Comparison, stored: f64, found: f64, (is_closed, height, tolerance): (bool, f64, f64)) {
+/// Compares a stored mean gap with the mean found, relative to heights of size `height`. In full contact behind a wall
+/// the stored gap is zero, while the search leaves a gap within its tolerance.
+fn compare_gap(
+    (path, stored, found): (&str, f64, f64),
+    (is_closed, height, tolerance): (bool, f64, f64),
+    comparison: &mut Comparison,
+) {
     if is_closed && stored == 0.0 {
-        comparison.at_most("/path/mean_gap", found.abs() / height, 10.0 * tolerance);
+        comparison.at_most(path, found.abs() / height, 10.0 * tolerance);
     } else {
-        comparison.number("/path/mean_gap", stored, found, height);
+        comparison.number(path, stored, found, height);
     }
 }

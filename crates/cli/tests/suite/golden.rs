@@ -387,6 +387,11 @@ fn parts() {
             "squeezed",
             &format!("--height 0.2 --poisson 0.3 --lower-seed 2 {law} --hardness 0.1 --p-star 0.05,0.3,0.05 --steps 2"),
         ),
+        (
+            "squeezed-histories",
+            "--height 0.2 --lower-seed 2 --prony 0.1:0.3,10:0.4 --coefficient 0.2 --p-star 0.05,0.1,0.1 --time 0,1,9 \
+             --distance 0,0,0.4 --steps 2",
+        ),
         ("free-friction", "--boundary free --friction 0.3 --p-star 0.05 --lateral 0,0.001 --steps 2"),
         (
             "free-shear",

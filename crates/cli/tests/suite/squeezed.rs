@@ -201,6 +201,53 @@ fn a_law_acts_at_both_faces() {
     }
 }
 
+/// A slab that relaxes and wears at both faces, with each part alone and with all of them, is recorded, recomputed and
+/// continued.
+#[test]
+fn both_faces_have_histories() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let slab = SLAB.strip_prefix("contact ").unwrap();
+    let (law, prony) = ("--law exponential --param gamma=2e-5,range=2e-3", "--prony 0.1:0.3,10:0.4 --time 0,1,9");
+    let wear = "--coefficient 0.2 --distance 0,0.1,0.4";
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    for (name, flags) in [
+        ("a", prony.to_owned()),
+        ("b", wear.to_owned()),
+        ("c", format!("{prony} {wear} --hardness 0.2")),
+        ("d", format!("{prony} {wear} {law} --plots d")),
+    ] {
+        let run_it = format!("path {slab} {flags} --p-star 0.05,0.1,0.1 --steps 2 --lower-seed 2");
+        let report = run(folder, &format!("{run_it} --out {name}.h5 --json"));
+        let steps = report["steps"].as_array().unwrap();
+        for step in steps {
+            assert_eq!(step["converged"], true, "{flags}");
+            let lower = &step["lower"];
+            let apart = number(&lower["mean_pressure"]) - number(&step["mean_pressure"]);
+            assert!(apart.abs() < 1e-8 * number(&lower["max_pressure"]), "{flags}: {apart}");
+            // Without attraction, an equal mean pressure wears off an equal volume.
+            let worn = [step, lower].map(|face| number(&face["wear_volume"]));
+            assert_eq!(worn[0].is_nan(), !flags.contains("--coefficient"), "{flags}");
+            let is_equal = (worn[0] - worn[1]).abs() <= 1e-8 * worn[0];
+            assert!(worn[0].is_nan() || flags.contains("--law") || is_equal, "{flags}: {worn:?}");
+            assert!(step.get("max_wear").is_none() || step["max_wear"] != lower["max_wear"] || worn[0] == 0.0);
+        }
+        if flags.contains("--prony") {
+            let file = Reader::open(folder.join(format!("{name}.h5"))).unwrap();
+            for (face, sign) in [("", -1.0), ("lower_", 1.0)] {
+                let memory: Vec<f64> = file.values(&format!("/history/{face}displacement")).unwrap();
+                let last: Vec<f64> = file.slab(&format!("/fields/{face}displacement_z"), 2).unwrap();
+                assert!(memory.iter().zip(&last).all(|(d, u)| (d - sign * u).abs() <= 1e-15), "{flags}: {face}");
+                assert_eq!(file.shape(&format!("/history/{face}branch")).unwrap()[0], 2);
+            }
+            // At a constant load the approach grows while the slab relaxes.
+            assert!(number(&steps[4]["approach"]) > number(&steps[2]["approach"]), "{flags}");
+        }
+        assert_eq!(run(folder, &format!("check {name}.h5 --rerun --json"))["differing"], 0, "{flags}");
+        assert!(gfmd(folder, &words(&format!("report {name}.h5 --out {name}.html"))).status.success());
+    }
+}
+
 #[test]
 fn what_does_not_go_together_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -216,8 +263,8 @@ fn what_does_not_go_together_is_refused() {
         (format!("{with} --law exponential --param gamma=1e-5,range=1e-3 --solver fire2"), ["--solver", "newton"]),
         (format!("{} --friction 0.3", with.replace("contact", "path")), ["--friction", "--lower-seed"]),
         (
-            format!("{} --coefficient 1 --distance 1", with.replace("contact", "path")),
-            ["--coefficient", "--lower-seed"],
+            format!("{} --prony 1:0.5 --time 1 --relaxes shear", with.replace("contact", "path")),
+            ["--lower-seed", "--relaxes"],
         ),
         (format!("{with} --hardness 1e-3"), ["0.001", "hardness"]),
         (format!("{with} --components all"), ["--components", "--lower-seed"]),

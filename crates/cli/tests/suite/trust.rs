@@ -276,7 +276,7 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
 }
 
 /// Files with parts to forge, and their kinds.
-const FORGED: [(&str, ResultKind, &str); 14] = [
+const FORGED: [(&str, ResultKind, &str); 15] = [
     (
         "wall.h5",
         ResultKind::Contact,
@@ -299,6 +299,12 @@ const FORGED: [(&str, ResultKind, &str); 14] = [
         ResultKind::Path,
         "path --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=6e-3 --approach=0.004,0.001 \
          --steps 3",
+    ),
+    (
+        "between.h5",
+        ResultKind::Path,
+        "path --n 16 --eps-f-inv 4 --height 0.3 --lower-seed 2 --prony 0.5:0.4 --coefficient 0.1 --p-star 0.05,0.08 \
+         --time 0,1 --distance 0,0.3 --steps 1",
     ),
     ("slip.h5", ResultKind::Path, "path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
     (

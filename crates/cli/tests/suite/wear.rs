@@ -304,7 +304,6 @@ fn unusable_input_is_refused_in_one_line() {
             "--pressure 0.01 --coefficient 1 --wear-by slip --lateral 0,0.001",
             "--wear-by slip is given; it must be distance with neither --friction nor --shear-strength",
         ),
-        (&format!("{whole} --lower-seed 2 --height 0.2"), "--lower-seed"),
         (&format!("{whole} --base-displacement x.npy"), "--base-displacement"),
     ] {
         let found = wear(flags);

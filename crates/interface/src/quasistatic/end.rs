@@ -126,7 +126,7 @@ impl QuasistaticContact {
         let flows = self.shear.is_some() || self.hardness.is_some();
         state.work_imbalance = match (step.start, state.law()) {
             // The path on which attracting surfaces came together is unknown.
-            (None, Some(_)) => 0.0,
+            (None, Some(_)) if self.attracts() => 0.0,
             (Some(start), Some(law)) if self.may_jump() => {
                 let attracts = start.interface_energy().abs() + interface_energy.abs() > 0.0;
                 // The energy balance gives the loss of a jump, whatever the curvature: a law may end in a step. Slip
@@ -153,8 +153,17 @@ impl QuasistaticContact {
     /// Returns true if the loss by jumps follows from the balance of an increment, because energy is lost otherwise,
     /// too.
     pub(super) fn may_jump(&self) -> bool {
-        let loses = self.medium.is_some() || self.shear.is_some() || self.wear.is_some() || self.hardness.is_some();
-        loses && matches!(self.normal, Normal::Law(_))
+        self.loses() && self.attracts()
+    }
+
+    /// Returns true if energy is lost otherwise than by jumps.
+    pub(super) fn loses(&self) -> bool {
+        self.medium.is_some() || self.shear.is_some() || self.wear.is_some() || self.hardness.is_some()
+    }
+
+    /// Returns true if the surfaces attract each other: both faces of a plate may have a wall that is solved as a law.
+    pub(super) fn attracts(&self) -> bool {
+        matches!(&self.normal, Normal::Law(interface) if interface.attracts())
     }
 
     /// Returns the fraction of points with a pressure equal to the hardness, to the accuracy of the state. At a wall,

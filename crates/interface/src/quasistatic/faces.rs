@@ -81,7 +81,12 @@ impl QuasistaticContact {
         };
         // The hardness of both faces is the same, point by point.
         let hardness = self.hardness.as_ref().map(|hardness| hardness.times(self.units.stress()));
+        let displacement = normal.fields().displacement_z();
+        let (points, indentation) = (displacement.len(), displacement.iter().map(|u| -u).collect());
+        let memory =
+            both.memory.as_ref().and_then(|memory| memory.part(face * points..(face + 1) * points, indentation));
         QuasistaticState {
+            memory,
             plastic_fraction: hardness.map_or(0.0, |hardness| self.saturated(&normal, &hardness)),
             normal,
             worn: both.worn.as_ref().map(part),

@@ -1,13 +1,14 @@
 //! Laws at both faces of a plate: limits that are contacts of one surface or of hard walls, a dense reference, jumps.
 
 use gfmd_contact::{
-    Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver, SqueezedContact,
+    Boundary, Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver,
+    SqueezedContact,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Base, Body, Plate};
 use gfmd_interface::{Interface, Parts, Path, QuasistaticContact, Refinement, Squeezed, State, StoredFields, Wear};
 use gfmd_law::{Exponential, HardWall, Law, Morse};
-use gfmd_medium::{Prony, Relaxes};
+use gfmd_medium::{Prony, Relaxes, Relaxing};
 use gfmd_relax::Budget;
 use ndarray::Array2;
 
@@ -485,6 +486,19 @@ fn histories_of_two_surfaces_have_their_limits() {
         }
         assert_near(state.approach, wanted.approach, 1e-6);
         assert_near(state.upper.elastic_energy, factor * wanted.summary_in(&wanted.scales()).elastic_energy, 1e-5);
+    }
+    let medium = Relaxing::new(&body, &grid, Boundary::Periodic, 1, &prony, Relaxes::Both).unwrap();
+    for state in &states {
+        let faces = [&state.upper, &state.lower];
+        let memory = faces.map(|face| face.memory().unwrap());
+        for (face, memory) in faces.iter().zip(&memory) {
+            assert_eq!(memory.len(), 2);
+            assert!(memory[0].iter().zip(face.displacement_z()).all(|(d, u)| *d == -u));
+        }
+        // The springs have all of the energy.
+        let [upper, lower] = &memory;
+        let energy = medium.elastic_energy_of_plate(&body, [upper, lower]).unwrap();
+        assert_near(energy, state.upper.elastic_energy, 1e-9);
     }
     let wear = Parts { wear: Some(Wear { by_distance: 0.03, by_slip: 0.0 }), ..plain };
     let (mut volume, mut distance) = (0.0, 0.0);

@@ -270,7 +270,7 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let level = facts.boundary == Boundary::Periodic || gfmd_green::has_level(&parts.body, &parts.grid);
         assert_eq!(facts.has_level(), level, "{facts:?}");
         // Two faces share the approach.
-        let approach = if facts.lower.is_some() { 0.018 } else { 0.009 };
+        let approach = if facts.lower.is_some() { 0.022 } else { 0.009 };
         let load = if facts.approach { Load::Approach(approach) } else { Load::MeanPressure(0.01) };
         let far = if facts.lateral { 1e-4 } else { 0.0 };
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {

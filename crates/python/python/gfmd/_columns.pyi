@@ -589,20 +589,22 @@ class Steps(Record):
 
     @property
     def wear_volume(self) -> Array:
-        """Length [step]: mean over the whole surface of the depth lost so far, the volume over the area. With `wear`
-        only.
+        """Length [step]: mean over the whole surface of the depth lost so far. With `lower_surface`: mean over the
+        whole upper face of the depth lost so far. With `wear` only.
         """
 
     @property
     def max_wear(self) -> Array:
-        """Length [step]: largest depth lost so far. With `wear` only."""
+        """Length [step]: largest depth lost so far. With `lower_surface`: largest depth lost so far at the upper
+        face. With `wear` only.
+        """
 
     @property
     def elastic_energy(self) -> Array:
         """Stress * length [step]: elastic energy per area of the surface. With `yield_stress`: elastic energy per
-        area of the surface, with the energy of residual stress. With `prony`: energy stored in the springs of all
-        branches, per area of the surface. With `lower_surface`: elastic energy of the slab per area, by the
-        pressures on both faces.
+        area of the surface, with the energy of residual stress. With `lower_surface` or `prony`: energy stored in
+        the springs of all branches, per area of the surface. With `lower_surface`: elastic energy of the slab per
+        area, by the pressures on both faces.
         """
 
     @property
@@ -1082,7 +1084,9 @@ class StepFields(Record):
 
     @property
     def wear_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth that both surfaces have lost so far. With `wear` only. Read-only."""
+        """Length [waypoint, x, y]: depth that both surfaces have lost so far. With `lower_surface`: depth that the
+        upper face and surface have lost so far. With `wear` only. Read-only.
+        """
 
     @property
     def shear_x(self) -> Array:
@@ -1116,6 +1120,12 @@ class StepFields(Record):
     def lower_plastic_depth(self) -> Array:
         """Length [waypoint, x, y]: depth by which the lower face and surface were pressed into each other so far.
         With `hardness` and `lower_surface` only. Read-only.
+        """
+
+    @property
+    def lower_wear_depth(self) -> Array:
+        """Length [waypoint, x, y]: depth that the lower face and surface have lost so far. With `lower_surface` and
+        `wear` only. Read-only.
         """
 
 class Patches(Record):

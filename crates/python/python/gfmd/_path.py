@@ -42,7 +42,8 @@ class Path(Leaks, Computed, StepFields):
         lower: its description, rms gradient and rms height; with one only.
         wear: the given wear, a `Wear`; with wear only, as are
         coefficient: its coefficient as a number, 1/stress, and
-        wear_volume: mean depth lost at the end, length; None if no step was solved.
+        wear_volume: mean depth lost at the end, length, at the upper face of a slab between two surfaces; None if no
+            step was solved.
         adhesion: numbers of the attraction on this grid before the solve, an `Adhesion`; with an attraction only.
         dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the step
             errors; None if unknown. The error is also None if one of its terms is unknown. If there are several causes,
@@ -402,7 +403,8 @@ def path(
         wear: wear of both surfaces, a `Wear`, by the distances given as `distance` or by their own slip.
         hardness: largest pressure, stress, as in `contact`; the plastic depth is kept. Beside a law it limits the
             pressure on the body, the repulsion less the attraction.
-        lower_surface: a second rigid surface below a slab, as in `contact`; law and hardness act at both faces.
+        lower_surface: a second rigid surface below a slab, as in `contact`; law, hardness and wear act at both
+            faces, and wear by a distance only.
         cells: cells below the surface of a body that yields (`Body(yield_stress=...)`), in which the plastic strain is
             constant in depth: "graded:0.5,1.12,3" by default (thickness of the first one in grid steps, thickness
             divided by the thickness above, depth divided by the grid step of the cell), "uniform:N,DEPTH", or the

@@ -5,7 +5,7 @@ use gfmd_interface::QuasistaticState;
 
 use super::{Column, undefined::reduced};
 use crate::column::Form;
-use crate::when::{any, friction, hardness, law, loads, path, relaxing, several_causes, wears, yields};
+use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears, yields};
 use crate::{Cell, StateContext};
 
 /// Columns of the points in contact and the gap.
@@ -98,14 +98,20 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "wear_volume",
         "length",
-        &[(any, "mean over the whole surface of the depth lost so far, the volume over the area")],
+        &[
+            (between, "mean over the whole upper face of the depth lost so far"),
+            (any, "mean over the whole surface of the depth lost so far"),
+        ],
         |at| worn(at).map_or(f64::NAN, |(volume, _)| volume).into(),
     )
     .with(wears)
     .head("wear", Form::Size),
-    Column::new("max_wear", "length", &[(any, "largest depth lost so far")], |at| {
-        worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into()
-    })
+    Column::new(
+        "max_wear",
+        "length",
+        &[(between, "largest depth lost so far at the upper face"), (any, "largest depth lost so far")],
+        |at| worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into(),
+    )
     .with(wears)
     .head("deepest", Form::Size),
     Column::new(

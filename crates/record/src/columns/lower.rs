@@ -1,8 +1,10 @@
 //! Lower face of a slab between two surfaces.
 
+use gfmd_interface::QuasistaticState;
+
 use super::Column;
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, between, hard_between, hardness, path, wall_between};
+use crate::when::{any, between, hard_between, hardness, path, wall_between, wears};
 use crate::{Cell, StateContext};
 
 /// Column of the lower face of a slab between two surfaces.
@@ -93,6 +95,21 @@ pub(super) const COLUMNS: &[Column] =
         .at("lower.plastic_volume")
         .with(hard_between)
         .on(Table::LowerFace, "depth", Form::Size),
+        Column::new(
+            "lower_wear_volume",
+            "length",
+            &[(any, "mean over the whole lower face of the depth lost so far")],
+            |at| worn(at).map_or(f64::NAN, |(volume, _)| volume).into(),
+        )
+        .at("lower.wear_volume")
+        .with(|facts| between(facts) && wears(facts))
+        .on(Table::LowerFace, "wear", Form::Size),
+        Column::new("lower_max_wear", "length", &[(any, "largest depth lost so far at the lower face")], |at| {
+            worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into()
+        })
+        .at("lower.max_wear")
+        .with(|facts| between(facts) && wears(facts))
+        .on(Table::LowerFace, "deepest", Form::Size),
         lower_residual!(complementarity, "sum(p gap) / (sum(p) h_rms) of the lower face"),
         lower_residual!(penetration, "max(0, -min gap) / h_rms of the lower face"),
         lower_residual!(negative_pressure, "max(0, -min p) / mean p of the lower face"),
@@ -114,4 +131,9 @@ pub(super) const COLUMNS: &[Column] =
 /// Returns plastic fraction and volume of the lower face.
 fn plastic(at: &StateContext) -> Option<(f64, f64)> {
     at.rest.and_then(|rest| rest.lower_plastic_fraction_and_volume())
+}
+
+/// Returns mean and largest depth lost at the lower face.
+fn worn(at: &StateContext) -> Option<(f64, f64)> {
+    at.rest.and_then(|rest| rest.lower_on_path()).and_then(QuasistaticState::wear_volume_and_depth)
 }

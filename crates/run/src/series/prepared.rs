@@ -130,7 +130,8 @@ impl Prepared {
             ));
         }
         let elastic = facts.memory_need(asked.once);
-        let components = if facts.friction.is_some() { 3 } else { 1 };
+        let faces = 1 + usize::from(facts.lower.is_some());
+        let components = if facts.friction.is_some() { 3 } else { faces };
         let relaxing = |prony: &Prony| elastic.relaxing(prony.branches().len(), components);
         let need = asked.prony.as_ref().map_or(elastic, relaxing);
         let plasticity = asked.plasticity_on();

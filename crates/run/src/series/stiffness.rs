@@ -62,16 +62,12 @@ impl StiffnessArgs {
         found(contact.stiffness(state, self.stiffness_tolerance), warn)
     }
 
-    /// Returns the stiffness of the state along a path with this pressure and gap, or the reason why it has none.
+    /// Returns the stiffness of the state along a path with this pressure and gap of each face, or the reason why it has none.
     ///
     /// # Errors
     /// Returns the reason why there is no stiffness.
-    pub fn of_fields(
-        self,
-        contact: &Posed,
-        [pressure, gap]: [&ArrayRef2<f64>; 2],
-    ) -> Result<Stiffness, Cow<'static, str>> {
-        found(contact.stiffness_of_fields(pressure, gap, self.stiffness_tolerance), |_| {})
+    pub fn of_fields(self, contact: &Posed, faces: &[[&ArrayRef2<f64>; 2]]) -> Result<Stiffness, Cow<'static, str>> {
+        found(contact.stiffness_of_fields(faces, self.stiffness_tolerance), |_| {})
     }
 }
 

@@ -97,7 +97,7 @@ fn lift(case: &Case) -> Vec<f64> {
 }
 
 /// Returns the displacements of both faces into the slab, for the pressures on both.
-fn faces(stack: &Stack, plane: Plane, held: bool, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
+pub(crate) fn faces(stack: &Stack, plane: Plane, held: bool, pressures: [&[f64]; 2]) -> [Vec<f64>; 2] {
     let [upper, lower] =
         if held { [Top::HeldBetween, Top::HeldBetweenBelow] } else { [Top::Pressed, Top::PressedBelow] };
     let parts = pressures.map(|pressure| plane.transform(pressure));

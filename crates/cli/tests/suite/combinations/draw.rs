@@ -314,7 +314,7 @@ pub(crate) struct Case {
 
 const RATIOS: [f64; 7] = [0.0, 0.3, 0.49, 0.5, -0.3, 0.2, 0.4];
 
-fn material(dice: &mut Dice) -> (f64, f64) {
+pub(crate) fn material(dice: &mut Dice) -> (f64, f64) {
     (short(dice.scale(0.5, 5.0)), dice.of(&RATIOS))
 }
 

@@ -1,7 +1,8 @@
 //! Random combinations of the parts of a path: body, boundary, law, friction, shear strength, hardness, relaxation,
 //! wear, loads or approaches, lateral displacements in two directions, times and distances, each drawn independently of
-//! the others; and bodies that yield, alone.
+//! the others; bodies that yield, alone; and plates between two surfaces.
 
+mod between;
 mod fields;
 mod limits;
 mod memory;
@@ -60,6 +61,8 @@ pub(crate) struct Parts {
     pub(crate) relaxation: Option<Relaxation>,
     pub(crate) wear: Option<Wear>,
     yielding: Option<Yielding>,
+    /// Heights of the surface below the body.
+    pub(crate) lower: Option<Vec<f64>>,
     pub(crate) control: Control,
     pub(crate) loads: Vec<f64>,
     pub(crate) lateral: Vec<f64>,
@@ -226,6 +229,7 @@ impl Parts {
             relaxation,
             wear,
             yielding: None,
+            lower: None,
             control,
             loads,
             lateral,
@@ -239,6 +243,7 @@ impl Parts {
         };
         if !PATHS_ONCE_WRONG.contains(&index) {
             drawn.yielding = Yielding::draw(&mut drawn);
+            drawn.lay_on_surface(folder);
         }
         drawn
     }
@@ -248,6 +253,9 @@ impl Parts {
         let mut text = format!("path {} {}", self.surface, self.body_text);
         if self.is_free {
             text.push_str(" --boundary free");
+        }
+        if self.lower.is_some() {
+            let _ = write!(text, " --lower-surface l{}.npy", self.index);
         }
         if let Some(law) = &self.law {
             let _ = write!(text, " {}", law.words());
@@ -400,6 +408,7 @@ impl Problem for Parts {
             (self.relaxation.is_some(), "relaxation"),
             (self.relaxation.as_ref().is_some_and(|of| of.of_shear), "relaxing shear"),
             (self.yielding.is_some(), "yield stress"),
+            (self.lower.is_some(), "two surfaces"),
             (self.wear.as_ref().is_some_and(|wear| wear.by_slip), "wear by slip"),
             (self.wear.as_ref().is_some_and(|wear| !wear.by_slip), "wear by distance"),
             (!self.lateral_y.is_empty(), "lateral path in two components"),
@@ -413,6 +422,7 @@ impl Problem for Parts {
             self.wear.is_some(),
             self.yielding.is_some(),
             self.is_free,
+            self.lower.is_some(),
         ];
         let names =
             ["no part", "one part", "two parts", "three parts", "four parts", "five parts", "six parts", "all parts"];

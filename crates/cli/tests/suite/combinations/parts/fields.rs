@@ -20,12 +20,43 @@ struct State {
     /// Displacement by plastic strain below the surface.
     imprint: Vec<f64>,
     shear: Option<[Vec<f64>; 2]>,
+    /// Lower face of a plate, seen from below.
+    lower: Option<Box<State>>,
+}
+
+impl State {
+    fn faces(&self) -> impl Iterator<Item = &State> {
+        std::iter::once(self).chain(self.lower.as_deref())
+    }
+
+    /// Returns the points of all faces as one state.
+    fn whole(&self) -> Self {
+        let all = |of: fn(&Self) -> &Vec<f64>| self.faces().flat_map(of).copied().collect();
+        Self {
+            pressure: all(|face| &face.pressure),
+            repulsion: all(|face| &face.repulsion),
+            gap: all(|face| &face.gap),
+            displacement: all(|face| &face.displacement),
+            worn: all(|face| &face.worn),
+            pressed_in: all(|face| &face.pressed_in),
+            imprint: all(|face| &face.imprint),
+            shear: self.shear.clone(),
+            lower: None,
+        }
+    }
 }
 
 /// Sizes that set what is a rounding error.
 struct Sizes {
     clearance: Vec<f64>,
     deviation: f64,
+}
+
+impl Sizes {
+    fn of(heights: Vec<f64>) -> Self {
+        let top = heights.iter().fold(f64::NEG_INFINITY, |top, h| top.max(*h));
+        Self { clearance: heights.iter().map(|h| top - h).collect(), deviation: deviation(&heights) }
+    }
 }
 
 /// Checks the waypoints at these steps.
@@ -39,8 +70,12 @@ pub(super) fn check(
 ) {
     let heights: Vec<f64> = file.values("/surface/height").unwrap();
     found.must(heights == parts.heights, || "other heights in the file".into());
-    let top = heights.iter().fold(f64::NEG_INFINITY, |top, h| top.max(*h));
-    let sizes = Sizes { clearance: heights.iter().map(|h| top - h).collect(), deviation: deviation(&heights) };
+    let lower = file.contains("/lower/height").then(|| file.values("/lower/height").unwrap());
+    found.must(lower == parts.lower, || "another lower surface in the file".into());
+    let mut sizes: Vec<Sizes> = [Some(heights), lower].into_iter().flatten().map(Sizes::of).collect();
+    // Both faces have the rounding errors of the rougher one.
+    let roughest = sizes.iter().map(|sizes| sizes.deviation).fold(0.0, f64::max);
+    sizes.iter_mut().for_each(|sizes| sizes.deviation = roughest);
     let is_sheared = file.contains("/fields/shear_x");
     // Between waypoints several steps apart, the fields are unknown.
     let is_followed = places.iter().enumerate().all(|(k, step)| k == *step) && parts.energy_solves == Some(0);
@@ -51,19 +86,32 @@ pub(super) fn check(
     for (waypoint, step) in places.iter().copied().enumerate() {
         let first = found.complaints.len();
         let state = read(parts, file, waypoint);
-        one(parts, &steps[step], drives[step], &state, &sizes, found);
-        let z: Vec<f64> = state.pressure.iter().map(|p| -p).collect();
-        let none = vec![0.0; z.len()];
-        let [x, y] = state.shear.as_ref().map_or([&none, &none], |[x, y]| [x, y]);
+        let z = |state: &State| state.pressure.iter().map(|p| -p).collect::<Vec<f64>>();
+        let traction: Vec<Vec<f64>> = match (&state.lower, &state.shear) {
+            (Some(lower), _) => {
+                between(parts, &steps[step], drives[step], (&state, lower), &sizes, found);
+                // Both faces are pressed into the plate.
+                vec![state.pressure.clone(), lower.pressure.clone()]
+            }
+            (None, shear) => {
+                one(parts, &steps[step], drives[step], &state, &sizes[0], found);
+                energy(parts, &steps[step], &state, found);
+                match shear.as_ref().filter(|_| memory.as_ref().is_some_and(Memory::has_shear)) {
+                    Some([x, y]) => vec![x.clone(), y.clone(), z(&state)],
+                    None => vec![z(&state)],
+                }
+            }
+        };
+        let sizes = &sizes[0];
         let start = step.checked_sub(1).map_or([0.0; 5], |before| drives[before]);
-        let reached = memory.as_mut().map(|memory| memory.advance([x, y, &z], drives[step][3] - start[3]));
+        let reached = memory.as_mut().map(|memory| memory.advance(traction, drives[step][3] - start[3]));
         if let Some(reached) = &reached {
-            body(parts, &steps[step], &state, reached, &sizes, found);
+            body(parts, &steps[step], &state, reached, sizes, found);
         }
         if is_followed {
             let last = before.as_ref().map(|(state, reached)| (state, reached.as_ref()));
             let moved = [drives[step], start];
-            way(parts, &steps[step], last, (&state, reached.as_ref()), moved, &sizes, found);
+            way(parts, &steps[step], last, (&state, reached.as_ref()), moved, sizes, found);
         }
         found.complaints[first..].iter_mut().for_each(|text| *text = format!("waypoint {waypoint}: {text}"));
         before = Some((state, reached));
@@ -71,9 +119,18 @@ pub(super) fn check(
 }
 
 fn read(parts: &Parts, file: &Reader, waypoint: usize) -> State {
+    let lower = parts.lower.is_some().then(|| {
+        let mut state = read_face(parts, file, "lower_", waypoint);
+        state.displacement.iter_mut().for_each(|u| *u = -*u);
+        state.into()
+    });
+    State { lower, ..read_face(parts, file, "", waypoint) }
+}
+
+fn read_face(parts: &Parts, file: &Reader, face: &str, waypoint: usize) -> State {
     let points = parts.plane.len();
     let field = |name: &str| {
-        let name = format!("/fields/{name}");
+        let name = format!("/fields/{face}{name}");
         file.contains(&name).then(|| file.slab::<f64>(&name, waypoint).unwrap())
     };
     let [pressure, gap, displacement] = ["pressure", "gap", "displacement_z"].map(|name| field(name).unwrap());
@@ -94,7 +151,40 @@ fn read(parts: &Parts, file: &Reader, waypoint: usize) -> State {
         _ => p.max(0.0),
     });
     let repulsion = repulsion.collect();
-    State { pressure, repulsion, gap, displacement, worn, pressed_in, imprint, shear }
+    State { pressure, repulsion, gap, displacement, worn, pressed_in, imprint, shear, lower: None }
+}
+
+/// Checks the numbers and fields of both faces of a plate on their own; each face has its part of the approach.
+fn between(
+    parts: &Parts,
+    step: &Value,
+    drive: Drive,
+    (upper, lower): (&State, &State),
+    sizes: &[Sizes],
+    found: &mut Found,
+) {
+    let below = &step["lower"];
+    let mut above = step.clone();
+    above["approach"] = (number(step, "approach") - number(below, "approach")).into();
+    one(parts, &above, drive, upper, &sizes[0], found);
+    let first = found.complaints.len();
+    // The load acts on both faces, and the reduced load is a number of the plate.
+    let on_lower = Parts { control: Control::Approach, ..parts.clone() };
+    one(&on_lower, below, drive, lower, &sizes[1], found);
+    found.complaints[first..].iter_mut().for_each(|text| *text = format!("lower face: {text}"));
+    energy(parts, step, upper, found);
+}
+
+/// Checks the energy of the law, of both faces if there are two.
+fn energy(parts: &Parts, step: &Value, state: &State, found: &mut Found) {
+    let Some(law) = &parts.law else { return };
+    let of = |g: &f64| law.energy(if law.has_wall() { g.max(0.0) } else { *g });
+    let faces = state.faces().map(|face| face.gap.iter().map(of).collect::<Option<Vec<f64>>>());
+    if let Some(faces) = faces.collect::<Option<Vec<Vec<f64>>>>() {
+        let most = faces.iter().map(|energies| largest(energies)).fold(0.0, f64::max);
+        let sum = faces.iter().map(|energies| mean(energies)).sum();
+        found.near("interface_energy", number(step, "interface_energy"), sum, 1e-7 * most);
+    }
 }
 
 /// Checks the numbers and fields of a waypoint on their own.
@@ -150,11 +240,6 @@ fn one(parts: &Parts, step: &Value, drive: Drive, state: &State, sizes: &Sizes, 
                 let left = pressure[i] + law.tension(if touches { 0.0 } else { gap[i] });
                 let error = if touches { (-left).max(0.0) } else { left.abs() };
                 found.must(error <= allowed, || format!("the law at {i} leaves {error:e} of {stress:e}"));
-            }
-            let of = |g: &f64| law.energy(if law.has_wall() { g.max(0.0) } else { *g });
-            if let Some(energies) = gap.iter().map(of).collect::<Option<Vec<f64>>>() {
-                let allowed = 1e-7 * largest(&energies);
-                found.near("interface_energy", number(step, "interface_energy"), mean(&energies), allowed);
             }
         }
         None => {
@@ -253,12 +338,26 @@ fn shear(parts: &Parts, step: &Value, state: &State, [x, y]: [&[f64]; 2], found:
 
 /// Checks the displacement and the energy of the body.
 fn body(parts: &Parts, step: &Value, state: &State, reached: &Reached, sizes: &Sizes, found: &mut Found) {
-    let elastic = reached.displacement.last().unwrap();
-    let uz: Vec<f64> = elastic.iter().zip(&state.imprint).map(|(elastic, imprint)| elastic + imprint).collect();
-    let uz = &uz;
-    let level = if parts.has_level() { 0.0 } else { mean(&state.displacement) - mean(uz) };
-    let apart = uz.iter().zip(&state.displacement).map(|(a, b)| (b - a - level).abs()).fold(0.0, f64::max);
-    let size = largest(uz).max(1e-3 * sizes.deviation);
+    // Of a plate, the indentations of both faces.
+    let elastic: Vec<Vec<f64>> = match state.lower {
+        Some(_) => reached.displacement.iter().map(|field| field.iter().map(|u| -u).collect()).collect(),
+        None => vec![reached.displacement.last().unwrap().clone()],
+    };
+    let uz: Vec<Vec<f64>> = (elastic.iter().zip(state.faces()))
+        .map(|(elastic, face)| elastic.iter().zip(&face.imprint).map(|(elastic, imprint)| elastic + imprint).collect())
+        .collect();
+    let mut levels: Vec<f64> = state.faces().zip(&uz).map(|(face, uz)| mean(&face.displacement) - mean(uz)).collect();
+    match levels[..] {
+        [_] if parts.has_level() => levels = vec![0.0],
+        // Nothing holds the plate as a whole.
+        [upper, lower] => levels = vec![0.5 * (upper - lower), 0.5 * (lower - upper)],
+        _ => {}
+    }
+    let apart = state.faces().zip(&uz).zip(levels).map(|((face, uz), level)| {
+        uz.iter().zip(&face.displacement).map(|(a, b)| (b - a - level).abs()).fold(0.0, f64::max)
+    });
+    let apart = apart.fold(0.0, f64::max);
+    let size = uz.iter().map(|uz| largest(uz)).fold(1e-3 * sizes.deviation, f64::max);
     let allowed = reached.tolerance.max(100.0 * parts.tolerance);
     found.near("displacement_z less that of the tractions", apart, 0.0, allowed * size);
     let is_whole = state.shear.is_none() || reached.displacement.len() == 3;
@@ -292,13 +391,17 @@ fn way(
     sizes: &Sizes,
     found: &mut Found,
 ) {
+    let whole = before.map(|(state, reached)| (state.whole(), reached));
+    let before = whole.as_ref().map(|(state, reached)| (state, *reached));
+    let state = &state.whole();
     let points = state.pressure.len();
     let none = vec![0.0; points];
+    let hardness = parts.hardness.as_ref().map(|of| of.repeat(points / of.len()));
     let grown = |of: fn(&State) -> &Vec<f64>| -> Vec<f64> {
         let start = before.map_or(&none, |(state, _)| of(state));
         of(state).iter().zip(start).map(|(now, then)| now - then).collect()
     };
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / points as f64;
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / parts.plane.len() as f64;
     let size = product(
         &state.pressure.iter().map(|p| p.abs()).collect::<Vec<f64>>(),
         &state.displacement.iter().map(|u| u.abs() + sizes.deviation).collect::<Vec<f64>>(),
@@ -315,7 +418,7 @@ fn way(
     if parts.wear.is_some() && lost.is_finite() && !is_drawn {
         found.near("lost_wear", lost, product(&state.pressure, &worn), 1e-9 * size + 1e-9 * lost.abs());
     }
-    if let (Some(hardness), lost) = (&parts.hardness, alone("lost_plastic"))
+    if let (Some(hardness), lost) = (&hardness, alone("lost_plastic"))
         && lost.is_finite()
     {
         let [least, most] = [&state.pressure, hardness].map(|pressure| product(pressure, &pressed_in));
@@ -328,7 +431,7 @@ fn way(
             found.near("lost_plastic", lost, least, 1e-9 * size + 1e-9 * lost.abs());
         }
     }
-    if let Some(hardness) = parts.hardness.as_ref().filter(|_| !is_drawn) {
+    if let Some(hardness) = hardness.as_ref().filter(|_| !is_drawn) {
         // Only points at the hardness are pressed in.
         for i in 0..points {
             let at = state.pressure[i] >= hardness[i] * (1.0 - 1e-3);

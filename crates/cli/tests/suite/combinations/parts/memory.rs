@@ -2,8 +2,8 @@
 //! body's shape in series with a dashpot; everything is kept as the traction that would cause it with the long-term
 //! moduli.
 
-use super::super::contact::{Elastic, elastic_of};
-use super::super::elastic::Complex;
+use super::super::contact::{Elastic, elastic_of, faces};
+use super::super::elastic::{Base, Complex, Stack};
 use super::super::path::{Vectors, compliances, displaced};
 use super::Parts;
 
@@ -11,6 +11,8 @@ use super::Parts;
 enum Compliance {
     /// Pressures alone.
     Normal(Elastic),
+    /// Pressures on both faces of a plate.
+    Plate(Stack),
     /// All components of a periodic surface, by mode.
     Full(Vec<[[Complex; 3]; 3]>),
 }
@@ -33,7 +35,7 @@ type Field = Vec<Vec<f64>>;
 
 /// State of the body at the end of a step.
 pub(super) struct Reached {
-    /// Displacement, component by component; z alone without shear.
+    /// Displacement, component by component; z alone without shear; out of both faces of a plate.
     pub(super) displacement: Field,
     pub(super) stored: f64,
     pub(super) lost: f64,
@@ -56,6 +58,9 @@ impl<'a> Memory<'a> {
             return None;
         }
         let compliance = match is_sheared {
+            _ if parts.lower.is_some() => {
+                Compliance::Plate(Stack { layers: body.first.layers.clone(), base: Base::Free })
+            }
             true if !is_free => Compliance::Full(compliances(body, *plane)),
             true if !parts.is_uncoupled() => return None,
             _ => Compliance::Normal(elastic_of(body, *plane, *is_free, false)),
@@ -67,20 +72,30 @@ impl<'a> Memory<'a> {
             .flat_map(|of| &of.branches)
             .map(|[time, fraction]| [*time, fraction * stiffening])
             .collect();
-        let count = if matches!(compliance, Compliance::Full(_)) { 3 } else { 1 };
+        let count = match compliance {
+            Compliance::Normal(_) => 1,
+            Compliance::Plate(_) => 2,
+            Compliance::Full(_) => 3,
+        };
         let none: Field = vec![vec![0.0; plane.len()]; count];
         let springs = vec![none.clone(); branches.len()];
         let factor = if is_instantaneous { stiffening } else { 1.0 };
         Some(Self { parts, compliance, factor, branches, moved: none, springs })
     }
 
+    /// Returns true if the body moves in all components.
+    pub(super) fn has_shear(&self) -> bool {
+        matches!(self.compliance, Compliance::Full(_))
+    }
+
     fn displace(&self, traction: &Field) -> Field {
         let mut found = match (&self.compliance, &traction[..]) {
             (Compliance::Normal(elastic), [z]) => vec![elastic.dense.displace(z)],
+            (Compliance::Plate(stack), [upper, lower]) => faces(stack, self.parts.plane, false, [upper, lower]).into(),
             (Compliance::Full(matrices), [x, y, z]) => {
                 displaced(self.parts.plane, matrices, &Vectors([x.clone(), y.clone(), z.clone()])).0.to_vec()
             }
-            _ => unreachable!("one component or three"),
+            _ => unreachable!("as many fields as the compliance has"),
         };
         found.iter_mut().flatten().for_each(|u| *u *= self.factor);
         found
@@ -93,12 +108,8 @@ impl<'a> Memory<'a> {
     }
 
     /// Moves on to a traction after a duration, at a constant velocity of the surface. The traction has the components
-    /// x, y, z.
-    pub(super) fn advance(&mut self, [x, y, z]: [&[f64]; 3], duration: f64) -> Reached {
-        let traction: Field = match self.compliance {
-            Compliance::Full(_) => vec![x.to_vec(), y.to_vec(), z.to_vec()],
-            Compliance::Normal(_) => vec![z.to_vec()],
-        };
+    /// of the compliance.
+    pub(super) fn advance(&mut self, traction: Field, duration: f64) -> Reached {
         let (mut stiffness, mut rest) = (1.0, traction);
         // Decay of an elongation, and elongation per displacement in the step.
         let factors: Vec<[f64; 3]> = self
