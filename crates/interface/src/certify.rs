@@ -33,14 +33,13 @@ pub(crate) fn certify_level(
     let mut certificate = Certificate { interface, frame, position, kinks, inset, level, traction, gap, wall_pressure };
     let lowest = certificate.separations();
     let balances: Vec<Balance> = (0..=z).map(|component| certificate.balance(component)).collect();
-    let means: Vec<f64> = certificate.traction.chunks_exact(points).map(|field| frame.mean(field)).collect();
     let (mean_pressure, load) = match frame.drive.load {
         // The mean pressure of wall and law; in equilibrium it equals the mean of the elastic traction.
         Load::MeanPressure(asked) => {
             let exerted = frame.mean(&certificate.wall_pressure) - balances[z].law_mean;
             (exerted, exerted - asked)
         }
-        Load::Approach(_) => (-means[z], 0.0),
+        Load::Approach(_) => (-frame.mean(&certificate.traction[z * points..]), 0.0),
     };
     let worst = |part: fn(&Balance) -> f64| balances.iter().fold(0.0, |worst, balance| higher(worst, part(balance)));
     let scale = interface.stress_scale(frame.drive.load);
@@ -54,6 +53,12 @@ pub(crate) fn certify_level(
     let vectors = |all: Vec<f64>| Array3::from_shape_vec((z + 1, nx, ny), frame.values_inside(all)).expect(FITS);
     let field = |all: Vec<f64>| Array2::from_shape_vec((nx, ny), frame.values_inside(all)).expect(FITS);
     let Certificate { traction, gap, wall_pressure, .. } = certificate;
+    let traction = frame.values_inside(traction);
+    let mut mean_shear = [0.0; 2];
+    for (mean_shear, shear) in mean_shear.iter_mut().zip(traction.chunks_exact(nx * ny).take(z)) {
+        *mean_shear = frame.mean(shear);
+    }
+    let traction = Array3::from_shape_vec((z + 1, nx, ny), traction).expect(FITS);
     let depth = |kinks: &Kinks| (0..points).map(|i| kinks.pressed_in(i, depth_of(inset, i))).collect();
     let pressed_in = interface.hardness.as_ref().and(kinks).map(|kinks| field(depth(kinks)));
     let (gap, wall_pressure) = (field(gap), field(wall_pressure));
@@ -68,12 +73,12 @@ pub(crate) fn certify_level(
     };
     State {
         displacement: vectors(displacement),
-        traction: vectors(traction),
+        traction,
         gap,
         wall_pressure,
         pressed_in,
         mean_pressure,
-        mean_shear: std::array::from_fn(|c| if c < z { means[c] } else { 0.0 }),
+        mean_shear,
         approach,
         lateral: frame.drive.lateral,
         elastic_energy,

@@ -62,7 +62,8 @@ impl StiffnessArgs {
         found(contact.stiffness(state, self.stiffness_tolerance), warn)
     }
 
-    /// Returns the stiffness of the state along a path with this pressure and gap of each face, or the reason why it has none.
+    /// Returns the stiffness of the state along a path with this pressure and gap of each face, or the reason why it
+    /// has none.
     ///
     /// # Errors
     /// Returns the reason why there is no stiffness.
