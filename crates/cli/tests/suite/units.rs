@@ -37,6 +37,7 @@ fn same(folder: &Path, bare: &str, with_units: &str) -> [Value; 2] {
     let reports = [(bare, "bare.h5"), (with_units, "units.h5")]
         .map(|(flags, out)| json(folder, &words(&format!("{flags} --json -q --out {out}"))));
     let [bare, with_units] = ["bare.h5", "units.h5"].map(|name| numbers(&folder.join(name)));
+    assert!(bare.len() > 20, "{:?}", bare.keys());
     assert_eq!(bare, with_units);
     reports
 }
@@ -45,11 +46,15 @@ fn same(folder: &Path, bare: &str, with_units: &str) -> [Value; 2] {
 fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
     let folder = folder();
     let surface = "contact --surface h.npy --size 10 --unit um --poisson 0.33";
-    same(
+    let reports = same(
         folder.path(),
         &format!("{surface} --young 70e9 --pressure 1e6:1e9:3"),
         &format!("{surface} --young=70GPa --pressure 1MPa:1GPa:3"),
     );
+    for report in reports {
+        assert_eq!(report["loads"][0]["mean_pressure"], 1e6);
+        assert_eq!(report["loads"][2]["mean_pressure"], 1e9);
+    }
     same(
         folder.path(),
         &format!(
@@ -68,11 +73,12 @@ fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
     );
     // An energy per area is a stress times a length: 0.05 J/m² are 5e4 Pa µm.
     let law = |law: &str| format!("{surface} --e-star 1e8 --law exponential --param {law} --coarse");
-    same(
+    let reports = same(
         folder.path(),
         &format!("{} --approach 0.001", law("gamma=5e4,range=0.5")),
         &format!("{} --approach 1nm", law("gamma=50mJ/m^2,range=500nm")),
     );
+    assert_eq!(reports.map(|report| report["adhesion"]["work"].as_f64()), [Some(5e4); 2]);
     // Lengths in another unit than the file, and stresses in another unit than Pa.
     same(
         folder.path(),
