@@ -28,14 +28,14 @@ use self::args::{PathOptions, StepArgs};
 use self::course::{Followed, PathInput, PathSettings};
 use self::waypoints::WaypointArgs;
 use gfmd_input::failure::{Failure, Outcome};
-use gfmd_input::hardness::GivenHardness;
+use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::lower::LowerArgs;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
+use gfmd_problem::options::Options;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArgs, PronyArgs, WearArgs};
-use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome, StiffnessArgs};
 
@@ -67,14 +67,12 @@ pub struct Args {
     body: BodyArgs,
     #[command(flatten)]
     #[serde(flatten)]
-    #[option(kinds = Kinds::COMPLIANCE)]
     compliance: ComplianceArgs,
     #[command(flatten)]
     #[serde(flatten)]
     lower: LowerArgs,
     #[command(flatten)]
     #[serde(flatten)]
-    #[option(kinds = Kinds::PRONY)]
     prony: PronyArgs,
     #[command(flatten)]
     #[serde(flatten)]
@@ -91,12 +89,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     around: PathOptions,
-    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
-    /// the plastic depth stays
-    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[option(kinds = Kinds::HARDNESS, array)]
-    hardness: Option<GivenHardness>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    hardness: HardnessArgs,
     #[command(flatten)]
     #[serde(flatten)]
     waypoints: WaypointArgs,
@@ -138,7 +133,7 @@ impl Args {
     fn facts(&self, line: bool) -> Facts {
         Facts {
             law: self.law.law,
-            hardness: self.hardness.is_some(),
+            hardness: self.hardness.hardness.is_some(),
             yields: self.plasticity.yield_stress.is_some(),
             friction: self.friction.fact(),
             lower: self.lower.fact(),
@@ -158,7 +153,7 @@ impl Args {
             compliance: Cow::Borrowed(&self.compliance),
             lower: Cow::Borrowed(&self.lower),
             law: Cow::Borrowed(&self.law),
-            hardness: self.hardness.as_ref(),
+            hardness: self.hardness.hardness.as_ref(),
             plasticity: self.plasticity.plasticity(&self.body)?,
             shear: self.friction.shear(),
             wear: self.wear.wear()?,

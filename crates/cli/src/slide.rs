@@ -15,7 +15,7 @@ use gfmd_contact::{Contact, Load, Refusal, SolveError};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
 use gfmd_input::failure::{Failure, Outcome};
-use gfmd_input::hardness::GivenHardness;
+use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::memory::peak_bytes;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
@@ -58,7 +58,6 @@ pub struct Args {
     body: BodyArgs,
     #[command(flatten)]
     #[serde(flatten)]
-    #[option(kinds = Kinds::PRONY)]
     prony: PronyArgs,
     #[command(flatten)]
     #[serde(flatten)]
@@ -68,15 +67,11 @@ pub struct Args {
     #[arg(long, value_name = "MU", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
     friction: Option<f64>,
-    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
-    /// where it is reached the surfaces are pressed into each other
-    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[option(kinds = Kinds::HARDNESS, array)]
-    hardness: Option<GivenHardness>,
     #[command(flatten)]
     #[serde(flatten)]
-    #[option(kinds = Kinds::HEAT)]
+    hardness: HardnessArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
     heat: HeatArgs,
     /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times and of the
     /// diffusivity; A:B:N is N values from A to B in geometric steps. Each load is solved at each of them
@@ -131,7 +126,7 @@ impl Args {
         let body = self.prony.long_term(&self.body)?;
         Ok(Asked {
             prony: self.prony.series()?,
-            hardness: self.hardness.as_ref(),
+            hardness: self.hardness.hardness.as_ref(),
             ..Asked::new(&self.source, Cow::Owned(body), self.search.budget())
         })
     }
@@ -240,7 +235,7 @@ impl SlideInput {
         }
         let facts = |line: bool| Facts {
             line,
-            hardness: args.hardness.is_some(),
+            hardness: args.hardness.hardness.is_some(),
             relaxes: args.prony.relaxing(),
             approach: args.control.is_approach(),
             grid_error: args.grid_error,

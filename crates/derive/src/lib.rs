@@ -105,6 +105,9 @@ fn expand(input: &DeriveInput) -> Result<TokenStream, Error> {
         let default = default.map_or_else(|| quote!(::std::default::Default::default()), |default| quote!(#default));
         defaults.push(quote!(#ident: #default));
         if is_group {
+            if let Some(of_field) = of_field {
+                return Err(Error::new_spanned(of_field, "a group has the kinds of its own fields"));
+            }
             kinds.push(quote!(<#of as ::gfmd_problem::options::Options>::kinds(see);));
             arrays.push(quote!(::gfmd_problem::options::Options::take_arrays(&mut self.#ident, arrays);));
         } else {

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use clap::Args;
 use gfmd_contact::Hardness;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
@@ -15,6 +16,19 @@ use crate::array::{self, Quantity};
 use crate::failure::Failure;
 use crate::rows;
 use gfmd_problem::options::given::ArrayOption;
+use gfmd_problem::options::{Kinds, Options};
+
+/// Option of the hardness of a contact.
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
+#[serde(default)]
+pub struct HardnessArgs {
+    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
+    /// where it is reached the surfaces are pressed into each other, which stays along a path
+    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::HARDNESS, array)]
+    pub hardness: Option<GivenHardness>,
+}
 
 /// Hardness as given by its flag.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -29,14 +29,14 @@ mod words;
 
 pub use accuracy::{Accuracy, AccuracyError};
 pub use adhesion::Adhesion;
-pub use facts::{Facts, Friction, Lower, MovedBase, Support, Task, WearBy};
+pub use facts::{Friction, Lower, MovedBase, Support, Task, WearBy};
 pub use grid_error::GridError;
 pub use kept_strain::KeptStrain;
 pub use memory::MemoryNeed;
 pub use moduli::Moduli;
 pub use pose::{Given, pose};
 pub use posed::{AnyState, ContactKind, NoStiffness, Posed, State};
-pub use rules::{Clash, Part, RULES, Rule, rules_of, rules_of_sliding, table};
+pub use rules::{Clash, Facts, Part, RULES, Rule, rules_of, rules_of_sliding, table};
 pub use unknown::{NoUnknown, Unknown};
 pub use unusable::{SIZES, Unusable, check_size};
 pub use words::{Spelling, Words, argument, flag, key, setting};

@@ -1,6 +1,7 @@
 use gfmd_contact::Boundary;
 
-use crate::facts::{Facts, Task};
+use crate::facts::Task;
+use crate::rules::Facts;
 use crate::unknown::Unknown;
 
 /// Number of fields, of one double per point, that a problem holds in memory at its peak, with a margin.

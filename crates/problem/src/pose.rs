@@ -9,9 +9,10 @@ use gfmd_medium::Prony;
 use gfmd_plasticity::{PlasticityError, YieldingContact};
 use ndarray::ArrayRef2;
 
-use crate::facts::{Facts, Task};
+use crate::facts::Task;
 use crate::options::Plasticity;
 use crate::posed::Posed;
+use crate::rules::Facts;
 use crate::unknown::Unknown;
 
 /// Problem after reading its files: its facts, and arrays with the rows of this process.

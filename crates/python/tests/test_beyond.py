@@ -160,7 +160,8 @@ def test_what_does_not_go_together_is_named():
         (dict(start=steep), "start has finite_slope=True"),
         (dict(start=squeezed), "start has a lower_surface"),
         (dict(start=plain, lower_surface=BELOW), "start has no lower_surface"),
-        (dict(coarse="no"), 'coarse is "no"'),
+        (dict(coarse="no"), "coarse is 'no'; it must be True or False"),
+        (dict(dt="fast"), "dt is 'fast'; it must be a number"),
         (dict(range_continuation=True), "range_continuation: the law hard-wall has no range"),
         (dict(range_continuation=True, law=law, start=plain), "range_continuation and start are both given"),
     ]:

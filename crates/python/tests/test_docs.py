@@ -13,8 +13,9 @@ import gfmd
 import numpy as np
 import pytest
 from gfmd._columns import LowerFace, Patches, States, Steps
-from gfmd._options import ContactOptions, PathOptions
-from gfmd._options_inside import InteriorOptions
+from gfmd._given import TABLES
+from gfmd._options import ContactOptions, PathOptions, SlideOptions
+from gfmd._options_inside import InteriorOptions, PunchOptions
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -250,6 +251,13 @@ gfmd.path(surface, body, p_star=0.1, friction=0.3, wear=gfmd.Wear(1.0, by="time"
 gfmd.path(surface, body, p_star=0.1, wear=1.0, distance=1.0)  # wrong
 gfmd.friction(surface, body, coefficient=0.3, p_star=0.1, wear=gfmd.Wear("1e-15/Pa", by="slip"), law="morse")
 gfmd.path(surface, body, p_star=0.1, friction=0.3, lateral=([0, 1], [0, 1]), friction_of="net")
+gfmd.contact(surface, body, p_star=0.1, lower_seed=2)  # wrong
+gfmd.path(surface, body, p_star=0.1, step=2)  # wrong
+gfmd.slide(surface, body, velocity=1.0, p_star=0.1, grid_errors="refine")  # wrong
+gfmd.slide(surface, body, velocity=1.0, p_star=0.1, heat=("0.2W/(m K)", "1e-7m^2/s"), friction=0.3, tolerance=None)
+gfmd.punch(body, contact="glued")  # wrong
+gfmd.punch(body, mask=np.ones((4, 4)), shift=(0.001, 0.0), history_modes=[(1, 0, "x")])
+gfmd.interior(contact, [0.1], quantities=["heat"])  # wrong
 """
 
 
@@ -263,18 +271,42 @@ def test_the_types_know_the_options(tmp_path):
     assert found == wrong, done.stdout + done.stderr
 
 
-def test_the_types_of_options_have_the_arguments_of_the_functions():
-    def own(function):
-        return {
-            name
-            for name, of in inspect.signature(function).parameters.items()
-            if of.kind is inspect.Parameter.KEYWORD_ONLY
-        }
+LOADS = {"pressure", "p_star", "approach"}
+# Functions with their options, and the arguments that are none.
+TAKING = {
+    gfmd.contact: (ContactOptions, LOADS),
+    gfmd.path: (PathOptions, LOADS | {"lateral", "distance", "friction", "shear_strength", "wear"}),
+    gfmd.slide: (SlideOptions, LOADS | {"velocity"}),
+    gfmd.interior: (InteriorOptions, set()),
+    gfmd.punch: (PunchOptions, set()),
+}
 
-    loads = {"pressure", "p_star", "approach"}
-    assert own(gfmd.contact) - loads <= set(ContactOptions.__annotations__)
-    assert set(PathOptions.__annotations__) == own(gfmd.path) - own(gfmd.friction) - {"friction"}
-    assert set(InteriorOptions.__annotations__) == own(gfmd.interior)
+
+@pytest.mark.parametrize("function", TAKING, ids=lambda function: function.__name__)
+def test_a_signature_has_the_options_of_the_table(function):
+    options, others = TAKING[function]
+    own = {
+        name: of
+        for name, of in inspect.signature(function).parameters.items()
+        if of.kind is inspect.Parameter.KEYWORD_ONLY
+    }
+    assert set(options.__annotations__) == set(own) - others
+    table = TABLES[options.__name__]
+    for name in options.__annotations__:
+        assert (own[name].annotation, own[name].default) == (table[name]["type"], table[name]["default"])
+
+
+@pytest.mark.parametrize("function", [gfmd.Body, gfmd.Wear, gfmd.self_affine], ids=lambda function: function.__name__)
+def test_a_group_has_the_options_of_the_table_and_their_defaults(function):
+    # The default of rms_gradient is left to rms_height, if that is given.
+    none = {"rms_gradient": 0.1}
+    parameters, table = inspect.signature(function).parameters, TABLES[function.__name__]
+    assert set(parameters) == set(table)
+    for name, of in parameters.items():
+        default = list(of.default) if isinstance(of.default, tuple) else of.default
+        default = None if default is of.empty else none.get(name) if default is None else default
+        found = table[name]["default"]
+        assert default == found or (default, found) in [(None, []), ([], None)], name
 
 
 def test_the_native_half_has_the_types_of_its_stub():

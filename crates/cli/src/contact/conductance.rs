@@ -57,7 +57,7 @@ impl Conducting {
         Conductor::new(height).map_err(|error| refuse(&error))?;
         let is_endless = |body: &Body| body.height() == Height::Infinite;
         let are_alike = args.problem.law.law == LawKind::HardWall
-            && args.problem.hardness.is_none()
+            && args.problem.hardness.hardness.is_none()
             && args.problem.components == Unknown::Normal
             && body.tabulated_wavenumbers().is_none()
             && [height, body.height()] == [Height::Infinite; 2]

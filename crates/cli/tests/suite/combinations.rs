@@ -220,8 +220,13 @@ impl Problem for Case {
 }
 
 /// Runs the problems returned by `draw` for all seeds below the number of cases, or only the case named by `alone`. All
-/// must be right, and some of each kind must be solved.
-fn survey<P: Problem>(alone: &str, default: u64, once_wrong: &[u64], draw: impl Fn(u64, &Path) -> Option<P> + Sync) {
+/// must be right, and some of each kind must be solved. Returns the number of compared numbers.
+fn survey<P: Problem>(
+    alone: &str,
+    default: u64,
+    once_wrong: &[u64],
+    draw: impl Fn(u64, &Path) -> Option<P> + Sync,
+) -> usize {
     let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().expect("a number of cases"));
     let name = alone;
     let alone = number(name);
@@ -297,19 +302,23 @@ fn survey<P: Problem>(alone: &str, default: u64, once_wrong: &[u64], draw: impl 
             assert!(of(kind, End::Solved) > 0, "{kind}: nothing solved");
         }
     }
+    compared
 }
 
 #[test]
 fn every_number_of_a_random_combination_is_its_definition() {
-    survey("GFMD_COMBINATION", CASES, &ONCE_WRONG, |index, folder| Some(Case::draw(index, folder)));
+    let compared = survey("GFMD_COMBINATION", CASES, &ONCE_WRONG, |index, folder| Some(Case::draw(index, folder)));
+    assert!(compared > 0);
 }
 
 #[test]
 fn every_command_reads_the_result_of_a_random_history() {
-    survey("GFMD_HISTORY", HISTORIES, &[], History::draw);
+    let compared = survey("GFMD_HISTORY", HISTORIES, &[], History::draw);
+    assert!(compared > 0);
 }
 
 #[test]
 fn every_part_of_a_random_path_keeps_its_law() {
-    survey("GFMD_PARTS", PATHS, &PATHS_ONCE_WRONG, |index, folder| Some(Parts::draw(index, folder)));
+    let compared = survey("GFMD_PARTS", PATHS, &PATHS_ONCE_WRONG, |index, folder| Some(Parts::draw(index, folder)));
+    assert!(compared > 0);
 }

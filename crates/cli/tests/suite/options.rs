@@ -1,5 +1,5 @@
-//! The options of all commands as a page (docs/options.md) and as types of Python (_options.py), from the flags of the
-//! program. `GFMD_DOCS=write cargo test -p gfmd-cli -- options` writes both.
+//! The options of all commands as a page (docs/options.md) and as types, defaults and meanings of Python (_options.py,
+//! _options.json), from the flags of the program. `GFMD_DOCS=write cargo test -p gfmd-cli -- options` writes all.
 
 use std::any::TypeId;
 use std::collections::BTreeSet;
@@ -11,8 +11,9 @@ use gfmd_cli::program;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::argument;
 use gfmd_problem::options::flags::keys;
-use gfmd_problem::options::{BodyArgs, ComplianceArgs, PronyArgs};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, GeneratorArgs, PronyArgs};
 use gfmd_run::series::ContactArgs;
+use serde_json::{Value, json};
 
 /// Compares a file of the repository with a text; writes it first if `GFMD_DOCS=write`.
 fn compare(file: &str, text: &str) {
@@ -196,19 +197,24 @@ fn options_of_commands_with_groups_have_one() {
 }
 
 /// Types of arguments that Python takes in a form of its own.
-const TYPES: [(&str, &str); 8] = [
+const TYPES: [(&str, &str); 13] = [
     ("accuracy", "float | str"),
+    ("cells", "str | Sequence[Quantity]"),
     ("damping", "float | Sequence[float]"),
     ("distance", "Quantity | npt.ArrayLike"),
     ("hardness", "Quantity | npt.ArrayLike"),
+    ("heat", "Sequence[Quantity]"),
+    ("history_mode", "Sequence[tuple[int, int, str]]"),
+    ("history_point", "Sequence[tuple[float, float, str]]"),
     ("law", "Law | str"),
     ("lower_surface", "Surface | npt.ArrayLike"),
+    ("shift", "Sequence[float]"),
     ("slice", "str"),
     ("time", "Quantity | npt.ArrayLike"),
 ];
 
 /// Returns the type of the Python argument of an option.
-fn type_of(arg: &Arg) -> String {
+fn type_of(arg: &Arg, has_units: bool) -> String {
     if let Some((_, of)) = TYPES.iter().find(|(other, _)| *other == key(arg)) {
         return (*of).to_owned();
     }
@@ -222,7 +228,7 @@ fn type_of(arg: &Arg) -> String {
             let names: Vec<String> = choices.iter().map(|name| format!("\"{name}\"")).collect();
             format!("Literal[{}]", names.join(", "))
         }
-        () if !kinds(key(arg)).is_empty() => "Quantity".into(),
+        () if has_units && !kinds(key(arg)).is_empty() => "Quantity".into(),
         () if is_any(&[TypeId::of::<f64>()]) => "float".into(),
         () if is_any(&integers) => "int".into(),
         () if is_any(&[TypeId::of::<PathBuf>()]) => "str | os.PathLike[str]".into(),
@@ -230,6 +236,38 @@ fn type_of(arg: &Arg) -> String {
         () => "str".into(),
     };
     if matches!(arg.get_action(), ArgAction::Append) { format!("Sequence[{one}]") } else { one }
+}
+
+/// Returns the default of the Python argument of an option; null if it depends on others.
+fn default_of(arg: &Arg, of: &str) -> Value {
+    if !takes_value(arg) {
+        return false.into();
+    }
+    let given: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    let one = |text: &str| match of.trim_start_matches("Sequence[").trim_end_matches(']') {
+        "float" | "Quantity" => text.parse::<f64>().map_or_else(|_| text.into(), Value::from),
+        "int" => text.parse::<u64>().map_or_else(|_| text.into(), Value::from),
+        _ => Value::from(text),
+    };
+    match &given[..] {
+        // A law of Python has parameters, and a hard wall is no law.
+        _ if key(arg) == "law" => Value::Null,
+        [] if of.starts_with("Sequence[") => Value::Array(Vec::new()),
+        [] => Value::Null,
+        all if of.starts_with("Sequence[") => all.iter().map(|text| one(text)).collect(),
+        [text, ..] => one(text),
+    }
+}
+
+/// Returns the meaning of an option with the names of Python's arguments in place of flags.
+fn meaning(arg: &Arg) -> String {
+    let (text, _) = meaning_and_default(arg);
+    let word = |word: &str| {
+        let Some((before, flag)) = word.split_once("--") else { return word.to_owned() };
+        let end = flag.find(|letter: char| !letter.is_ascii_alphanumeric() && letter != '-').unwrap_or(flag.len());
+        format!("{before}`{}`{}", argument(&flag[..end].replace('-', "_")), &flag[end..])
+    };
+    text.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }
 
 /// Line of a typed dictionary, as `black` breaks it.
@@ -246,32 +284,46 @@ fn line(name: &str, of: &str, is_optional: bool) -> String {
     }
 }
 
-/// Typed dictionary of the arguments that a function takes beside its own.
+/// Typed dictionary of the options that a function takes beside arguments of its own.
 struct Class {
     name: &'static str,
     text: &'static str,
     command: &'static str,
     /// Options of the command, or of all commands, that the function takes.
     keys: Vec<String>,
-    /// Names and types of arguments without a flag.
-    further: &'static [(&'static str, &'static str)],
-    /// True if None stands for the default of every value.
-    takes_none: bool,
+    /// Names, types and meanings of arguments without a flag.
+    further: &'static [[&'static str; 3]],
 }
 
 impl Class {
-    fn text(&self, program: &Command) -> String {
+    /// Returns the options of the class.
+    fn args<'a>(&'a self, program: &'a Command) -> impl Iterator<Item = &'a Arg> {
         let command = program.find_subcommand(self.command).unwrap();
-        let args = flags(command).chain(flags(program)).filter(|arg| self.keys.iter().any(|other| other == key(arg)));
-        let is_optional = |arg: &Arg| {
-            let may_lack =
-                self.takes_none || arg.get_default_values().is_empty() || ["law", "threads"].contains(&key(arg));
-            takes_value(arg) && may_lack
-        };
-        let own = args.map(|arg| line(argument(key(arg)), &type_of(arg), is_optional(arg)));
-        let further = self.further.iter().map(|(name, of)| line(name, of, self.takes_none));
+        flags(command).chain(flags(program)).filter(|arg| self.keys.iter().any(|other| other == key(arg)))
+    }
+
+    fn type_of(&self, arg: &Arg) -> String {
+        type_of(arg, self.command != "punch" && self.command != "green")
+    }
+
+    /// Returns the class as Python.
+    fn text(&self, program: &Command) -> String {
+        let own = self.args(program).map(|arg| line(argument(key(arg)), &self.type_of(arg), takes_value(arg)));
+        let further = self.further.iter().map(|[name, of, _]| line(name, of, true));
         let lines: String = own.chain(further).collect();
         format!("\n\nclass {}(TypedDict, total=False):\n    \"\"\"{}\"\"\"\n\n{lines}", self.name, self.text)
+    }
+
+    /// Returns type, default and meaning of each option by its argument.
+    fn table(&self, program: &Command) -> Value {
+        let row = |of: &str, default: Value, meaning: &str| json!({"type": of, "default": default, "meaning": meaning});
+        let own = self.args(program).map(|arg| {
+            let of = self.type_of(arg);
+            (argument(key(arg)).to_owned(), row(&of, default_of(arg, &of), &meaning(arg)))
+        });
+        let further =
+            self.further.iter().map(|[name, of, meaning]| ((*name).to_owned(), row(of, Value::Null, meaning)));
+        Value::Object(own.chain(further).collect())
     }
 }
 
@@ -284,7 +336,7 @@ fn without(keys: Vec<String>, elsewhere: &[Vec<String>], further: &[&str]) -> Ve
 /// Returns the head of a file of types that imports these names.
 fn head_of_types(typing: &str, imports: &str) -> String {
     format!(
-        r#""""Types of the options that functions pass on, as keyword arguments.
+        r#""""Types of the options that functions take as keyword arguments; None is the default.
 
 Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`.
 """
@@ -315,24 +367,26 @@ fn python_has_the_types_of_the_options() {
     let program = program::command();
     let all = |command: &str| flags(program.find_subcommand(command).unwrap()).map(|arg| key(arg).to_owned()).collect();
     let body = [keys::<SourceArgs>(), keys::<BodyArgs>(), keys::<ComplianceArgs>(), keys::<PronyArgs>()];
+    let elastic = [keys::<BodyArgs>()];
     let with = |mut keys: Vec<String>, further: &[&str]| {
         keys.extend(further.iter().map(|key| (*key).to_owned()));
         keys
     };
-    let contact = with(without(keys::<ContactArgs>(), &body, &["param", "law_table"]), &["stress_unit", "threads"]);
-    let loads = ["pressure", "p_star", "approach", "lateral", "lateral_y", "friction", "shear_strength"];
-    let others = ["param", "law_table", "coefficient", "wear_by", "distance", "lower_seed", "plots", "resume"];
+    // Arguments of the functions, of `Law` and `Wear`, and of the program alone.
+    let loads = ["pressure", "p_star", "approach", "param", "law_table", "lower_seed", "plots", "resume", "compare"];
+    let parts = ["lateral", "lateral_y", "friction", "shear_strength", "coefficient", "wear_by", "distance"];
     let of_body = ["yield_stress", "hardening", "hardening_curve", "kinematic_hardening", "layer_yield"];
-    let path = without(all("path"), &body, &[&loads[..], &others, &of_body].concat());
+    let path = without(all("path"), &body, &[&loads[..], &parts, &of_body].concat());
+    let slide = without(all("slide"), &body, &[&loads[..], &["velocity"]].concat());
     let places = ["levels", "deepest", "slice", "quantities", "out", "threads"];
+    const START: [&str; 3] = ["start", "Contact", "a contact of the same surface to start from"];
     let classes = [
         Class {
             name: "ContactOptions",
-            text: "Arguments of `contact` beside the load; None is the default.",
+            text: "Arguments of `contact` beside the load.",
             command: "contact",
-            keys: contact,
-            further: &[("start", "Contact")],
-            takes_none: true,
+            keys: with(without(keys::<ContactArgs>(), &body, &loads), &["stress_unit", "threads"]),
+            further: &[START],
         },
         Class {
             name: "PathOptions",
@@ -340,7 +394,13 @@ fn python_has_the_types_of_the_options() {
             command: "path",
             keys: with(path, &["stress_unit", "threads"]),
             further: &[],
-            takes_none: false,
+        },
+        Class {
+            name: "SlideOptions",
+            text: "Arguments of `slide` beside load and velocity.",
+            command: "slide",
+            keys: with(slide, &["stress_unit", "threads"]),
+            further: &[],
         },
         Class {
             name: "InteriorOptions",
@@ -348,13 +408,31 @@ fn python_has_the_types_of_the_options() {
             command: "body",
             keys: with(Vec::new(), &places),
             further: &[],
-            takes_none: false,
+        },
+        Class {
+            name: "PunchOptions",
+            text: "Arguments of `punch` beside the body.",
+            command: "punch",
+            keys: with(without(all("punch"), &elastic, &loads), &["threads"]),
+            further: &[],
         },
     ];
     let text = |classes: &[Class]| classes.iter().map(|class| class.text(&program)).collect::<String>();
-    let (of_contacts, inside) = classes.split_at(2);
+    let (of_contacts, inside) = classes.split_at(3);
     let head = head_of_types("TYPE_CHECKING, Literal, Optional, TypedDict", OF_CONTACTS);
     compare("crates/python/python/gfmd/_options.py", &(head + &text(of_contacts)));
-    let head = head_of_types("Literal, Optional, TypedDict", "from ._check import Quantity\n");
+    let imports = "import numpy.typing as npt\n\nfrom ._check import Quantity\n";
+    let head = head_of_types("Literal, Optional, TypedDict", imports);
     compare("crates/python/python/gfmd/_options_inside.py", &(head + &text(inside)));
+    // Objects with the options of a group, whose arguments have forms of their own.
+    let of = |name, command, keys| Class { name, text: "", command, keys, further: &[] };
+    let own: Vec<String> = of_body.iter().map(|key| (*key).to_owned()).collect();
+    let groups = [
+        of("Body", "path", [&body[1..], &[own]].concat().concat()),
+        of("Wear", "path", with(Vec::new(), &["coefficient", "wear_by"])),
+        of("self_affine", "surface", with(keys::<GeneratorArgs>(), &["size", "unit"])),
+    ];
+    let tables = classes.iter().chain(&groups).map(|class| (class.name.to_owned(), class.table(&program))).collect();
+    let tables = serde_json::to_string_pretty(&Value::Object(tables)).unwrap() + "\n";
+    compare("crates/python/python/gfmd/_options.json", &tables);
 }

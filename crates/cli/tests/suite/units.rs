@@ -4,6 +4,10 @@ use std::path::Path;
 
 use crate::common::{gfmd, json, numbers};
 use gfmd_files::Reader;
+use gfmd_input::session::Session;
+use gfmd_input::source::SourceArgs;
+use gfmd_input::units::{Word, of_words};
+use gfmd_problem::options::given::ArrayOption;
 use ndarray::Array2;
 use serde_json::Value;
 
@@ -37,6 +41,7 @@ fn same(folder: &Path, bare: &str, with_units: &str) -> [Value; 2] {
     let reports = [(bare, "bare.h5"), (with_units, "units.h5")]
         .map(|(flags, out)| json(folder, &words(&format!("{flags} --json -q --out {out}"))));
     let [bare, with_units] = ["bare.h5", "units.h5"].map(|name| numbers(&folder.join(name)));
+    assert!(bare.len() > 20, "{:?}", bare.keys());
     assert_eq!(bare, with_units);
     reports
 }
@@ -45,11 +50,15 @@ fn same(folder: &Path, bare: &str, with_units: &str) -> [Value; 2] {
 fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
     let folder = folder();
     let surface = "contact --surface h.npy --size 10 --unit um --poisson 0.33";
-    same(
+    let reports = same(
         folder.path(),
         &format!("{surface} --young 70e9 --pressure 1e6:1e9:3"),
         &format!("{surface} --young=70GPa --pressure 1MPa:1GPa:3"),
     );
+    for report in reports {
+        assert_eq!(report["loads"][0]["mean_pressure"], 1e6);
+        assert_eq!(report["loads"][2]["mean_pressure"], 1e9);
+    }
     same(
         folder.path(),
         &format!(
@@ -68,17 +77,42 @@ fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
     );
     // An energy per area is a stress times a length: 0.05 J/m² are 5e4 Pa µm.
     let law = |law: &str| format!("{surface} --e-star 1e8 --law exponential --param {law} --coarse");
-    same(
+    let reports = same(
         folder.path(),
         &format!("{} --approach 0.001", law("gamma=5e4,range=0.5")),
         &format!("{} --approach 1nm", law("gamma=50mJ/m^2,range=500nm")),
     );
+    assert_eq!(reports.map(|report| report["adhesion"]["work"].as_f64()), [Some(5e4); 2]);
     // Lengths in another unit than the file, and stresses in another unit than Pa.
     same(
         folder.path(),
         "contact --surface h.npy --size 10 --unit um --young 70 --stress-unit GPa --pressure 0.01",
         "contact --surface h.npy --size 1e4nm --unit um --young 70GPa --stress-unit GPa --pressure 10MPa",
     );
+}
+
+/// The heights that were read for their unit are the heights of the surface: without their file, they cannot be read
+/// again.
+#[test]
+fn a_scan_is_read_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = folder.path().join("scan.txt");
+    let rows: Vec<String> = (0..8).map(|i| (0..8).map(|j| ((3 * i + j) % 5).to_string() + " ").collect()).collect();
+    std::fs::write(
+        &scan,
+        "# Channel: Height\n# Width: 8 um\n# Height: 8 um\n# Value units: nm\n".to_owned() + &rows.join("\n"),
+    )
+    .unwrap();
+    let name = scan.to_str().unwrap();
+    let given = vec![Word::value("surface", "--surface=", name), Word::value("pressure", "--pressure=", "1MPa")];
+    let (plain, map) = of_words("contact", given, gfmd_cli::kinds::kinds()).unwrap();
+    assert_eq!(plain[1].text(), "--pressure=1e6");
+    std::fs::remove_file(&scan).unwrap();
+    let source = SourceArgs { surface: Some(ArrayOption::File(name.into())), ..SourceArgs::default() };
+    let session = Session::silent().with_map(map);
+    let surface = source.surface(&session).unwrap();
+    assert_eq!((surface.grid.points(), surface.unit()), ([8, 8], "um"));
+    assert!(source.surface(&session).is_err(), "the heights are not kept");
 }
 
 #[test]

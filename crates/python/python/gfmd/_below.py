@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Optional
 
@@ -12,11 +11,13 @@ import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
-from ._check import Array, Quantity, array, flag, integer, number, numbers, quantity, shown, texts, word
+from ._check import Array, Quantity, array, integer, number, shown, word
 from ._check import quantities as lengths
 from ._columns import PunchNumbers
 from ._errors import InputError
+from ._given import TABLES, taking
 from ._hints import hinted
+from ._options_inside import InteriorOptions, PunchOptions
 from ._record import LINES, Record, table
 from ._result import Computed
 from ._types import Loaded
@@ -24,10 +25,6 @@ from ._units import attributes, known, label
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-    from ._options_inside import InteriorOptions
-
-_QUANTITIES = ("displacement", "strain", "stress", "von-mises", "energy-density")
 
 
 class Punch(Computed, PunchNumbers):
@@ -342,32 +339,8 @@ class Green(Record):
     warnings: list[Record]
 
 
-@hinted
-def punch(
-    body: Optional[Body] = None,
-    *,
-    size: float = 1.27,
-    n: Optional[int] = None,
-    dim: int = 3,
-    punch_fraction: Optional[float] = None,
-    mask: Optional[npt.ArrayLike] = None,
-    depth: float = 0.005,
-    contact: str = "sticking",
-    nodes: Optional[str] = None,
-    shift: Sequence[float] = (),
-    traction: Optional[npt.ArrayLike] = None,
-    solver: str = "auto",
-    dt: Optional[float] = None,
-    damping: float | Sequence[float] | None = None,
-    history: bool = False,
-    history_modes: Sequence[tuple[int, int, str]] = (),
-    history_points: Sequence[tuple[float, float, str]] = (),
-    tolerance: float = 1e-8,
-    max_iterations: int = 100_000,
-    refine: int = 1,
-    threads: Optional[int] = None,
-    out: str | os.PathLike[str] | None = None,
-) -> Punch:
+@taking(PunchOptions)
+def punch(body: Optional[Body] = None, **options: Unpack[PunchOptions]) -> Punch:
     """Presses a flat rigid punch on a body and solves for all components of displacement and traction.
 
     Args:
@@ -405,39 +378,22 @@ def punch(
         >>> round(punch.mean_pressure, 3)
         0.115
     """
-    for name, value in (("punch_fraction", punch_fraction), ("nodes", nodes)):
-        if mask is not None and value is not None:
+    for name in ("punch_fraction", "nodes"):
+        if "mask" in options and name in options:
             raise InputError(f"mask and {name} are both given; give one of the two")
     given = None if body is None else as_body(body, of_moduli=True)
+    modes, points = options.pop("history_modes", ()), options.pop("history_points", ())
+    arrays = {"mask": options.pop("mask", None), "traction": options.pop("traction", None)}
+    threads, out, history = options.pop("threads", None), options.pop("out", None), options.get("history", False)
     problem: dict[str, Any] = {} if given is None else _elastic(given, given.layers)
-    problem.update(
-        size=number("size", size),
-        n=None if n is None else integer("n", n),
-        dim=integer("dim", dim, 2, 3),
-        punch_fraction=None if punch_fraction is None else number("punch_fraction", punch_fraction),
-        depth=number("depth", depth),
-        contact=word("contact", contact),
-        nodes=None if nodes is None else word("nodes", nodes),
-        shift=numbers("shift", shift) if len(shift) else None,
-        solver=word("solver", solver),
-        dt=None if dt is None else number("dt", dt),
-        damping=None if damping is None else numbers("damping", damping),
-        tolerance=number("tolerance", tolerance),
-        max_iterations=integer("max_iterations", max_iterations),
-        refine=integer("refine", refine, 1, 8),
-        history=flag("history", history),
-        history_mode=[],
-        history_point=[],
-    )
-    for first, second, component in _threes("history_modes", history_modes):
+    problem.update(options, history_mode=[], history_point=[])
+    for first, second, component in _threes("history_modes", modes):
         numbers_of = [integer("history_modes", entry, -(2**31), 2**31 - 1) for entry in (first, second)]
         problem["history_mode"].append([*numbers_of, word("history_modes", component)])
-    for first, second, component in _threes("history_points", history_points):
+    for first, second, component in _threes("history_points", points):
         position = [number("history_points", entry) for entry in (first, second)]
         problem["history_point"].append([*position, word("history_points", component)])
-    arrays = {
-        name: None if value is None else array(name, value) for name, value in (("mask", mask), ("traction", traction))
-    }
+    arrays = {name: None if value is None else array(name, value) for name, value in arrays.items()}
     values, failure, fields, file = _command.solve("punch", problem, arrays, threads, out)
     if values["height"] == "inf":
         values["height"] = math.inf
@@ -476,16 +432,9 @@ def _history(values: dict[str, Any]) -> dict[str, Any]:
     return {name: reported(name, value) for name, value in values.items()}
 
 
+@taking(InteriorOptions)
 def interior(
-    source: Loaded,
-    depths: Optional[Sequence[Quantity]] = None,
-    *,
-    levels: Optional[int] = None,
-    deepest: Optional[Quantity] = None,
-    quantities: Sequence[str] = _QUANTITIES,
-    along: Optional[str] = None,
-    threads: Optional[int] = None,
-    out: str | os.PathLike[str] | None = None,
+    source: Loaded, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]
 ) -> FieldsBelow:
     """Computes displacement, strain and stress below the surface of a contact or a punch.
 
@@ -508,16 +457,17 @@ def interior(
         >>> below.stress.shape, len(below.levels)
         ((2, 32, 32, 6), 2)
     """
-    if (depths is None) == (levels is None):
+    if (depths is None) == ("levels" not in options):
         raise InputError("the depths must be given by one of depths, levels")
-    if depths is not None and deepest is not None:
+    if depths is not None and "deepest" in options:
         raise InputError("depths and deepest are both given; deepest goes with levels")
+    threads, out, along = options.pop("threads", None), options.pop("out", None), options.pop("along", None)
+    quantities = options.pop("quantities", TABLES["InteriorOptions"]["quantities"]["default"])
     problem: dict[str, Any] = dict(
         depths=None if depths is None else lengths("depths", depths, "length"),
-        levels=None if levels is None else integer("levels", levels, 1),
-        deepest=None if deepest is None else quantity("deepest", deepest, "length"),
-        quantities=texts("quantities", quantities),
-        slice=None if along is None else word("along", along),
+        slice=along,
+        quantities=quantities,
+        **options,
     )
     if not isinstance(source, Loaded):
         raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")

@@ -1,4 +1,4 @@
-"""Types of the options that functions pass on, as keyword arguments.
+"""Types of the options that functions take as keyword arguments; None is the default.
 
 Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`.
 """
@@ -20,13 +20,12 @@ if TYPE_CHECKING:
 
 
 class ContactOptions(TypedDict, total=False):
-    """Arguments of `contact` beside the load; None is the default."""
+    """Arguments of `contact` beside the load."""
 
     stress_unit: Optional[str]
     base_displacement: Optional[npt.ArrayLike]
     base_traction: Optional[npt.ArrayLike]
     lower_surface: Optional[Surface | npt.ArrayLike]
-    lower_seed: Optional[int]
     boundary: Optional[Literal["periodic", "free"]]
     components: Optional[Literal["normal", "all", "held"]]
     hardness: Optional[Quantity | npt.ArrayLike]
@@ -65,23 +64,38 @@ class PathOptions(TypedDict, total=False):
 
     stress_unit: Optional[str]
     lower_surface: Optional[Surface | npt.ArrayLike]
-    cells: Quantity
+    cells: Optional[str | Sequence[Quantity]]
     coarsening: Optional[Sequence[int]]
-    kept_strain: Literal["last", "waypoints"]
+    kept_strain: Optional[Literal["last", "waypoints"]]
     law: Optional[Law | str]
     coarse: bool
-    friction_of: Literal["repulsion", "net"]
-    boundary: Literal["periodic", "free"]
-    grid_error: Literal["none", "estimate", "refine"]
+    friction_of: Optional[Literal["repulsion", "net"]]
+    boundary: Optional[Literal["periodic", "free"]]
+    grid_error: Optional[Literal["none", "estimate", "refine"]]
     flow: bool
     hardness: Optional[Quantity | npt.ArrayLike]
     time: Optional[Quantity | npt.ArrayLike]
-    direction: float
-    steps: int
-    tolerance: float
-    max_iterations: int
+    direction: Optional[float]
+    steps: Optional[int]
+    tolerance: Optional[float]
+    max_iterations: Optional[int]
     out: Optional[str | os.PathLike[str]]
-    stiffness_tolerance: float
-    energy_tolerance: float
+    stiffness_tolerance: Optional[float]
+    energy_tolerance: Optional[float]
     energy_solves: Optional[int]
+    threads: Optional[int]
+
+
+class SlideOptions(TypedDict, total=False):
+    """Arguments of `slide` beside load and velocity."""
+
+    stress_unit: Optional[str]
+    friction: Optional[float]
+    hardness: Optional[Quantity | npt.ArrayLike]
+    heat: Optional[Sequence[Quantity]]
+    direction: Optional[float]
+    tolerance: Optional[float]
+    max_iterations: Optional[int]
+    grid_error: Optional[Literal["none", "estimate", "refine"]]
+    out: Optional[str | os.PathLike[str]]
     threads: Optional[int]

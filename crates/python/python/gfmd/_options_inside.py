@@ -1,4 +1,4 @@
-"""Types of the options that functions pass on, as keyword arguments.
+"""Types of the options that functions take as keyword arguments; None is the default.
 
 Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`.
 """
@@ -9,6 +9,8 @@ import os
 from collections.abc import Sequence
 from typing import Literal, Optional, TypedDict
 
+import numpy.typing as npt
+
 from ._check import Quantity
 
 
@@ -18,6 +20,32 @@ class InteriorOptions(TypedDict, total=False):
     levels: Optional[int]
     deepest: Optional[Quantity]
     along: Optional[str]
-    quantities: Sequence[Literal["displacement", "strain", "stress", "von-mises", "energy-density"]]
+    quantities: Optional[Sequence[Literal["displacement", "strain", "stress", "von-mises", "energy-density"]]]
+    out: Optional[str | os.PathLike[str]]
+    threads: Optional[int]
+
+
+class PunchOptions(TypedDict, total=False):
+    """Arguments of `punch` beside the body."""
+
+    size: Optional[float]
+    dim: Optional[int]
+    n: Optional[int]
+    punch_fraction: Optional[float]
+    depth: Optional[float]
+    contact: Optional[Literal["sticking", "frictionless"]]
+    nodes: Optional[Literal["strict", "inclusive"]]
+    mask: Optional[npt.ArrayLike]
+    traction: Optional[npt.ArrayLike]
+    shift: Optional[Sequence[float]]
+    solver: Optional[Literal["auto", "cg", "verlet", "verlet-critical", "verlet-modes", "fire"]]
+    dt: Optional[float]
+    damping: Optional[float | Sequence[float]]
+    history: bool
+    history_modes: Optional[Sequence[tuple[int, int, str]]]
+    history_points: Optional[Sequence[tuple[float, float, str]]]
+    tolerance: Optional[float]
+    max_iterations: Optional[int]
+    refine: Optional[int]
     out: Optional[str | os.PathLike[str]]
     threads: Optional[int]

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from functools import reduce
-from typing import TYPE_CHECKING, Any, Literal, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _command, _gfmd, _show
 from ._body import Body, Law, as_body, as_law
-from ._check import Array, Quantity, flag, integer, number, numbers, quantities, quantity, word
+from ._check import Array, Quantity, number, quantities, quantity
 from ._columns import FLOW, StepFields, Steps
 from ._contact import Adhesion
 from ._errors import InputError
+from ._given import taking
 from ._hints import hinted
 from ._leak import Leaks
 from ._load import Residual, residual_of
+from ._options import PathOptions
 from ._parts import Wear, wear_keys
 from ._record import Record, by_name, without_null
 from ._result import Computed
@@ -27,8 +28,6 @@ from ._units import known
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-    from ._options import PathOptions
 
 
 class Path(Leaks, Computed, StepFields):
@@ -343,7 +342,7 @@ def _check_distance(wear: Optional[Wear], distance: Any) -> None:
         raise InputError(f"distance is given; it must be left out {unless}", "distance", "given", f"left out {unless}")
 
 
-@hinted
+@taking(PathOptions)
 def path(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -352,32 +351,11 @@ def path(
     p_star: Any = None,
     approach: Any = None,
     lateral: Any = None,
-    time: Any = None,
     distance: Any = None,
-    direction: float = 0.0,
-    law: Law | str | None = None,
     friction: Optional[float] = None,
     shear_strength: Optional[Quantity] = None,
-    friction_of: Literal["repulsion", "net"] | str = "repulsion",
     wear: Optional[Wear] = None,
-    hardness: Quantity | npt.ArrayLike | None = None,
-    lower_surface: Surface | npt.ArrayLike | None = None,
-    cells: Any = None,
-    coarsening: Any = None,
-    kept_strain: Literal["last", "waypoints"] | str = "last",
-    boundary: Literal["periodic", "free"] | str = "periodic",
-    stress_unit: Optional[str] = None,
-    coarse: bool = False,
-    grid_error: str = "estimate",
-    flow: bool = False,
-    steps: int = 20,
-    tolerance: float = 1e-8,
-    max_iterations: int = 100_000,
-    energy_tolerance: Optional[float] = None,
-    energy_solves: Optional[int] = None,
-    stiffness_tolerance: Optional[float] = None,
-    threads: Optional[int] = None,
-    out: str | os.PathLike[str] | None = None,
+    **options: Unpack[PathOptions],
 ) -> Path:
     """Follows a contact along a path of loads, approaches and lateral displacements, each step started from the last.
 
@@ -450,42 +428,31 @@ def path(
         >>> bool(fretted.steps.wear_volume[-1] > 0.0)
         True
     """
-    made, elastic, given = as_surface(surface), as_body(body, in_time=True, yields=True), as_law(law)
+    made, elastic = as_surface(surface), as_body(body, in_time=True, yields=True)
+    law, time, cells = options.pop("law", None), options.pop("time", None), options.pop("cells", None)
+    given = as_law(law)
+    threads, out = options.pop("threads", None), options.pop("out", None)
+    bound = as_hardness(options.pop("hardness", None), made)
+    lower = as_lower(options.pop("lower_surface", None), made)
     drive = drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "approach": approach})
     worn = wear_keys(wear)
     _check_distance(wear, distance)
     problem: dict[str, Any] = dict(
         unit=made.unit,
-        stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
         **drive,
         **_lateral_keys(lateral),
         time=None if time is None else quantities("time", time, "time"),
         distance=None if distance is None else quantities("distance", distance, "length"),
-        direction=number("direction", direction),
-        steps=integer("steps", steps, 1, 2**32 - 1),
-        tolerance=number("tolerance", tolerance),
-        max_iterations=integer("max_iterations", max_iterations),
-        energy_tolerance=None if energy_tolerance is None else number("energy_tolerance", energy_tolerance),
-        energy_solves=None if energy_solves is None else integer("energy_solves", energy_solves),
-        stiffness_tolerance=None if stiffness_tolerance is None else number("stiffness_tolerance", stiffness_tolerance),
         friction=None if friction is None else number("friction", friction),
         shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength, "stress"),
-        friction_of=word("friction_of", friction_of),
-        **worn,
         cells=None if cells is None else cells if isinstance(cells, str) else quantities("cells", cells, "length"),
-        coarsening=None if coarsening is None else [integer("coarsening", found, 1) for found in coarsening],
-        kept_strain=word("kept_strain", kept_strain),
-        boundary=word("boundary", boundary),
-        coarse=flag("coarse", coarse),
-        grid_error=word("grid_error", grid_error),
-        flow=flag("flow", flow),
+        **worn,
+        **options,
     )
-    bound = as_hardness(hardness, made)
     if law is not None:
         problem.update(_command.law_keys(given))
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
-    lower = as_lower(lower_surface, made)
     if lower is not None:
         arrays["lower_surface"] = lower.heights
     problem.update(size=list(made.size), **_command.body_keys(elastic), **_command.relaxation_keys(elastic))

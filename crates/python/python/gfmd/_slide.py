@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
-from typing import Any, Literal, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
-from ._check import Array, Quantity, integer, number, quantities, quantity, shown, word
+from ._check import Array, quantities, quantity, shown
 from ._errors import InputError
-from ._hints import hinted
 from ._columns import StateFields, States
+from ._given import taking
 from ._load import Residual, residual_of
+from ._options import SlideOptions
 from ._path import drive_keys
 from ._record import Record
 from ._result import Computed
 from ._surface import Surface, as_hardness, as_surface
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Slide(Computed, StateFields):
@@ -121,7 +124,7 @@ def _thermal(heat: Any) -> list[Any]:
     return [quantity("heat", entry, kind) for entry, kind in zip(entries, kinds)]
 
 
-@hinted
+@taking(SlideOptions)
 def slide(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -130,16 +133,7 @@ def slide(
     pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
-    direction: float = 0.0,
-    heat: Any = None,
-    friction: Optional[float] = None,
-    hardness: Quantity | npt.ArrayLike | None = None,
-    stress_unit: Optional[str] = None,
-    tolerance: float = 1e-8,
-    max_iterations: int = 100_000,
-    grid_error: Literal["none", "refine"] = "none",
-    threads: Optional[int] = None,
-    out: str | os.PathLike[str] | None = None,
+    **options: Unpack[SlideOptions],
 ) -> Slide:
     """Slides a surface steadily over a body: friction by hysteresis, area, gap and flash temperature against velocity.
 
@@ -176,26 +170,22 @@ def slide(
         True
     """
     made, elastic = as_surface(surface), as_body(body, in_time=True)
-    if not elastic.prony and friction is None:
+    if not elastic.prony and options.get("friction") is None:
         raise InputError("body is elastic; it must be viscoelastic to slide without friction: gfmd.Body(prony=...)")
     if "compliance" in elastic:
         raise InputError("body has a table of compliances; it must have moduli to slide")
+    threads, out, heat = options.pop("threads", None), options.pop("out", None), options.pop("heat", None)
+    bound = as_hardness(options.pop("hardness", None), made)
     problem: dict[str, Any] = dict(
         unit=made.unit,
-        stress_unit=None if stress_unit is None else word("stress_unit", stress_unit),
         **drive_keys("the load is", {"pressure": pressure, "p_star": p_star, "approach": approach}),
         velocity=quantities("velocity", velocity, "length/time"),
-        direction=number("direction", direction),
         heat=None if heat is None else _thermal(heat),
-        friction=None if friction is None else number("friction", friction),
-        tolerance=number("tolerance", tolerance),
-        max_iterations=integer("max_iterations", max_iterations),
-        grid_error=word("grid_error", grid_error),
         size=list(made.size),
         **_command.body_keys(elastic),
         **_command.relaxation_keys(elastic),
+        **options,
     )
-    bound = as_hardness(hardness, made)
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     values, failure, fields, file = _command.solve("slide", problem, arrays, threads, out, made)

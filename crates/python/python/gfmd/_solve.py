@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Literal, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Optional, overload
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from . import _gfmd
 from ._body import Body, Law, as_body, as_law, body_of, law_of
-from ._check import Array, Quantity, integer, number, plain, quantities
+from ._check import Array, Quantity, integer, number, quantities
 from ._command import body_keys, law_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
+from ._given import taking
 from ._progress import Progress
-from ._hints import argument
 from ._load import of_load
 from ._options import ContactOptions
 from ._record import parsed
@@ -59,7 +59,7 @@ class _Setup:
             **law_keys(self.law),
         }
         arrays: dict[str, Array] = {} if self.lower_surface is None else {"lower_surface": self.lower_surface.heights}
-        for name, value in {"hardness": as_hardness(hardness, self.surface), **_checked(options)}.items():
+        for name, value in {"hardness": as_hardness(hardness, self.surface), **options}.items():
             (arrays if isinstance(value, np.ndarray) else problem)[name] = value
         if loads and problem.get("stress_unit") is None and self.surface.unit != "m":
             problem["stress_unit"] = "Pa"
@@ -146,18 +146,8 @@ def texts(value: Any) -> bool:
     return isinstance(value, Iterable) and any(texts(entry) for entry in value)
 
 
-def _checked(options: dict[str, Any]) -> dict[str, Any]:
-    """Checks the options and returns those that are given."""
-    checks: dict[str, Any] = {"tolerance": number, "max_iterations": integer}
-    return {name: checks.get(name, plain)(name, value) for name, value in options.items() if value is not None}
-
-
-def _control(loads: dict[str, Any], options: dict[str, Any]) -> tuple[str, Any]:
-    """Returns the name and value of the load; refuses unknown options and more than one load."""
-    allowed = ContactOptions.__annotations__
-    unknown = next((name for name in options if name not in allowed), None)
-    if unknown is not None:
-        raise TypeError(f"contact has no argument {unknown!r}; {argument(unknown, [*loads, *allowed])}")
+def _control(loads: dict[str, Any]) -> tuple[str, Any]:
+    """Returns the name and value of the load; refuses more than one."""
     found = [(name, value) for name, value in loads.items() if value is not None]
     if len(found) != 1:
         names = ", ".join(name for name, _ in found) or "none"
@@ -185,6 +175,7 @@ def contact(
     approach: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
     **options: Unpack[ContactOptions],
 ) -> Contacts: ...
+@taking(ContactOptions)
 def contact(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -192,21 +183,6 @@ def contact(
     pressure: Any = None,
     p_star: Any = None,
     approach: Any = None,
-    boundary: Optional[Literal["periodic", "free"] | str] = None,
-    law: Law | str | None = None,
-    hardness: Quantity | npt.ArrayLike | None = None,
-    components: Optional[Literal["normal", "all", "held"] | str] = None,
-    finite_slope: bool = False,
-    lower_surface: Surface | npt.ArrayLike | None = None,
-    coarse: bool = False,
-    range_continuation: bool = False,
-    grid_error: Optional[Literal["none", "estimate", "refine"] | str] = None,
-    accuracy: Union[float, str, None] = None,
-    solver: Optional[str] = None,
-    tolerance: Optional[float] = None,
-    max_iterations: Optional[int] = None,
-    threads: Optional[int] = None,
-    start: Optional[Contact] = None,
     **options: Any,
 ) -> Any:
     """Presses a rigid surface on an elastic body. Returns the contact at rest under one load, or several contacts.
@@ -243,9 +219,12 @@ def contact(
         max_iterations: largest number of iterations; 100000 by default.
         threads: number of threads; all cores by default. Results do not depend on it.
         start: a contact of the same surface to start from, for example at a smaller load, interrupted, or from a file.
-        options: further options of `gfmd contact` for the problem, by the names of their flags, such as `dt`,
-            `damping`, `base_displacement` and `base_traction`: numbers, strings or arrays. Also `stress_unit`, the unit
-            of stresses given without one (Pa by default if a stress has a unit).
+        base_displacement: displacement of a bonded or sliding base, length: an array [nx, ny] of u_z, or [nx, ny, 3];
+            of a profile n values, or [n, 2].
+        base_traction: traction on the lower face of a plate (base="free"), stress, of mean zero, in the same form.
+        dt, damping: time step and damping of the damped dynamics, as in `punch`.
+        stiffness_tolerance: largest relative error of the stiffness of a hard wall, 5e-6 by default.
+        stress_unit: unit of stresses given without one; Pa by default if a stress has a unit.
 
     Raises:
         InputError: invalid arguments; nothing was computed.
@@ -262,27 +241,12 @@ def contact(
         >>> [round(c.p_star, 4) for c in loads]
         [0.001, 0.0143]
     """
-    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach}, options)
+    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach})
     loads = quantities(control, given, _LOADS[control])
     several = not isinstance(given, str) and isinstance(given, Iterable) and getattr(given, "shape", None) != ()
-    options.update(
-        boundary=boundary,
-        law=law,
-        hardness=hardness,
-        components=components,
-        finite_slope=finite_slope,
-        lower_surface=lower_surface,
-        coarse=coarse,
-        range_continuation=range_continuation,
-        grid_error=grid_error,
-        solver=solver,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        threads=threads,
-        start=start,
-    )
     if several:
-        return contacts(surface, body, **{control: given}, accuracy=accuracy, **options)
+        return contacts(surface, body, **{control: given}, **options)
+    accuracy = options.pop("accuracy", None)
     if accuracy is not None:
         return _accurate(accuracy, (surface, body), (control, loads), options)[0]
     setup = _Setup(surface, body, loads=_of_stress(control, loads), **options)
@@ -323,6 +287,7 @@ def _accurate(
     return done
 
 
+@taking(ContactOptions)
 def contacts(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -349,7 +314,7 @@ def contacts(
         ([True, True, True], (3,))
     """
     further: dict[str, Any] = dict(options)
-    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach}, further)
+    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach})
     loads = quantities(control, given, _LOADS[control])
     accuracy = further.pop("accuracy", None)
     if accuracy is not None:

@@ -15,11 +15,11 @@ use super::prepared::{Asked, Prepared};
 use super::stiffness::StiffnessArgs;
 use gfmd_input::base::BaseArgs;
 use gfmd_input::failure::{Failure, reached};
-use gfmd_input::hardness::GivenHardness;
+use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::lower::LowerArgs;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
-use gfmd_problem::options::{Kinds, Options};
+use gfmd_problem::options::Options;
 
 /// The options of a contact, whatever its loads: what is pressed on what, and how it is solved. The program and Python
 /// pose by them.
@@ -37,7 +37,6 @@ pub struct ContactArgs {
     /// Table of its compliance.
     #[command(flatten)]
     #[serde(flatten)]
-    #[option(kinds = Kinds::COMPLIANCE)]
     pub compliance: ComplianceArgs,
     /// Displacement or traction of its base.
     #[command(flatten)]
@@ -60,12 +59,10 @@ pub struct ContactArgs {
     #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal, help_heading = "Contact")]
     #[serde(skip_serializing_if = "is_normal", with = "named")]
     pub components: Unknown,
-    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
-    /// where it is reached the surfaces are pressed into each other
-    #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[option(kinds = Kinds::HARDNESS, array)]
-    pub hardness: Option<GivenHardness>,
+    /// Largest pressure.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub hardness: HardnessArgs,
     /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act
     /// along the normal of the rigid surface
     #[arg(long, help_heading = "Contact")]
@@ -116,7 +113,7 @@ impl ContactArgs {
     pub fn facts(&self, line: bool) -> Facts {
         Facts {
             law: self.law.law,
-            hardness: self.hardness.is_some(),
+            hardness: self.hardness.hardness.is_some(),
             boundary: self.boundary,
             unknown: self.components,
             finite_slope: self.finite_slope,
@@ -142,7 +139,7 @@ impl ContactArgs {
             base: Cow::Borrowed(&self.base),
             lower: Cow::Borrowed(&self.lower),
             law: Cow::Borrowed(&self.law),
-            hardness: self.hardness.as_ref(),
+            hardness: self.hardness.hardness.as_ref(),
             boundary: self.boundary,
             dynamics: Dynamics { time_step: self.dynamics.time_step(), damping: self.dynamics.factors()? },
             solver: self.solver.solver,
