@@ -36,8 +36,6 @@ impl Links {
 /// Flow caused by a potential.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Balance {
-    /// Mean flux along x and y.
-    pub(crate) flux: [f64; 2],
     /// Power per area, equal to the conductivity along the axis.
     pub(crate) power: f64,
     /// Largest of three relative deviations: the flow missing in a cell, divided by the mean flow through a face; the
@@ -80,6 +78,13 @@ impl Potential {
     }
 }
 
+/// Axes of a gradient and of the reservoirs of a non-periodic field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Axes {
+    pub(crate) gradient: usize,
+    pub(crate) reservoirs: usize,
+}
+
 /// Cells with conductivities under a unit mean gradient along one axis.
 pub(crate) struct Cells<'a> {
     points: [usize; 2],
@@ -87,8 +92,7 @@ pub(crate) struct Cells<'a> {
     spacing: [f64; 2],
     conductivity: &'a [f64],
     boundary: Boundary,
-    /// Axis of the gradient.
-    axis: usize,
+    axes: Axes,
     /// Numbers of the open cells.
     numbering: &'a Numbering,
     /// Width of a face divided by the distance between cells, along x and along y.
@@ -101,24 +105,29 @@ impl<'a> Cells<'a> {
         conductivity: &'a [f64],
         boundary: Boundary,
         numbering: &'a Numbering,
-        axis: usize,
+        axes: Axes,
     ) -> Self {
         let (points, lengths, spacing) = (grid.points(), grid.lengths(), grid.spacing());
         let shape = [spacing[1] / spacing[0], spacing[0] / spacing[1]];
-        Self { points, lengths, spacing, conductivity, boundary, axis, numbering, shape }
+        Self { points, lengths, spacing, conductivity, boundary, axes, numbering, shape }
     }
 
     /// Returns the width of a face across the gradient.
     pub(crate) fn width(&self) -> f64 {
-        self.spacing[1 - self.axis]
+        self.spacing[1 - self.axes.gradient]
     }
 
     pub(crate) fn area(&self) -> f64 {
         self.lengths.iter().product()
     }
 
-    pub(crate) fn axis(&self) -> usize {
-        self.axis
+    pub(crate) fn axes(&self) -> Axes {
+        self.axes
+    }
+
+    /// Returns true if the reservoirs do not lie along the gradient.
+    pub(crate) fn is_across(&self) -> bool {
+        self.boundary == Boundary::Free && self.axes.gradient != self.axes.reservoirs
     }
 
     pub(crate) fn numbering(&self) -> &Numbering {
@@ -135,9 +144,8 @@ impl<'a> Cells<'a> {
         let at_edge = if far { index + 1 == n } else { index == 0 };
         let (here, distance) = (self.conductivity[cell], self.spacing[axis]);
         if at_edge && self.boundary == Boundary::Free {
-            // The reservoirs lie at the two edges along the gradient.
             let face = Face { beside: None, conductance: 2.0 * here * self.shape[axis], distance: 0.5 * distance };
-            return (axis == self.axis).then_some(face);
+            return (axis == self.axes.reservoirs).then_some(face);
         }
         let beside = match (far, at_edge) {
             (true, false) => cell + stride,
@@ -185,18 +193,13 @@ impl<'a> Cells<'a> {
     /// Returns the potential drop from a cell through one of its faces.
     fn fall(&self, potential: &[Potential], number: usize, (axis, far, face): &(usize, bool, Face)) -> f64 {
         let beside = face.beside.map_or(Potential::default(), |beside| potential[beside as usize]);
-        let drop = if *axis == self.axis { if *far { face.distance } else { -face.distance } } else { 0.0 };
+        let drop = if *axis == self.axes.gradient { if *far { face.distance } else { -face.distance } } else { 0.0 };
         potential[number].over(beside, drop)
-    }
-
-    /// Returns true if other cells have the same equations, except for the gradient.
-    pub(crate) fn has_equations_of(&self, other: &Self) -> bool {
-        self.boundary == Boundary::Periodic && std::ptr::eq(self.numbering, other.numbering)
     }
 
     /// Computes the flow in a part of the cells with the numbers from `start` on.
     fn sums(&self, potential: &[Potential], start: usize, cells: &[u32]) -> Sums {
-        let index = |cell: u32| self.place(cell)[self.axis];
+        let index = |cell: u32| self.place(cell)[self.axes.gradient];
         let (first, last) =
             cells.iter().map(|cell| index(*cell)).fold((usize::MAX, 0), |(a, b), index| (a.min(index), b.max(index)));
         let (sections, missing) = (vec![0.0; last - first + 2], Vec::with_capacity(cells.len()));
@@ -213,7 +216,7 @@ impl<'a> Cells<'a> {
                 let share = if face.beside.is_some() { 0.5 } else { 1.0 };
                 sums.flux[axis] += share * face.distance * if far { out } else { -out };
                 sums.power += share * out * fall;
-                match (axis == self.axis, far, face.beside) {
+                match (axis == self.axes.gradient, far, face.beside) {
                     (true, true, _) => sums.sections[index + 1] += out,
                     (true, false, None) => sums.sections[index] -= out,
                     _ => {}
@@ -230,7 +233,7 @@ impl<'a> Cells<'a> {
         let parts = self.numbering.open.par_chunks(PART).enumerate();
         let parts: Vec<Sums> = parts.map(|(part, cells)| self.sums(potential, part * PART, cells)).collect();
         let (mut flux, mut power) = ([0.0; 2], 0.0);
-        let mut sections = vec![0.0; points[self.axis] + 1];
+        let mut sections = vec![0.0; points[self.axes.gradient] + 1];
         let mut missing = Vec::with_capacity(self.len());
         for part in parts {
             flux = gfmd_vector::add(flux, part.flux);
@@ -239,17 +242,31 @@ impl<'a> Cells<'a> {
             missing.extend(part.missing);
         }
         if self.boundary == Boundary::Periodic {
-            sections[0] = sections[points[self.axis]];
+            sections[0] = sections[points[self.axes.gradient]];
         }
         let area = lengths[0] * lengths[1];
         let (flux, power) = (flux.map(|flux| flux / area), power / area);
-        let through = flux[self.axis] * lengths[1 - self.axis];
-        let of_power = (flux[self.axis] / power - 1.0).abs();
+        let through = flux[self.axes.gradient] * lengths[1 - self.axes.gradient];
+        let of_power = (flux[self.axes.gradient] / power - 1.0).abs();
         let of_sections = sections.iter().map(|section| (section / through - 1.0).abs());
         let of_cells = missing.iter().map(|missing| missing.abs()).fold(0.0, larger);
-        let of_cells = of_cells / (flux[self.axis] * self.width()).abs();
+        let of_cells = of_cells / (flux[self.axes.gradient] * self.width()).abs();
         let residual = of_sections.fold(larger(of_cells, of_power), larger);
-        Balance { flux, power, residual, missing }
+        Balance { power, residual, missing }
+    }
+
+    /// Returns the power per area of the flow of one gradient along the falls of another, in the same network.
+    pub(crate) fn shared(&self, potential: &[Potential], other: &Self, of_other: &[Potential]) -> f64 {
+        let open = &self.numbering.open;
+        let power = |number: usize| {
+            let faces = self.faces(open[number] as usize).map(|part| {
+                let share = if part.2.beside.is_some() { 0.5 } else { 1.0 };
+                let fall = self.fall(potential, number, &part);
+                share * part.2.conductance * fall * other.fall(of_other, number, &part)
+            });
+            faces.sum::<f64>()
+        };
+        gfmd_vector::sum(open.len(), &|range| range.map(power).sum()) / self.area()
     }
 
     /// Computes the flux magnitude at every cell: flow per width, averaged over opposite faces; zero in closed cells.
