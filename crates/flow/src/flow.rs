@@ -108,13 +108,12 @@ pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary, want
     if let Some(((i, j), &value)) = conductivity.indexed_iter().find(|(_, k)| !(k.is_finite() && **k >= 0.0)) {
         return Err(FlowError::Conductivity { index: [i, j], value });
     }
-    // The largest conductivity is the unit.
     let unit = conductivity.iter().copied().fold(0.0, f64::max);
-    let scaled: Vec<f64> = conductivity.iter().map(|k| if *k > 0.0 { k / unit } else { 0.0 }).collect();
-    let scaled_field = ArrayView2::from_shape(expected, &scaled).map_err(|_| FlowError::Shape { found, expected })?;
-    let patches = conducting(scaled_field, boundary);
+    let patches = conducting(conductivity, boundary);
+    let values = conductivity.as_standard_layout();
+    let values = values.as_slice().ok_or(FlowError::Shape { found, expected })?;
     let percolates = patches.percolate();
-    let problem = Problem { grid, conductivity: &scaled, boundary, wanted, unit };
+    let problem = Problem { grid, conductivity: values, boundary, wanted, unit };
     let numbering = |axis: usize| {
         let chosen: Vec<bool> = patches.patches.iter().map(|patch| patch.percolates[axis]).collect();
         Numbering::new(grid, boundary, &patches, &chosen)
@@ -144,7 +143,7 @@ struct Problem<'a> {
     conductivity: &'a [f64],
     boundary: Boundary,
     wanted: Wanted,
-    /// Unit of the conductivity.
+    /// Largest conductivity, the unit of the cells.
     unit: f64,
 }
 
@@ -152,7 +151,13 @@ impl Problem<'_> {
     /// Solves for the flows under these gradients in one network, and enters them into `state`.
     fn solve<const N: usize>(&self, gradients: [usize; N], reservoirs: usize, numbering: &Numbering, state: &mut Flow) {
         let cells = gradients.map(|gradient| {
-            Cells::new(self.grid, self.conductivity, self.boundary, numbering, Axes { gradient, reservoirs })
+            Cells::new(
+                self.grid,
+                (self.conductivity, self.unit),
+                self.boundary,
+                numbering,
+                Axes { gradient, reservoirs },
+            )
         });
         let Search { found, shared, iterations } = search(cells.each_ref(), self.wanted);
         state.iterations = state.iterations.max(iterations);
@@ -168,13 +173,13 @@ impl Problem<'_> {
             }
             let axis = cells.axes().gradient;
             state.conductivity[axis][axis] = found.power * self.unit;
-            if self.wanted == Wanted::Fields {
+            if let Some((potential, residual)) = found.fields {
                 let field = |values: Vec<f64>| {
                     Array2::from_shape_vec(self.grid.points(), values).expect("a value for each point")
                 };
-                let flux = cells.flux(&found.potential).into_iter().map(|flux| flux * self.unit).collect();
-                let potential = field(cells.spread(&found.potential));
-                state.paths[axis] = Some(Path { potential, flux: field(flux), residual: found.balance.residual });
+                let flux = cells.flux(&potential).into_iter().map(|flux| flux * self.unit).collect();
+                let potential = field(cells.spread(&potential));
+                state.paths[axis] = Some(Path { potential, flux: field(flux), residual });
             }
         }
     }

@@ -13,6 +13,7 @@ mod flow;
 mod graph;
 mod halved;
 mod numbering;
+mod potential;
 mod queue;
 mod remaining;
 mod search;

@@ -2,10 +2,12 @@
 
 use gfmd_vector::pass;
 
-use crate::cells::{Balance, Cells, Potential, larger};
+use crate::cells::{Cells, larger};
 use crate::elimination::{Elimination, Work};
 use crate::flow::Wanted;
-use crate::graph::Graph;
+use crate::graph::{Drops, Graph, Powers};
+use crate::halved::drops;
+use crate::potential::Potential;
 use crate::tree::Tree;
 
 /// Largest [residual](crate::Flow::residual) of a converged flow.
@@ -20,8 +22,12 @@ const ROUNDS: usize = 12;
 /// Error reduction of a round at which rounding errors dominate.
 const REDUCTION: f64 = 1e-12;
 
-/// Fraction of the tolerance left by the first round; each further round leaves this fraction of the previous value.
+/// Fraction of the tolerated flow missing in a cell that the first round leaves; each further round leaves this fraction
+/// of the previous value.
 const MARGIN: f64 = 0.3;
+
+/// Fraction of the tolerated distance between the bounds that the first round leaves.
+const MARGIN_OF_BOUNDS: f64 = 0.9;
 
 /// The bound along the tree is computed when this fraction of its last value, in proportion, would be enough.
 const CAUTION: f64 = 0.5;
@@ -39,13 +45,14 @@ enum Rule {
 }
 
 /// Result of a search for a gradient.
+#[derive(Default)]
 pub(crate) struct Found {
-    pub(crate) potential: Vec<Potential>,
-    pub(crate) balance: Balance,
     /// Upper bound of the power per area when the bounds were close enough.
     pub(crate) power: f64,
-    /// Distance to the lower bound, as a fraction of the tolerated distance over the tolerance.
+    /// Distance to the lower bound, divided by the power.
     pub(crate) residual: f64,
+    /// Potential of all cells, if fields are wanted, and its residual.
+    pub(crate) fields: Option<(Vec<Potential>, f64)>,
 }
 
 /// Result of a search under several gradients.
@@ -57,109 +64,88 @@ pub(crate) struct Search<const N: usize> {
 }
 
 /// Solves for the potentials of cells with the same equations under different gradients until the bounds of their
-/// powers are close, and then, for fields, until each cell is in balance under the first gradients that lie along the
+/// powers are close, and then, for fields, until each cell is in balance under the gradients that lie along the
 /// reservoirs. Conjugate gradients are restarted from recomputed balances.
 pub(crate) fn search<const N: usize>(cells: [&Cells; N], wanted: Wanted) -> Search<N> {
+    let area = cells[0].area();
     let mut round = Round::new(cells);
-    let mut found = cells.map(|cells| {
-        let potential = vec![Potential::default(); cells.len()];
-        Found { balance: cells.balance(&potential), potential, power: f64::NAN, residual: f64::NAN }
-    });
-    let power_of_both = |found: &[Found; N]| {
-        let [first, last] = [0, N - 1].map(|k| &found[k].potential);
-        cells[0].shared(first, cells[N - 1], last)
-    };
-    let (mut rule, mut margin, mut iterations, mut shared) = (Rule::Bounds, MARGIN, 0, None);
+    let mut found = [(); N].map(|()| Found::default());
+    let (mut rule, mut margin, mut iterations, mut shared) = (Rule::Bounds, MARGIN_OF_BOUNDS, 0, f64::NAN);
     for last in (0..=ROUNDS).rev() {
-        let missing = found.each_mut().map(|found| std::mem::take(&mut found.balance.missing));
-        let power = found.each_ref().map(|found| found.balance.power);
-        let taken = round.start(&missing);
+        let powers = round.balance();
         if rule == Rule::Bounds {
-            let distances = gfmd_vector::add(taken, round.bound());
-            for k in 0..N {
-                found[k].power = power[k];
-                found[k].residual = distances[k] / round.scale(k, &power);
+            let distances = round.bound();
+            for (k, found) in found.iter_mut().enumerate() {
+                (found.power, found.residual) = (powers.own[k] / area, distances[k] / round.scale(k, &powers.own));
             }
+            shared = powers.shared / area;
             if found.iter().all(|found| found.residual <= TOLERANCE) {
-                shared = Some(power_of_both(&found));
                 (rule, margin) = (Rule::Cells, MARGIN);
             }
         }
-        let balanced = |(cells, found): (&&Cells, &Found)| cells.is_across() || found.balance.residual <= TOLERANCE;
-        let done = rule == Rule::Cells && (wanted == Wanted::Conductivity || cells.iter().zip(&found).all(balanced));
-        if done || last == 0 || iterations >= ITERATIONS {
+        let is_last = last == 0 || iterations >= ITERATIONS;
+        let done = rule == Rule::Cells && wanted == Wanted::Conductivity;
+        if wanted == Wanted::Fields && (is_last || rule == Rule::Cells) {
+            for (k, found) in found.iter_mut().enumerate().filter(|(k, _)| !cells[*k].is_across()) {
+                let potential = cells[k].expand(|number| round.potential[number][k]);
+                let residual = cells[k].residual(&potential);
+                found.fields = Some((potential, residual));
+            }
+        }
+        let mut fields = found.iter().filter_map(|found| found.fields.as_ref());
+        if done || is_last || rule == Rule::Cells && fields.all(|(_, residual)| *residual <= TOLERANCE) {
             break;
         }
-        let corrections = round.solve(&missing, taken, power, (rule, margin), &mut iterations);
-        for (k, (cells, found)) in cells.iter().zip(&mut found).enumerate() {
-            pass(
-                (&mut found.potential[..], &corrections[..]),
-                &|_, (potential, corrections): (&mut [Potential], &[[f64; N]])| {
-                    potential.iter_mut().zip(corrections).for_each(|(potential, by)| potential.add(by[k]));
-                },
-                &|(), ()| (),
-            );
-            found.balance = cells.balance(&found.potential);
-        }
+        round.solve(powers.own, (rule, margin), &mut iterations);
         margin *= MARGIN;
     }
-    Search { shared: shared.unwrap_or_else(|| power_of_both(&found)), found, iterations }
+    Search { found, shared, iterations }
 }
 
 /// Equations of a round and its vectors, with one column per gradient.
 struct Round<'a, const N: usize> {
     cells: [&'a Cells<'a>; N],
     graph: Graph,
+    drops: Drops<N>,
     factors: Elimination,
     tree: Tree,
     work: Work<N>,
+    potential: Vec<[Potential; N]>,
     residual: Vec<[f64; N]>,
-    step: Vec<[f64; N]>,
     direction: Vec<[f64; N]>,
-    image: Vec<[f64; N]>,
-    correction: Vec<[f64; N]>,
+    /// Step, image of the direction, or flow along the tree.
+    step: Vec<[f64; N]>,
 }
 
 impl<'a, const N: usize> Round<'a, N> {
     fn new(cells: [&'a Cells<'a>; N]) -> Self {
         let graph = cells[0].graph();
         let (factors, tree) = rayon::join(|| Elimination::of(&graph, cells[0].numbering()), || Tree::of(&graph));
-        let work = factors.work();
-        let [residual, step, direction, image, correction] = std::array::from_fn(|_| vec![[0.0; N]; graph.len()]);
-        Self { cells, graph, factors, tree, work, residual, step, direction, image, correction }
+        let (work, drops) = (factors.work(), drops(cells));
+        let [residual, step, direction] = std::array::from_fn(|_| vec![[0.0; N]; graph.len()]);
+        let potential = vec![[Potential::default(); N]; graph.len()];
+        Self { cells, graph, drops, factors, tree, work, potential, residual, direction, step }
     }
 
-    /// Starts from the flow `missing` into each cell; returns the power taken up by the eliminated cells.
-    fn start(&mut self, missing: &[Vec<f64>; N]) -> [f64; N] {
-        self.cells[0].fold(missing, &mut self.residual)
+    /// Computes the flow that is missing in each balance, and returns the powers.
+    fn balance(&mut self) -> Powers<N> {
+        self.graph.balance(&self.potential, &self.drops, &mut self.residual)
     }
 
-    /// Returns upper bounds of the power that the remaining flow into the cells costs.
+    /// Returns upper bounds of the power that the missing flow costs.
     fn bound(&mut self) -> [f64; N] {
-        self.tree.bound(&self.residual, &mut self.image)
+        self.tree.bound(&self.residual, &mut self.step)
     }
 
     /// Returns the power that the distance between the bounds of gradient `k` is compared with. Across the reservoirs
     /// the flow may vanish.
     fn scale(&self, k: usize, power: &[f64; N]) -> f64 {
-        self.cells[0].area() * if self.cells[k].is_across() { larger(power[0], power[k]) } else { power[k] }
+        if self.cells[k].is_across() { larger(power[0], power[k]) } else { power[k] }
     }
 
-    /// Computes corrections for the flow `missing` into each cell. `power` is the power before the corrections, and
-    /// `taken` the part that the eliminated cells take up.
-    fn solve(
-        &mut self,
-        missing: &[Vec<f64>; N],
-        taken: [f64; N],
-        mut power: [f64; N],
-        (rule, margin): (Rule, f64),
-        iterations: &mut usize,
-    ) -> Vec<[f64; N]> {
+    /// Moves the potentials from a balance with this `power` towards the solution.
+    fn solve(&mut self, mut power: [f64; N], (rule, margin): (Rule, f64), iterations: &mut usize) {
         let area = self.cells[0].area();
-        // Each iteration lowers the power by a known amount. The remaining power gives the flow, and hence the flow
-        // that may be missing in a cell.
-        (0..N).for_each(|k| power[k] -= taken[k] / area);
-        self.correction.fill([0.0; N]);
         let (mut first, mut last) = ([0.0; N], [0.0; N]);
         // Bounds from the tree, over the products of residual and step one iteration before.
         let mut ratios = [LEAST_RATIO; N];
@@ -172,15 +158,17 @@ impl<'a, const N: usize> Round<'a, N> {
                 self.turn(std::array::from_fn(|k| quotient(slope[k], last[k])));
             }
             last = slope;
-            let work_done = self.graph.apply(&self.direction, &mut self.image);
+            let work_done = self.graph.apply(&self.direction, &mut self.step);
             let length = std::array::from_fn(|k| quotient(slope[k], work_done[k]));
             let largest = self.advance(length);
             *iterations += 1;
-            (0..N).for_each(|k| power[k] -= length[k] * slope[k] / area);
+            // Each iteration lowers the power by a known amount. The remaining power gives the flow, and hence what may
+            // be missing.
+            (0..N).for_each(|k| power[k] -= length[k] * slope[k]);
             let exhausted = |k: usize| slope[k] <= REDUCTION * REDUCTION * first[k];
-            let allowed: [f64; N] = std::array::from_fn(|k| margin * TOLERANCE * self.scale(k, &power));
             let enough = match rule {
                 Rule::Bounds => {
+                    let allowed: [f64; N] = std::array::from_fn(|k| margin * TOLERANCE * self.scale(k, &power));
                     (0..N).all(|k| ratios[k] * slope[k] <= allowed[k]) && {
                         let bounds = self.bound();
                         ratios = std::array::from_fn(|k| larger(LEAST_RATIO, CAUTION * quotient(bounds[k], slope[k])));
@@ -188,7 +176,7 @@ impl<'a, const N: usize> Round<'a, N> {
                     }
                 }
                 Rule::Cells => (0..N).all(|k| {
-                    let allowed = margin * TOLERANCE * power[k] * self.cells[k].width();
+                    let allowed = margin * TOLERANCE * power[k] / area * self.cells[k].width();
                     self.cells[k].is_across() || exhausted(k) || largest[k] <= allowed
                 }),
             };
@@ -196,7 +184,6 @@ impl<'a, const N: usize> Round<'a, N> {
                 break;
             }
         }
-        self.cells[0].expand(missing, &self.correction)
     }
 
     /// Computes the next direction: the step plus `parts` times the last direction.
@@ -215,14 +202,15 @@ impl<'a, const N: usize> Round<'a, N> {
     /// Moves by `lengths` along the direction; returns the largest magnitudes of the remaining flow into a cell.
     fn advance(&mut self, lengths: [f64; N]) -> [f64; N] {
         type Rows<'a, const N: usize> = &'a [[f64; N]];
+        type Moved<'a, const N: usize> = (&'a mut [[Potential; N]], &'a mut [[f64; N]], Rows<'a, N>, Rows<'a, N>);
         pass(
-            (&mut self.correction[..], &mut self.residual[..], &self.direction[..], &self.image[..]),
-            &|_, (corrections, residuals, directions, images): (&mut [[f64; N]], &mut [[f64; N]], Rows<N>, Rows<N>)| {
+            (&mut self.potential[..], &mut self.residual[..], &self.direction[..], &self.step[..]),
+            &|_, (potentials, residuals, directions, images): Moved<N>| {
                 let mut largest = [0.0; N];
-                let changed = corrections.iter_mut().zip(residuals);
-                for ((correction, residual), (direction, image)) in changed.zip(directions.iter().zip(images)) {
+                let changed = potentials.iter_mut().zip(residuals);
+                for ((potential, residual), (direction, image)) in changed.zip(directions.iter().zip(images)) {
                     for k in 0..N {
-                        correction[k] += lengths[k] * direction[k];
+                        potential[k].add(lengths[k] * direction[k]);
                         residual[k] -= lengths[k] * image[k];
                         largest[k] = larger(largest[k], residual[k].abs());
                     }
