@@ -19,6 +19,7 @@ use std::time::Instant;
 use clap::Args as ClapArgs;
 use gfmd_contact::{Boundary, Drive, Fields as _, Refusal};
 use gfmd_files::Output;
+use gfmd_flow::Wanted;
 use gfmd_green::Height;
 use gfmd_interface::Path;
 use gfmd_law::LawKind;
@@ -433,8 +434,10 @@ impl StateHandler for Measuring<'_> {
         let at = StateContext { stiffness, ..at };
         let repulsion = state.repulsion();
         let Loads { prepared, conducting, drives, .. } = self.loads;
-        let findings =
-            Findings::of(self.args, (&prepared.surface, conducting), [repulsion.view(), state.gap()], &at, warn);
+        // Only the figure of the flux shows single cells.
+        let wanted = if self.args.plots.is_some() { Wanted::Fields } else { Wanted::Conductivity };
+        let (surface, fields) = ((&prepared.surface, conducting), [repulsion.view(), state.gap()]);
+        let findings = Findings::of(self.args, surface, fields, &at, wanted, warn);
         let findings = findings.map_err(|failure| failure.at(format!("load {index}")))?;
         let seconds = started.elapsed().as_secs_f64();
         let finer = match is_cut {
@@ -475,7 +478,8 @@ impl Measuring<'_> {
         let mut record = |(finer, conducting): &mut (Finer, Conducting)| {
             let (state, surface, at) = finer.reach(drive, &mut stop)?;
             let repulsion = state.repulsion();
-            let findings = Findings::of(args, (surface, conducting), [repulsion.view(), state.gap()], &at, |_, _| {})?;
+            let fields = [repulsion.view(), state.gap()];
+            let findings = Findings::of(args, (surface, conducting), fields, &at, Wanted::Conductivity, |_, _| {})?;
             Ok(OnFinerGrid::of(&StateContext { measured: findings.borrowed(), ..at }))
         };
         self.finer.iter_mut().map(|finer| beside(record(finer))).collect()

@@ -2,35 +2,59 @@ use gfmd_field::Grid;
 use gfmd_measure::Boundary;
 use ndarray::{Array2, ArrayView2};
 
-use crate::cells::{Balance, Cells, conducting};
+use crate::cells::{Axes, Cells, conducting, larger};
 use crate::numbering::Numbering;
-use crate::search::{Found, TOLERANCE, search};
+use crate::search::{Search, TOLERANCE, search};
 
-/// Flow under a unit mean gradient along one axis.
+/// What a flow is computed for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// The conductivity alone. The flow in single cells may still be wrong by a tenth of the mean flow.
+    Conductivity,
+    /// Potential and flux of every cell, too, which take two to three times the iterations. The conductivity has the
+    /// same bits as without them.
+    Fields,
+}
+
+/// Fields of the flow under a unit mean gradient along one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     /// Deviation of the potential from its mean gradient −1 along the axis, in length; zero where nothing flows.
     pub potential: Array2<f64>,
     /// Magnitude of the flux: flow per width.
     pub flux: Array2<f64>,
-    /// Number of iterations.
-    pub iterations: usize,
+    /// Largest of three relative deviations, computed from the potential face by face: the flow missing in the balance
+    /// of a cell, divided by the mean flow through a face of a section; the flow through a section x = const (y = const
+    /// for a gradient along y) from the mean flow; the dissipated power from the flow.
+    pub residual: f64,
 }
 
 /// Flow through a field of conductivities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flow {
     /// Mean flux along x and y (rows) under a unit mean gradient along x and y (columns), in the unit of the
-    /// conductivities. Exactly zero for an axis along which no patch of conducting cells percolates.
+    /// conductivities. Exactly zero along an axis along which no patch of conducting cells percolates; in a periodic
+    /// field also across it. An entry on the diagonal is not smaller than the conductivity of the network of cells, and
+    /// exceeds it by at most the part `residual` of itself. The others are known to this part of the geometric mean of
+    /// the two powers.
     pub conductivity: [[f64; 2]; 2],
     /// True along x (y) if something flows along this axis.
     pub percolates: [bool; 2],
-    /// Largest of three relative deviations, computed from the potential face by face: the flow missing in the balance
-    /// of a cell, divided by the mean flow through a face of a section; the flow through a section x = const (y = const
-    /// for a gradient along y) from the mean flow; the dissipated power from the flow.
+    /// Distance between an upper and a lower bound of the conductivity along an axis, divided by the conductivity; the
+    /// larger of x and y. A non-periodic field has this residual also for the gradients across the reservoirs, divided
+    /// by the larger of their dissipated power and the conductivity along the reservoirs.
     pub residual: f64,
-    /// Flow along x and along y; `None` without percolation.
+    /// Number of iterations; the larger of both axes if they are solved one after the other.
+    pub iterations: usize,
+    /// Fields along x and along y; `None` without percolation, and for [`Wanted::Conductivity`].
     pub paths: [Option<Path>; 2],
+}
+
+impl Flow {
+    /// Returns the largest residual of the conductivity and of the fields.
+    pub fn worst(&self) -> f64 {
+        self.paths.iter().flatten().fold(self.residual, |worst, path| larger(worst, path.residual))
+    }
 }
 
 /// Error of a flow computation.
@@ -56,16 +80,15 @@ pub enum FlowError {
         /// Conductivity at this point.
         value: f64,
     },
-    /// Balance that does not meet [`TOLERANCE`].
+    /// Residual of the conductivity or of a field that does not meet [`TOLERANCE`].
     #[error(
-        "the flow did not converge to {TOLERANCE:e} in {iterations} iterations: its residual is {:.1e}",
-        state.residual
+        "the flow did not converge to {TOLERANCE:e} in {} iterations: its residual is {:.1e}",
+        state.iterations,
+        state.worst()
     )]
     NotConverged {
         /// Flow reached.
         state: Box<Flow>,
-        /// Number of iterations.
-        iterations: usize,
     },
 }
 
@@ -73,8 +96,8 @@ pub enum FlowError {
 /// reservoirs at two opposite edges and walls at the other two.
 ///
 /// # Errors
-/// Returns an error if conductivities are unusable or if the balance does not meet [`TOLERANCE`].
-pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary) -> Result<Flow, FlowError> {
+/// Returns an error if conductivities are unusable or if a residual does not meet [`TOLERANCE`].
+pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary, wanted: Wanted) -> Result<Flow, FlowError> {
     let (found, expected) = (conductivity.dim().into(), grid.points());
     if found != expected {
         return Err(FlowError::Shape { found, expected });
@@ -85,61 +108,79 @@ pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary) -> R
     if let Some(((i, j), &value)) = conductivity.indexed_iter().find(|(_, k)| !(k.is_finite() && **k >= 0.0)) {
         return Err(FlowError::Conductivity { index: [i, j], value });
     }
-    // The largest conductivity is the unit.
     let unit = conductivity.iter().copied().fold(0.0, f64::max);
-    let scaled: Vec<f64> = conductivity.iter().map(|k| if *k > 0.0 { k / unit } else { 0.0 }).collect();
-    let scaled_field = ArrayView2::from_shape(expected, &scaled).map_err(|_| FlowError::Shape { found, expected })?;
-    let patches = conducting(scaled_field, boundary);
+    let patches = conducting(conductivity, boundary);
+    let values = conductivity.as_standard_layout();
+    let values = values.as_slice().ok_or(FlowError::Shape { found, expected })?;
     let percolates = patches.percolate();
-    // Usually the same patches conduct along both axes.
-    let chosen = [0, 1].map(|axis| patches.patches.iter().map(|patch| patch.percolates[axis]).collect::<Vec<bool>>());
-    let numbering = |axis: usize| Numbering::new(grid, boundary, &patches, &chosen[axis]);
-    let along_x = numbering(0);
-    let along_y = (chosen[0] != chosen[1]).then(|| numbering(1));
-    let numberings = [&along_x, along_y.as_ref().unwrap_or(&along_x)];
-    let [x, y] = [0, 1].map(|axis| Cells::new(grid, &scaled, boundary, numberings[axis], axis));
-    let solved = |cells: &Cells, found, iterations| Solved::new(cells, found, iterations, expected, unit);
-    let solved: [Option<Solved>; 2] = if percolates == [true; 2] && x.has_equations_of(&y) {
-        let ([of_x, of_y], iterations) = search([&x, &y]);
-        rayon::join(|| Some(solved(&x, of_x, iterations)), || Some(solved(&y, of_y, iterations))).into()
-    } else {
-        [x, y].map(|cells| {
-            percolates[cells.axis()].then(|| {
-                let ([found], iterations) = search([&cells]);
-                solved(&cells, found, iterations)
-            })
-        })
+    let problem = Problem { grid, conductivity: values, boundary, wanted, unit };
+    let numbering = |axis: usize| {
+        let chosen: Vec<bool> = patches.patches.iter().map(|patch| patch.percolates[axis]).collect();
+        Numbering::new(grid, boundary, &patches, &chosen)
     };
-    let mut state = Flow { conductivity: [[0.0; 2]; 2], percolates, residual: 0.0, paths: [None, None] };
-    let mut iterations = 0;
-    for (axis, solved) in solved.into_iter().enumerate() {
-        let Some(Solved { flux, residual, path }) = solved else { continue };
-        [0, 1].into_iter().for_each(|row| state.conductivity[row][axis] = flux[row]);
-        state.residual = if residual.is_nan() { residual } else { state.residual.max(residual) };
-        iterations = iterations.max(path.iterations);
-        state.paths[axis] = Some(path);
+    let mut state = Flow { conductivity: [[0.0; 2]; 2], percolates, residual: 0.0, iterations: 0, paths: [None, None] };
+    match (boundary, percolates) {
+        (_, [false, false]) => {}
+        // Loops of different patches do not cross, so that the same patches percolate along both axes.
+        (Boundary::Periodic, [true, true]) => problem.solve([0, 1], 0, &numbering(0), &mut state),
+        // No patch conducts along both axes: the other entries are zero.
+        (Boundary::Periodic, [x, _]) => {
+            let axis = usize::from(!x);
+            problem.solve([axis], axis, &numbering(axis), &mut state);
+        }
+        (Boundary::Free, _) => {
+            for axis in (0..2).filter(|axis| percolates[*axis]) {
+                problem.solve([axis, 1 - axis], axis, &numbering(axis), &mut state);
+            }
+        }
     }
-    if state.residual <= TOLERANCE {
-        Ok(state)
-    } else {
-        Err(FlowError::NotConverged { state: state.into(), iterations })
-    }
+    if state.worst() <= TOLERANCE { Ok(state) } else { Err(FlowError::NotConverged { state: state.into() }) }
 }
 
-/// Flow along one axis.
-struct Solved {
-    flux: [f64; 2],
-    residual: f64,
-    path: Path,
+/// What the gradients of a flow have in common.
+struct Problem<'a> {
+    grid: &'a Grid,
+    conductivity: &'a [f64],
+    boundary: Boundary,
+    wanted: Wanted,
+    /// Largest conductivity, the unit of the cells.
+    unit: f64,
 }
 
-impl Solved {
-    fn new(cells: &Cells, found: Found, iterations: usize, shape: [usize; 2], unit: f64) -> Self {
-        let Found { potential, balance: Balance { mut flux, power, residual, .. } } = found;
-        flux[cells.axis()] = power;
-        let field = |values: Vec<f64>| Array2::from_shape_vec(shape, values).expect("a value for each point");
-        let fluxes = cells.flux(&potential).into_iter().map(|flux| flux * unit).collect();
-        let path = Path { potential: field(cells.spread(&potential)), flux: field(fluxes), iterations };
-        Self { flux: flux.map(|flux| flux * unit), residual, path }
+impl Problem<'_> {
+    /// Solves for the flows under these gradients in one network, and enters them into `state`.
+    fn solve<const N: usize>(&self, gradients: [usize; N], reservoirs: usize, numbering: &Numbering, state: &mut Flow) {
+        let cells = gradients.map(|gradient| {
+            Cells::new(
+                self.grid,
+                (self.conductivity, self.unit),
+                self.boundary,
+                numbering,
+                Axes { gradient, reservoirs },
+            )
+        });
+        let Search { found, shared, iterations } = search(cells.each_ref(), self.wanted);
+        state.iterations = state.iterations.max(iterations);
+        let [first, last] = [gradients[0], gradients[N - 1]];
+        state.conductivity[last][first] = shared * self.unit;
+        if self.boundary == Boundary::Periodic {
+            state.conductivity[first][last] = shared * self.unit;
+        }
+        for (cells, found) in cells.iter().zip(found) {
+            state.residual = larger(state.residual, found.residual);
+            if cells.is_across() {
+                continue;
+            }
+            let axis = cells.axes().gradient;
+            state.conductivity[axis][axis] = found.power * self.unit;
+            if let Some((potential, residual)) = found.fields {
+                let field = |values: Vec<f64>| {
+                    Array2::from_shape_vec(self.grid.points(), values).expect("a value for each point")
+                };
+                let flux = cells.flux(&potential).into_iter().map(|flux| flux * self.unit).collect();
+                let potential = field(cells.spread(&potential));
+                state.paths[axis] = Some(Path { potential, flux: field(flux), residual });
+            }
+        }
     }
 }

@@ -1,92 +1,73 @@
 //! Equations without the cells of one colour of a chequerboard. No two of these cells are adjacent, so they are
-//! eliminated exactly.
-
-use std::ops::Range;
+//! eliminated exactly: a star of conductances is equal to edges between any two of its ends.
 
 use rayon::prelude::*;
 
 use crate::PART;
-use crate::cells::{Cells, Links};
-use crate::graph::Graph;
+use crate::cells::Cells;
+use crate::graph::{Drops, Edge, Graph, Way};
+use crate::potential::Potential;
 
 impl Cells<'_> {
-    /// Builds the graph of the other cells. An eliminated cell leaves an edge between any two of its neighbours, like a
-    /// star of conductances.
+    /// Builds the graph of the other cells.
     pub(crate) fn graph(&self) -> Graph {
-        let kept = self.numbering().kept();
+        let (kept, conductances) = (self.numbering().kept(), self.conductances());
         Graph::new(kept, |number, row| {
-            let links = self.links(number);
-            let mut outside = links.outside;
-            for (beside, weight) in links.iter() {
-                if beside < kept {
-                    row.push((beside as u32, weight));
+            let links = self.links(number, &conductances);
+            for link in links.iter() {
+                if (link.end as usize) < kept {
+                    row.push(*link);
                     continue;
                 }
-                let gone = self.links(beside);
-                let sum = gone.sum();
-                outside += series(weight, gone.outside, sum);
-                let others = gone.iter().filter(|(other, _)| *other != number);
-                row.extend(others.map(|(other, to_other)| (other as u32, series(weight, to_other, sum))));
+                let gone = self.links(link.end as usize, &conductances);
+                let sum: f64 = gone.iter().map(|other| other.weight).sum();
+                let [x, y] = link.way.cells();
+                for other in gone.iter().filter(|other| other.end as usize != number) {
+                    let [further_x, further_y] = other.way.cells();
+                    let way = Way::of([x + further_x, y + further_y]);
+                    row.push(Edge { end: other.end, way, weight: series(link.weight, other.weight, sum) });
+                }
             }
-            row.sort_unstable_by_key(|(end, _)| *end);
+            row.sort_unstable_by_key(|edge| (edge.end, edge.way));
             row.dedup_by(|again, kept| {
-                let same = again.0 == kept.0;
+                let same = (again.end, again.way) == (kept.end, kept.way);
                 if same {
-                    kept.1 += again.1;
+                    kept.weight += again.weight;
                 }
                 same
             });
-            outside
+            links.outside
         })
     }
 
-    /// Computes the flow into the cells of the graph from the flow `missing` into all cells. Returns the power taken up
-    /// by the eliminated cells.
-    pub(crate) fn fold<const N: usize>(&self, missing: &[Vec<f64>; N], out: &mut [[f64; N]]) -> [f64; N] {
-        let kept = self.numbering().kept();
-        let of = |number: usize| -> [f64; N] { std::array::from_fn(|k| missing[k][number]) };
-        out.par_chunks_mut(PART).enumerate().for_each(|(part, rows)| {
-            for (number, out) in (part * PART..).zip(rows) {
-                *out = of(number);
-                for (beside, weight) in self.links(number).iter().filter(|(beside, _)| *beside >= kept) {
-                    let share = weight / self.links(beside).sum();
-                    let flow = of(beside);
-                    (0..N).for_each(|k| out[k] += share * flow[k]);
-                }
-            }
-        });
-        let taken = |number: usize| {
-            let sum = self.links(number).sum();
-            of(number).map(|flow| if sum > 0.0 { flow * flow / sum } else { 0.0 })
-        };
-        let leaf =
-            |range: Range<usize>| range.fold([0.0; N], |sum, number| gfmd_vector::add(sum, taken(kept + number)));
-        gfmd_vector::reduce(self.len() - kept, &leaf, &gfmd_vector::add)
-    }
-
-    /// Computes the corrections of all cells from the corrections of the graph.
-    pub(crate) fn expand<const N: usize>(&self, missing: &[Vec<f64>; N], corrections: &[[f64; N]]) -> Vec<[f64; N]> {
-        let kept = self.numbering().kept();
+    /// Computes the potentials of all cells from those of the graph.
+    pub(crate) fn expand(&self, kept: impl Fn(usize) -> Potential + Sync) -> Vec<Potential> {
         let of = |number: usize| {
-            if number < kept {
-                return corrections[number];
+            if number < self.numbering().kept() {
+                return kept(number);
             }
-            let links = self.links(number);
-            let mut sums: [f64; N] = std::array::from_fn(|k| missing[k][number]);
-            for (beside, weight) in links.iter() {
-                (0..N).for_each(|k| sums[k] += weight * corrections[beside][k]);
+            let faces = || self.faces_of(number).filter_map(|part| Some((kept(part.2.beside? as usize), part)));
+            let sum: f64 = faces().map(|(_, (_, _, face))| face.conductance).sum();
+            let strongest = faces().max_by(|a, b| a.1.2.conductance.total_cmp(&b.1.2.conductance));
+            let mut own = strongest.map_or(Potential::default(), |(beside, _)| beside);
+            // The second time removes the rounding error of the first one.
+            for _ in 0..2 {
+                let out: f64 = faces().map(|(beside, part)| part.2.conductance * self.fall(own, beside, &part)).sum();
+                own.add(if sum > 0.0 { -out / sum } else { 0.0 });
             }
-            let sum = links.sum();
-            sums.map(|value| if sum > 0.0 { value / sum } else { 0.0 })
+            own
         };
         (0..self.len()).into_par_iter().with_min_len(PART).map(of).collect()
     }
 }
 
-impl Links {
-    fn sum(&self) -> f64 {
-        self.iter().fold(self.outside, |sum, (_, weight)| sum + weight)
+/// Returns the drops of the gradients of these cells.
+pub(crate) fn drops<const N: usize>(cells: [&Cells; N]) -> Drops<N> {
+    let mut along = [[0.0; N]; Way::COUNT];
+    for (drops, way) in along.iter_mut().zip(Way::all()) {
+        *drops = std::array::from_fn(|k| cells[k].drop_along(way));
     }
+    Drops { along, outside: std::array::from_fn(|k| cells[k].drop_outside()) }
 }
 
 /// Returns the conductance between two neighbours of an eliminated cell with weights `a` and `b`.

@@ -13,15 +13,17 @@ mod flow;
 mod graph;
 mod halved;
 mod numbering;
+mod potential;
 mod queue;
 mod remaining;
 mod search;
+mod tree;
 
 /// Number of cells or graph nodes in a part. Sums are formed within parts first, so that they do not depend on the
 /// number of threads.
 const PART: usize = 1 << 12;
 
-pub use flow::{Flow, FlowError, Path, flow};
+pub use flow::{Flow, FlowError, Path, Wanted, flow};
 pub use gfmd_field::Grid;
 pub use gfmd_measure::Boundary;
 pub use ndarray;

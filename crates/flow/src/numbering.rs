@@ -131,8 +131,14 @@ impl Axis {
         })
     }
 
-    /// Returns false at the seam of an odd number of cells, where the chequerboard does not continue.
+    /// Returns false where cells are not eliminated: at the seam of an odd number of cells, where the chequerboard does
+    /// not continue; on so few cells that both neighbours of a cell are the same; at an edge, beside a reservoir.
     fn alternates(&self, index: usize) -> bool {
-        !self.repeats || self.points.is_multiple_of(2) || index + 1 < self.points
+        let is_last = index + 1 == self.points;
+        if self.repeats {
+            self.points >= 4 && (self.points.is_multiple_of(2) || !is_last)
+        } else {
+            index > 0 && !is_last
+        }
     }
 }

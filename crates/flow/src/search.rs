@@ -2,14 +2,18 @@
 
 use gfmd_vector::pass;
 
-use crate::cells::{Balance, Cells, Potential, larger};
+use crate::cells::{Cells, larger};
 use crate::elimination::{Elimination, Work};
-use crate::graph::Graph;
+use crate::flow::Wanted;
+use crate::graph::{Drops, Graph, Powers};
+use crate::halved::drops;
+use crate::potential::Potential;
+use crate::tree::Tree;
 
 /// Largest [residual](crate::Flow::residual) of a converged flow.
 pub const TOLERANCE: f64 = 1e-8;
 
-/// Largest number of iterations; about 50 are usual.
+/// Largest number of iterations; about 15 are usual, and 50 for fields.
 const ITERATIONS: usize = 1000;
 
 /// Largest number of rounds of iterations, each started from recomputed balances.
@@ -18,85 +22,133 @@ const ROUNDS: usize = 12;
 /// Error reduction of a round at which rounding errors dominate.
 const REDUCTION: f64 = 1e-12;
 
-/// Fraction of the tolerance left by the first round; each further round leaves this fraction of the previous value.
+/// Fraction of the tolerated flow missing in a cell that the first round leaves; each further round leaves this fraction
+/// of the previous value.
 const MARGIN: f64 = 0.3;
 
-/// Result of a search.
-pub(crate) struct Found {
-    pub(crate) potential: Vec<Potential>,
-    pub(crate) balance: Balance,
+/// Fraction of the tolerated distance between the bounds that the first round leaves.
+const MARGIN_OF_BOUNDS: f64 = 0.9;
+
+/// The bound along the tree is computed when this fraction of its last value, in proportion, would be enough.
+const CAUTION: f64 = 0.5;
+
+/// Least ratio of a bound along the tree to the product of residual and step one iteration before.
+const LEAST_RATIO: f64 = 0.02;
+
+/// Quantity that ends a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rule {
+    /// Distance between the bounds of the conductivity.
+    Bounds,
+    /// Flow missing in single cells.
+    Cells,
 }
 
-/// Solves for the potentials of cells with the same equations under different gradients, and returns them with the
-/// number of iterations. Conjugate gradients are restarted from recomputed balances.
-pub(crate) fn search<const N: usize>(cells: [&Cells; N]) -> ([Found; N], usize) {
+/// Result of a search for a gradient.
+#[derive(Default)]
+pub(crate) struct Found {
+    /// Upper bound of the power per area when the bounds were close enough.
+    pub(crate) power: f64,
+    /// Distance to the lower bound, divided by the power.
+    pub(crate) residual: f64,
+    /// Potential of all cells, if fields are wanted, and its residual.
+    pub(crate) fields: Option<(Vec<Potential>, f64)>,
+}
+
+/// Result of a search under several gradients.
+pub(crate) struct Search<const N: usize> {
+    pub(crate) found: [Found; N],
+    /// Power per area of the flow of the first gradient along the falls of the last one.
+    pub(crate) shared: f64,
+    pub(crate) iterations: usize,
+}
+
+/// Solves for the potentials of cells with the same equations under different gradients until the bounds of their
+/// powers are close, and then, for fields, until each cell is in balance under the gradients that lie along the
+/// reservoirs. Conjugate gradients are restarted from recomputed balances.
+pub(crate) fn search<const N: usize>(cells: [&Cells; N], wanted: Wanted) -> Search<N> {
+    let area = cells[0].area();
     let mut round = Round::new(cells);
-    let mut found = cells.map(|cells| {
-        let potential = vec![Potential::default(); cells.len()];
-        Found { balance: cells.balance(&potential), potential }
-    });
-    let (mut margin, mut iterations) = (MARGIN, 0);
-    for _ in 0..ROUNDS {
-        let missing = found.each_mut().map(|found| std::mem::take(&mut found.balance.missing));
-        let power = found.each_ref().map(|found| found.balance.power);
-        let corrections = round.solve(&missing, power, margin, &mut iterations);
-        let mut done = true;
-        for (k, (cells, found)) in cells.iter().zip(&mut found).enumerate() {
-            pass(
-                (&mut found.potential[..], &corrections[..]),
-                &|_, (potential, corrections): (&mut [Potential], &[[f64; N]])| {
-                    potential.iter_mut().zip(corrections).for_each(|(potential, by)| potential.add(by[k]));
-                },
-                &|(), ()| (),
-            );
-            found.balance = cells.balance(&found.potential);
-            done &= found.balance.residual <= TOLERANCE;
+    let mut found = [(); N].map(|()| Found::default());
+    let (mut rule, mut margin, mut iterations, mut shared) = (Rule::Bounds, MARGIN_OF_BOUNDS, 0, f64::NAN);
+    for last in (0..=ROUNDS).rev() {
+        let powers = round.balance();
+        if rule == Rule::Bounds {
+            let distances = round.bound();
+            for (k, found) in found.iter_mut().enumerate() {
+                (found.power, found.residual) = (powers.own[k] / area, distances[k] / round.scale(k, &powers.own));
+            }
+            shared = powers.shared / area;
+            if found.iter().all(|found| found.residual <= TOLERANCE) {
+                (rule, margin) = (Rule::Cells, MARGIN);
+            }
         }
-        margin *= MARGIN;
-        if done || iterations >= ITERATIONS {
+        let is_last = last == 0 || iterations >= ITERATIONS;
+        let done = rule == Rule::Cells && wanted == Wanted::Conductivity;
+        if wanted == Wanted::Fields && (is_last || rule == Rule::Cells) {
+            for (k, found) in found.iter_mut().enumerate().filter(|(k, _)| !cells[*k].is_across()) {
+                let potential = cells[k].expand(|number| round.potential[number][k]);
+                let residual = cells[k].residual(&potential);
+                found.fields = Some((potential, residual));
+            }
+        }
+        let mut fields = found.iter().filter_map(|found| found.fields.as_ref());
+        if done || is_last || rule == Rule::Cells && fields.all(|(_, residual)| *residual <= TOLERANCE) {
             break;
         }
+        round.solve(powers.own, (rule, margin), &mut iterations);
+        margin *= MARGIN;
     }
-    (found, iterations)
+    Search { found, shared, iterations }
 }
 
 /// Equations of a round and its vectors, with one column per gradient.
 struct Round<'a, const N: usize> {
     cells: [&'a Cells<'a>; N],
     graph: Graph,
+    drops: Drops<N>,
     factors: Elimination,
+    tree: Tree,
     work: Work<N>,
+    potential: Vec<[Potential; N]>,
     residual: Vec<[f64; N]>,
-    step: Vec<[f64; N]>,
     direction: Vec<[f64; N]>,
-    image: Vec<[f64; N]>,
-    correction: Vec<[f64; N]>,
+    /// Step, image of the direction, or flow along the tree.
+    step: Vec<[f64; N]>,
 }
 
 impl<'a, const N: usize> Round<'a, N> {
     fn new(cells: [&'a Cells<'a>; N]) -> Self {
         let graph = cells[0].graph();
-        let factors = Elimination::of(&graph, cells[0].numbering());
-        let work = factors.work();
-        let [residual, step, direction, image, correction] = std::array::from_fn(|_| vec![[0.0; N]; graph.len()]);
-        Self { cells, graph, factors, work, residual, step, direction, image, correction }
+        let (factors, tree) = rayon::join(|| Elimination::of(&graph, cells[0].numbering()), || Tree::of(&graph));
+        let (work, drops) = (factors.work(), drops(cells));
+        let [residual, step, direction] = std::array::from_fn(|_| vec![[0.0; N]; graph.len()]);
+        let potential = vec![[Potential::default(); N]; graph.len()];
+        Self { cells, graph, drops, factors, tree, work, potential, residual, direction, step }
     }
 
-    /// Computes corrections for the flow `missing` into each cell. `power` is the power before the corrections.
-    fn solve(
-        &mut self,
-        missing: &[Vec<f64>; N],
-        mut power: [f64; N],
-        margin: f64,
-        iterations: &mut usize,
-    ) -> Vec<[f64; N]> {
+    /// Computes the flow that is missing in each balance, and returns the powers.
+    fn balance(&mut self) -> Powers<N> {
+        self.graph.balance(&self.potential, &self.drops, &mut self.residual)
+    }
+
+    /// Returns upper bounds of the power that the missing flow costs.
+    fn bound(&mut self) -> [f64; N] {
+        self.tree.bound(&self.residual, &mut self.step)
+    }
+
+    /// Returns the power that the distance between the bounds of gradient `k` is compared with. Across the reservoirs
+    /// the flow may vanish.
+    fn scale(&self, k: usize, power: &[f64; N]) -> f64 {
+        if self.cells[k].is_across() { larger(power[0], power[k]) } else { power[k] }
+    }
+
+    /// Moves the potentials from a balance with this `power` towards the solution.
+    fn solve(&mut self, mut power: [f64; N], (rule, margin): (Rule, f64), iterations: &mut usize) {
         let area = self.cells[0].area();
-        let taken = self.cells[0].fold(missing, &mut self.residual);
-        // Each iteration lowers the power by a known amount. The remaining power gives the flow, and hence the flow
-        // that may be missing in a cell.
-        (0..N).for_each(|k| power[k] -= taken[k] / area);
-        self.correction.fill([0.0; N]);
         let (mut first, mut last) = ([0.0; N], [0.0; N]);
+        // Bounds from the tree, over the products of residual and step one iteration before.
+        let mut ratios = [LEAST_RATIO; N];
         while *iterations < ITERATIONS {
             let slope = self.factors.solve(&self.residual, &mut self.step, &mut self.work);
             if last == [0.0; N] {
@@ -106,20 +158,32 @@ impl<'a, const N: usize> Round<'a, N> {
                 self.turn(std::array::from_fn(|k| quotient(slope[k], last[k])));
             }
             last = slope;
-            let work_done = self.graph.apply(&self.direction, &mut self.image);
+            let work_done = self.graph.apply(&self.direction, &mut self.step);
             let length = std::array::from_fn(|k| quotient(slope[k], work_done[k]));
             let largest = self.advance(length);
             *iterations += 1;
-            (0..N).for_each(|k| power[k] -= length[k] * slope[k] / area);
-            let enough = |k: usize| {
-                let allowed = margin * TOLERANCE * power[k] * self.cells[k].width();
-                slope[k] <= REDUCTION * REDUCTION * first[k] || largest[k] <= allowed
+            // Each iteration lowers the power by a known amount. The remaining power gives the flow, and hence what may
+            // be missing.
+            (0..N).for_each(|k| power[k] -= length[k] * slope[k]);
+            let exhausted = |k: usize| slope[k] <= REDUCTION * REDUCTION * first[k];
+            let enough = match rule {
+                Rule::Bounds => {
+                    let allowed: [f64; N] = std::array::from_fn(|k| margin * TOLERANCE * self.scale(k, &power));
+                    (0..N).all(|k| ratios[k] * slope[k] <= allowed[k]) && {
+                        let bounds = self.bound();
+                        ratios = std::array::from_fn(|k| larger(LEAST_RATIO, CAUTION * quotient(bounds[k], slope[k])));
+                        (0..N).all(|k| bounds[k] <= allowed[k])
+                    }
+                }
+                Rule::Cells => (0..N).all(|k| {
+                    let allowed = margin * TOLERANCE * power[k] / area * self.cells[k].width();
+                    self.cells[k].is_across() || exhausted(k) || largest[k] <= allowed
+                }),
             };
-            if (0..N).all(enough) {
+            if enough || (0..N).all(exhausted) {
                 break;
             }
         }
-        self.cells[0].expand(missing, &self.correction)
     }
 
     /// Computes the next direction: the step plus `parts` times the last direction.
@@ -138,14 +202,15 @@ impl<'a, const N: usize> Round<'a, N> {
     /// Moves by `lengths` along the direction; returns the largest magnitudes of the remaining flow into a cell.
     fn advance(&mut self, lengths: [f64; N]) -> [f64; N] {
         type Rows<'a, const N: usize> = &'a [[f64; N]];
+        type Moved<'a, const N: usize> = (&'a mut [[Potential; N]], &'a mut [[f64; N]], Rows<'a, N>, Rows<'a, N>);
         pass(
-            (&mut self.correction[..], &mut self.residual[..], &self.direction[..], &self.image[..]),
-            &|_, (corrections, residuals, directions, images): (&mut [[f64; N]], &mut [[f64; N]], Rows<N>, Rows<N>)| {
+            (&mut self.potential[..], &mut self.residual[..], &self.direction[..], &self.step[..]),
+            &|_, (potentials, residuals, directions, images): Moved<N>| {
                 let mut largest = [0.0; N];
-                let changed = corrections.iter_mut().zip(residuals);
-                for ((correction, residual), (direction, image)) in changed.zip(directions.iter().zip(images)) {
+                let changed = potentials.iter_mut().zip(residuals);
+                for ((potential, residual), (direction, image)) in changed.zip(directions.iter().zip(images)) {
                     for k in 0..N {
-                        correction[k] += lengths[k] * direction[k];
+                        potential[k].add(lengths[k] * direction[k]);
                         residual[k] -= lengths[k] * image[k];
                         largest[k] = larger(largest[k], residual[k].abs());
                     }

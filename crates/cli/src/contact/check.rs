@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use gfmd_contact::{Fields as _, Load};
+use gfmd_flow::Wanted;
 use gfmd_law::LawKind;
 use gfmd_record::{NOT_SOLVED, Record, StateContext, Statistics, repulsion};
 use ndarray::{Array2, ArrayView2};
@@ -93,6 +94,7 @@ fn compare(
             (&loads.prepared.surface, &loads.conducting),
             [repulsion.view(), gap.view()],
             &at,
+            Wanted::Conductivity,
             |_, _| {},
         )?;
         let record = Record::of(&StateContext { measured: findings.borrowed(), ..at });

@@ -1,7 +1,7 @@
 //! Parts of a load added by `--statistics` and `--flow`: patches, distributions, spectra, flow through the gap.
 
 use gfmd_contact::Fields as _;
-use gfmd_flow::Flow;
+use gfmd_flow::{Flow, Wanted};
 use gfmd_green::Height;
 use gfmd_measure::Patches;
 use gfmd_problem::{AnyState, MemoryNeed, Posed};
@@ -58,7 +58,9 @@ pub fn measure(
     let at = StateContext { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.search.tolerance) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
-    let findings = Findings::of(args, (&prepared.surface, &conducting), [repulsion, gap], &at, |_, text| warn(text))?;
+    let surface = (&prepared.surface, &conducting);
+    let warn = |_: &str, text: String| warn(text);
+    let findings = Findings::of(args, surface, [repulsion, gap], &at, Wanted::Conductivity, warn)?;
     let record = Record::of(&StateContext { measured: findings.borrowed(), ..at });
     Ok((record, findings.arrays))
 }
@@ -74,8 +76,9 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Measures a load by its repulsive pressure and its gap. `at` has its summary, residuals and stiffness; `warn`
-    /// receives the code and text for each number that is less exact than it should be.
+    /// Measures a load by its repulsive pressure and its gap. `at` has its summary, residuals and stiffness; `of_flow`
+    /// says whether the flow needs fields; `warn` receives the code and text for each number that is less exact than it
+    /// should be.
     ///
     /// # Errors
     /// Returns an error if the fields do not fit the grid, or if a flow or a conductance cannot be computed.
@@ -84,6 +87,7 @@ impl Findings {
         (surface, conducting): (&Surface, &Conducting),
         [repulsion, gap]: [ArrayView2<f64>; 2],
         at: &StateContext,
+        of_flow: Wanted,
         mut warn: impl FnMut(&'static str, String),
     ) -> Result<Self, Failure> {
         let mut found = Self::default();
@@ -104,8 +108,8 @@ impl Findings {
                 (found.arrays, found.patches) = (Some(arrays), Some(patches));
             }
             if args.flow {
-                let flow = through(surface, [repulsion.view(), gap], at.summary.mean_gap, |text| warn("flow", text));
-                found.flow = Some(flow?);
+                let (fields, warn) = ([repulsion.view(), gap], |text| warn("flow", text));
+                found.flow = Some(through(surface, fields, at.summary.mean_gap, of_flow, warn)?);
             }
         }
         Ok(found)

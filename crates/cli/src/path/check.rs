@@ -1,6 +1,7 @@
 //! Check of a path file.
 
 use gfmd_contact::{Boundary, Contact, Hardness, Load};
+use gfmd_flow::Wanted;
 use gfmd_interface::LimitingPressure;
 use gfmd_problem::{AnyState, WearBy};
 use gfmd_record::StateContext;
@@ -235,7 +236,7 @@ impl StepCheck<'_> {
         let (mut repulsion, floor) = self.repulsion(&pressure, &gap);
         let least = self.args.steps.search.tolerance * floor;
         repulsion.mapv_inplace(|p| if p > least { p } else { 0.0 });
-        let found = through(surface, [repulsion.view(), gap.view()], mean_gap, |_| {})?;
+        let found = through(surface, [repulsion.view(), gap.view()], mean_gap, Wanted::Conductivity, |_| {})?;
         for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
             comparison.number(&format!("/path/{name}"), number(name), found.conductivity[row][column], 1e-3);
         }

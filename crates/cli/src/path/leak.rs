@@ -1,7 +1,7 @@
 //! Flow through the gap of a state on a path.
 
 use gfmd_contact::Fields as _;
-use gfmd_flow::Flow;
+use gfmd_flow::{Flow, Wanted};
 use gfmd_input::failure::Failure;
 use gfmd_problem::AnyState;
 use gfmd_record::StateContext;
@@ -17,6 +17,6 @@ pub(super) fn leak(
 ) -> Result<Option<Flow>, Failure> {
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
-    let flow = || through(&prepared.surface, [repulsion, gap], at.summary.mean_gap, warn);
+    let flow = || through(&prepared.surface, [repulsion, gap], at.summary.mean_gap, Wanted::Conductivity, warn);
     prepared.facts.flow.then(flow).transpose()
 }

@@ -47,7 +47,7 @@ class Flow(Measured):
             along x and y (columns), divided by the flux through a uniform gap of height `mean_gap`. NaN where the gap
             is closed.
         percolates: True if the gap lets a fluid through along x, along y.
-        residual: largest relative residual of the flow, without unit.
+        residual: upper less lower bound of the conductivity along an axis, over the conductivity; larger of x and y.
         transmissivity: conductivity times mean_gap³/12, length³; zero where the gap is closed.
         conductivity_limit, conductivity_limit_error, conductivity_grid_error: estimate on an infinitely fine grid, its
             error and the grid error, on the diagonal; NaN where unknown. Not with `grid_error="none"`.

@@ -52,7 +52,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "flow_residual",
         "1",
-        &[(any, "largest of what is missing in a cell and the deviations of sections and power, over the mean flow")],
+        &[(any, "upper less lower bound of the conductivity along an axis, over the conductivity; larger of x and y")],
         |at| at.measured.flow.map_or(f64::NAN, |flow| flow.residual).into(),
     )
     .at("flow.residual")
