@@ -10,7 +10,7 @@ use gfmd_xtask::{accuracy, bench_peers, finite, reproduce, results, verify};
 enum Command {
     #[command(flatten)]
     Gfmd(gfmd_cli::program::Command),
-    /// Compare the estimates of the error of the grid with solutions on grids 8 times finer
+    /// Compare the estimates of the grid error with solutions on grids 8 times finer
     Accuracy(accuracy::Args),
     /// Time this and other programs on common contact problems, to one certified residual
     BenchPeers(Box<bench_peers::Args>),

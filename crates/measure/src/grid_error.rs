@@ -58,19 +58,19 @@ impl fmt::Display for NoLimit {
         match self {
             Self::FewLinks(found) => write!(
                 f,
-                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed to estimate the \
-                 error of the grid"
+                "the contact has {found} boundary links; at least {LEAST_LINKS} are needed to estimate the grid \
+                 error"
             ),
             Self::Narrow(found) => write!(
                 f,
                 "the contact has {found:.2} boundary links a point; at most {MOST_LINKS} are resolved by the grid"
             ),
             Self::Area(found) => {
-                write!(f, "the area fraction is {found:.2}; the error of the grid is known up to {MOST_AREA}")
+                write!(f, "the area fraction is {found:.2}; the grid error is known up to {MOST_AREA}")
             }
             Self::Shared => f.write_str("several processes share the field; none has the whole field for the estimate"),
             Self::Electrodes => {
-                f.write_str("the error of the grid of a conductance was measured with electrodes infinitely far away")
+                f.write_str("the grid error of a conductance was measured with electrodes infinitely far away")
             }
             Self::Patches => f.write_str(
                 "patches that nearly touch join and separate from grid to grid, and small ones appear and \
@@ -78,10 +78,9 @@ impl fmt::Display for NoLimit {
             ),
             Self::Counted => f.write_str("it is counted, and two grids agree by chance"),
             Self::OneGrid => f.write_str("it cannot be estimated from one solution (use --grid-error refine)"),
-            Self::NearClosing(found) => write!(
-                f,
-                "the conductivity is {found:.1e}; below {LEAST_CONDUCTIVITY} the error of the grid is not known"
-            ),
+            Self::NearClosing(found) => {
+                write!(f, "the conductivity is {found:.1e}; below {LEAST_CONDUCTIVITY} the grid error is not known")
+            }
         }
     }
 }

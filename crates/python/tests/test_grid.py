@@ -1,4 +1,4 @@
-"""The error of the numbers by the grid."""
+"""The grid error of the numbers."""
 
 import gfmd
 import numpy as np

@@ -155,7 +155,7 @@ pub fn reason_of(text: &str, row: usize) -> Option<String> {
 }
 
 /// The meaning of the sign behind a number.
-pub const ROUGH: &str = "two digits and ~: the error of the number by the grid is not known";
+pub const ROUGH: &str = "two digits and ~: the grid error of the number is not known";
 
 /// Returns the lines below a table of rows: the meaning of `~`, if a number has it, and each reason once, with all the
 /// `shown` columns that it leaves without a value. `name` is what a row is called, in singular and plural.
@@ -190,8 +190,8 @@ pub fn lines<S: Subject>(rows: &[Record<S>], name: [&str; 2], shown: impl Fn(&st
     let line = |(reason, [columns, limits]): (String, [Vec<&str>; 2])| {
         let limits = match limits.len() {
             0 => None,
-            all if all == all_limited.len() => Some("error of the grid".to_owned()),
-            _ => Some(format!("error of the grid of {}", limits.join(", "))),
+            all if all == all_limited.len() => Some("grid error".to_owned()),
+            _ => Some(format!("grid error of {}", limits.join(", "))),
         };
         let named: Vec<String> = columns.into_iter().map(ToOwned::to_owned).chain(limits).collect();
         format!("no {}: {reason}", named.join(", "))

@@ -58,7 +58,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
                     "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". "
                 }
                 @if loads.has("area_fraction_limit") && !error.is_finite() {
-                    "Two digits and ~: the error of the number by the grid is not known. "
+                    "Two digits and ~: the grid error of the number is not known. "
                 }
                 @if error.is_finite() {
                     "Numbers with brackets are those of an infinitely fine grid; the brackets have the error of their \

@@ -75,7 +75,7 @@ pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<
     if prepared.waves().is_nan() || prepared.waves() < FEWEST_WAVES {
         return Err(refuse(
             format!(
-                "the surface has {:.1} waves, and the error of the grid is known of random ones with at least \
+                "the surface has {:.1} waves, and the grid error is known of random ones with at least \
              {FEWEST_WAVES}",
                 prepared.waves()
             )

@@ -407,7 +407,7 @@ fn numbers_have_the_digits_of_their_tables_and_units() {
             let cells = said(&page, "<td>", "</td>");
             let answer = said(&page, "<section id=\"answer\"", "</section>").concat();
             assert!(cells.iter().any(|cell| cell.ends_with('~')) && answer.contains("~ "), "{name}: {answer}");
-            assert!(page.contains("two digits and ~: the error of the number by the grid is not known"), "{name}");
+            assert!(page.contains("two digits and ~: the grid error of the number is not known"), "{name}");
         }
         let pairs = said(&page, "<dt>transform pairs</dt><dd>", "</dd>");
         assert!(pairs.iter().all(|count| !count.ends_with(".000") && !count.contains(".0")), "{pairs:?}");
@@ -424,7 +424,7 @@ fn numbers_have_the_digits_of_their_tables_and_units() {
     assert!(headline("d").contains("kPa at the depth"), "{}", headline("d"));
     let text = gfmd(folder, &format!("contact {scan} --pressure 10kPa").split(' ').collect::<Vec<_>>());
     let text = String::from_utf8(text.stdout).unwrap();
-    assert!(text.contains("\ntwo digits and ~: the error of the number by the grid is not known\n"), "{text}");
+    assert!(text.contains("\ntwo digits and ~: the grid error of the number is not known\n"), "{text}");
 }
 
 /// Pages of punches, of fields below them, and of sliding, with the numbers of their files.

@@ -72,7 +72,7 @@ fn numbers_with_an_unknown_grid_error_have_two_digits() {
         let digits = |word: &str| word.trim_start_matches(['-', '0', '.']).chars().filter(char::is_ascii_digit).count();
         assert!(rough.len() >= least, "{text}");
         assert!(rough.iter().filter(|word| !word.contains('e')).all(|word| digits(word) <= 3), "{rough:?}");
-        assert!(text.contains("two digits and ~: the error of the number by the grid is not known"), "{text}");
+        assert!(text.contains("two digits and ~: the grid error of the number is not known"), "{text}");
     }
 }
 

@@ -25,7 +25,7 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
     macro_rules! with {
         ($what:literal) => {
             concat!(
-                "the error of the grid is known from one solution for a hard wall on half-spaces, not with ",
+                "the grid error is known from one solution for a hard wall on half-spaces, not with ",
                 $what,
                 " (--grid-error refine)"
             )
@@ -139,12 +139,12 @@ fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, C
     if steeper.is_nan() || steeper > STEEPEST {
         return Err(format!(
             "the rms slopes along the axes are {x:.1e} and {y:.1e}; edges of contacts that lie along an axis cut the \
-             grid alike, and the error of the grid is known of slopes that differ by a factor of at most {STEEPEST}"
+             grid alike, and the grid error is known of slopes that differ by a factor of at most {STEEPEST}"
         )
         .into());
     }
     if dx.max(dy) > LONGEST_CELL * dx.min(dy) {
-        return Err("the error of the grid was measured with points as far apart along x as along y".into());
+        return Err("the grid error was measured with points as far apart along x as along y".into());
     }
     let limits = GridLimits::of(&at.summary, at.points, dx.max(dy), &at.scales);
     let limits = limits.map(|limits| if is_alike { limits.alike() } else { limits });
@@ -308,7 +308,7 @@ macro_rules! limits {
             Column::new(
                 concat!($name, "_grid_error"),
                 $unit,
-                &[(any, concat!("error of ", $name, " by the finite grid: |", $name, " - limit| + limit_error"))],
+                &[(any, concat!("grid error of ", $name, ": |", $name, " - limit| + limit_error"))],
                 |at| limit(at, $name, $limit, grid_error),
             )
             .at(concat!($json, "_grid_error", $place))

@@ -22,7 +22,7 @@ pub struct SlidingFacts {
     pub shared: bool,
     /// True if a hardness limits the pressure.
     pub hardness: bool,
-    /// True if states on a finer grid give the error of the grid.
+    /// True if states on a finer grid give the grid error.
     pub refined: bool,
 }
 
@@ -198,7 +198,7 @@ macro_rules! limits {
             Column::new(
                 concat!($name, "_grid_error"),
                 $unit,
-                &[(any, concat!("error of ", $name, " by the finite grid: |", $name, " - limit| + limit_error"))],
+                &[(any, concat!("grid error of ", $name, ": |", $name, " - limit| + limit_error"))],
                 |at| at.limit($name, GridLimit::error_of),
             )
             .with(refined)
