@@ -22,7 +22,7 @@ use crate::{
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
-use gfmd_input::session::Session;
+use gfmd_input::session::{NamedMap, Session};
 use gfmd_input::units::{of_table, of_words};
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
@@ -115,8 +115,8 @@ fn together<C: Subcommand + Sync>(
         Some(world) => agree(&**world, plain),
         None => plain,
     };
-    let words = match plain {
-        Ok(words) => words,
+    let (words, map) = match plain {
+        Ok(plain) => plain,
         Err(failure) => return processes::end(world, failure.status(), Some(&failure)),
     };
     let parsed = command.try_get_matches_from(words);
@@ -127,7 +127,7 @@ fn together<C: Subcommand + Sync>(
             return processes::end(world, if is_first { refuse(&error) } else { status_of(&error) }, None);
         }
     };
-    let session = session::start(line.common, world);
+    let session = session::start(line.common, world).map(|session| session.with_map(map));
     let session = match world {
         Some(world) => agree(&**world, session),
         None => session,
@@ -137,16 +137,17 @@ fn together<C: Subcommand + Sync>(
     processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
 }
 
-/// Returns the words of a command line as the parser reads them: with numbers in place of quantities with a unit.
+/// Returns the words of a command line as the parser reads them: with numbers in place of quantities with a unit. Also
+/// returns the height map of the surface if it was read for its unit.
 ///
 /// # Errors
 /// Returns an error for words that no option has, outputs that are inputs, and quantities that cannot be used.
-fn plain_words(command: &clap::Command, words: &[String]) -> Result<Vec<String>, Failure> {
+fn plain_words(command: &clap::Command, words: &[String]) -> Result<(Vec<String>, Option<NamedMap>), Failure> {
     let words = guess::understood(command, words)?;
     inputs::stay(&words)?;
     let sub = words.iter().find_map(|word| command.find_subcommand(word.text()));
-    let words = of_words(sub.map_or("", clap::Command::get_name), words, kinds())?;
-    Ok(words.into_iter().map(|word| word.text().to_owned()).collect())
+    let (words, map) = of_words(sub.map_or("", clap::Command::get_name), words, kinds())?;
+    Ok((words.into_iter().map(|word| word.text().to_owned()).collect(), map))
 }
 
 /// Makes a write beyond the file size limit (`ulimit -f`) fail as on a full disk, instead of a signal that ends the

@@ -3,13 +3,14 @@
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use gfmd_contact::{Contact, Progress, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
-use gfmd_files::{Memory, Output, Provenance, Warning, Warnings};
+use gfmd_files::{Memory, Output, Provenance, Topography, Warning, Warnings};
+use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::{MemoryNeed, Spelling, Words, key};
 use gfmd_vector::Ranks;
 use ndarray::Array2;
@@ -42,6 +43,18 @@ pub struct Session {
     here: usize,
     /// True if the process belongs to a caller that also holds other things in memory.
     is_embedded: bool,
+    /// Height map that was read before the flags were parsed.
+    map: Arc<Mutex<Option<NamedMap>>>,
+}
+
+/// Height map in a file, with the names of file and channel as given.
+pub struct NamedMap {
+    /// File.
+    pub file: String,
+    /// Channel; `None` for the default one.
+    pub channel: Option<String>,
+    /// Heights.
+    pub topography: Topography,
 }
 
 impl Session {
@@ -57,12 +70,26 @@ impl Session {
             ranks: None,
             here: 1,
             is_embedded: false,
+            map: Arc::default(),
         }
     }
 
     /// Creates a session that prints nothing, in the process of a caller that also holds other things in memory.
     pub fn embedded() -> Self {
         Self { is_embedded: true, ..Self::silent() }
+    }
+
+    /// Returns the session with a height map that was read already. Only the first process keeps it, which reads alone.
+    #[must_use]
+    pub fn with_map(self, map: Option<NamedMap>) -> Self {
+        Self { map: Arc::new(Mutex::new(map.filter(|_| self.is_first()))), ..self }
+    }
+
+    /// Takes the height map of a file and a channel, if it was read already. It is kept for one reader.
+    pub fn take_map(&self, file: &ArrayOption, channel: Option<&str>) -> Option<Topography> {
+        let mut map = self.map.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = map.take_if(|map| file.file() == Some(&map.file) && channel == map.channel.as_deref());
+        found.map(|map| map.topography)
     }
 
     /// Refuses a problem on a grid that needs more memory than available; its `heights` are in memory already. Without

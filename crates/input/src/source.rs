@@ -474,7 +474,7 @@ impl SourceArgs {
     /// Makes the heights of the rows of this process. With several processes, each makes its own if the generator can;
     /// otherwise the first one makes or reads all heights, and distributes them.
     fn made(&self, boundary: Boundary, session: &Session) -> Result<LoadedHeights, Failure> {
-        let Some(ranks) = session.ranks() else { return self.whole(boundary) };
+        let Some(ranks) = session.ranks() else { return self.whole(boundary, session) };
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(self.name(), error));
         if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
             // Another machine may have less memory.
@@ -487,7 +487,7 @@ impl SourceArgs {
                 &self.generator,
             ));
         }
-        let made = if session.is_first() { self.whole(boundary).map(Some) } else { Ok(None) };
+        let made = if session.is_first() { self.whole(boundary, session).map(Some) } else { Ok(None) };
         let mut made = session.agree(made)?;
         let words = made.as_ref().map_or([0; 4], |made| {
             let ([nx, ny], [x, y]) = (made.grid.points(), made.grid.lengths());
@@ -509,10 +509,11 @@ impl SourceArgs {
     }
 
     /// Makes all heights.
-    fn whole(&self, boundary: Boundary) -> Result<LoadedHeights, Failure> {
+    fn whole(&self, boundary: Boundary, session: &Session) -> Result<LoadedHeights, Failure> {
         let (mut heights, mut grid, mut description, scan, origin) = match &self.surface {
             Some(given) => {
-                let PeriodicScan { heights, grid, description, scan, checksum } = self.prepare(given, None)?;
+                let PeriodicScan { heights, grid, description, scan, checksum } =
+                    self.prepare(given, None, session.take_map(given, self.channel.as_deref()))?;
                 let origin = given.file().map(|file| (file_of(file).into(), checksum));
                 (heights, grid, description, Some(scan), origin)
             }
@@ -575,7 +576,7 @@ impl SourceArgs {
     fn second(&self, file: &ArrayOption, grid: &Grid, first: Option<&Scan>) -> Result<(Second, Array2<f64>), Failure> {
         const OPTION: &str = "second_surface";
         let cell = first.map_or(grid.lengths(), |scan| scan.size);
-        let PeriodicScan { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell))?;
+        let PeriodicScan { heights, grid: there, scan, checksum, .. } = self.prepare(file, Some(cell), None)?;
         let close = |(a, b): (f64, f64)| (a - b).abs() <= SAME_LENGTH * b;
         let sides = if grid.is_line() { 1 } else { 2 };
         if there.points() != grid.points() || !there.lengths().into_iter().zip(grid.lengths()).take(sides).all(close) {

@@ -10,6 +10,7 @@ use gfmd_unit::Units;
 use toml::{Table, Value};
 
 use crate::failure::Failure;
+use crate::session::NamedMap;
 use crate::table;
 
 /// The key and the flag of the unit of lengths.
@@ -57,21 +58,22 @@ struct Source {
 }
 
 impl Source {
-    /// The units of the problem: those that are given, of a result those that it has, or the unit in the file
-    /// of the surface.
-    fn units(&self) -> Result<Units, Failure> {
+    /// Returns the units of the problem: the given ones, the units of a result, or the unit in the file of the surface,
+    /// with the height map if that was read.
+    fn units(&self) -> Result<(Units, Option<NamedMap>), Failure> {
         let stress = self.stress_unit.as_deref();
         let surface = match (&self.unit, &self.surface) {
             (None, Some(surface)) => surface,
-            (unit, _) => return Ok(Units::new(unit.as_deref(), stress)),
+            (unit, _) => return Ok((Units::new(unit.as_deref(), stress), None)),
         };
         let (file, _) = split_dataset(surface).unwrap_or((surface, ""));
         if let Some(units) = Reader::open(file).ok().and_then(|reader| units_of_result(&reader)) {
-            return Ok(Units::new(units.length(), stress.or(units.stress())));
+            return Ok((Units::new(units.length(), stress.or(units.stress())), None));
         }
         let topography = Topography::read(surface, self.channel.as_deref());
         let topography = topography.map_err(|error| Failure::refused(error.to_string()))?;
-        Ok(Units::new(topography.unit.as_deref(), stress))
+        let units = Units::new(topography.unit.as_deref(), stress);
+        Ok((units, Some(NamedMap { file: surface.clone(), channel: self.channel.clone(), topography })))
     }
 }
 
@@ -132,12 +134,16 @@ impl Word {
 }
 
 /// Returns the words of the command `name` with bare numbers in place of quantities with a unit, and the rows of tables
-/// in place of their files.
+/// in place of their files; with the height map of the surface if it was read for its unit.
 ///
 /// # Errors
 /// Returns an error for a text that is not a unit, a quantity of another kind than its option, a quantity without a
 /// unit of lengths, or a table that cannot be read.
-pub fn of_words(name: &str, mut words: Vec<Word>, kinds: &KindsByKey) -> Result<Vec<Word>, Failure> {
+pub fn of_words(
+    name: &str,
+    mut words: Vec<Word>,
+    kinds: &KindsByKey,
+) -> Result<(Vec<Word>, Option<NamedMap>), Failure> {
     for word in &mut words {
         let columns = word.quantity(kinds).map_or(&[][..], |(_, kinds)| kinds.columns());
         let rows = match word.given() {
@@ -158,7 +164,7 @@ pub fn of_words(name: &str, mut words: Vec<Word>, kinds: &KindsByKey) -> Result<
         }
     }
     if !sought.any {
-        return Ok(words);
+        return Ok((words, None));
     }
     let value_of = |option: &str| {
         words.iter().filter_map(Word::given).find(|(key, _)| *key == option).map(|(_, value)| value.to_owned())
@@ -186,7 +192,7 @@ pub fn of_words(name: &str, mut words: Vec<Word>, kinds: &KindsByKey) -> Result<
         added.push((UNIT, found.clone()));
         source.unit = Some(found);
     }
-    let units = source.units()?;
+    let (units, map) = source.units()?;
     for word in &mut words {
         let Some(((key, text), kinds)) = word.quantity(kinds) else { continue };
         if let Some(text) = text_in_units((key, kinds), text, &mut &units)? {
@@ -198,7 +204,7 @@ pub fn of_words(name: &str, mut words: Vec<Word>, kinds: &KindsByKey) -> Result<
         added.push((STRESS_UNIT, Units::PASCAL.to_owned()));
     }
     words.extend(added.iter().map(|(option, value)| Word::value(option, &format!("{}=", flag(option)), value)));
-    Ok(words)
+    Ok((words, map))
 }
 
 /// The units of [`of_words`], for a table of options and its arrays.
@@ -233,7 +239,7 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &Kinds
         source.unit = source.unit.or_else(|| recorded(UNIT));
         source.stress_unit = source.stress_unit.or_else(|| recorded(STRESS_UNIT));
     }
-    let units = source.units()?;
+    let (units, _) = source.units()?;
     for (key, value) in table.iter_mut() {
         if let Some(kinds) = kinds.get(&**key) {
             value_in_units((key, *kinds), value, &mut &units)?;

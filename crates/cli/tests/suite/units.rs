@@ -4,6 +4,10 @@ use std::path::Path;
 
 use crate::common::{gfmd, json, numbers};
 use gfmd_files::Reader;
+use gfmd_input::session::Session;
+use gfmd_input::source::SourceArgs;
+use gfmd_input::units::{Word, of_words};
+use gfmd_problem::options::given::ArrayOption;
 use ndarray::Array2;
 use serde_json::Value;
 
@@ -85,6 +89,30 @@ fn a_quantity_is_the_number_of_the_problem_bit_for_bit() {
         "contact --surface h.npy --size 10 --unit um --young 70 --stress-unit GPa --pressure 0.01",
         "contact --surface h.npy --size 1e4nm --unit um --young 70GPa --stress-unit GPa --pressure 10MPa",
     );
+}
+
+/// The heights that were read for their unit are the heights of the surface: without their file, they cannot be read
+/// again.
+#[test]
+fn a_scan_is_read_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = folder.path().join("scan.txt");
+    let rows: Vec<String> = (0..8).map(|i| (0..8).map(|j| ((3 * i + j) % 5).to_string() + " ").collect()).collect();
+    std::fs::write(
+        &scan,
+        "# Channel: Height\n# Width: 8 um\n# Height: 8 um\n# Value units: nm\n".to_owned() + &rows.join("\n"),
+    )
+    .unwrap();
+    let name = scan.to_str().unwrap();
+    let given = vec![Word::value("surface", "--surface=", name), Word::value("pressure", "--pressure=", "1MPa")];
+    let (plain, map) = of_words("contact", given, gfmd_cli::kinds::kinds()).unwrap();
+    assert_eq!(plain[1].text(), "--pressure=1e6");
+    std::fs::remove_file(&scan).unwrap();
+    let source = SourceArgs { surface: Some(ArrayOption::File(name.into())), ..SourceArgs::default() };
+    let session = Session::silent().with_map(map);
+    let surface = source.surface(&session).unwrap();
+    assert_eq!((surface.grid.points(), surface.unit()), ([8, 8], "nm"));
+    assert!(source.surface(&session).is_err(), "the heights are not kept");
 }
 
 #[test]

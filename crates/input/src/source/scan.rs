@@ -90,12 +90,18 @@ fn as_map<S: Serializer>(pairs: &[(String, String)], serializer: S) -> Result<S:
 
 impl SourceArgs {
     /// Reads the file, or takes the array, and prepares its heights. If neither a file nor a flag gives a size, it has
-    /// the size of `cell`.
-    pub fn prepare(&self, given: &ArrayOption, cell: Option<[f64; 2]>) -> Result<PeriodicScan, Failure> {
-        let topography = match given {
-            ArrayOption::File(name) => Topography::read(name, self.channel.as_deref()),
-            ArrayOption::Array(array) => Topography::of_array("surface", &array.view()),
-            ArrayOption::Load(_) => return Err(Failure::refused("surface is a contact; it must be an array")),
+    /// the size of `cell`. A file that was `read` is not read again.
+    pub fn prepare(
+        &self,
+        given: &ArrayOption,
+        cell: Option<[f64; 2]>,
+        read: Option<Topography>,
+    ) -> Result<PeriodicScan, Failure> {
+        let topography = match (given, read) {
+            (_, Some(topography)) => Ok(topography),
+            (ArrayOption::File(name), None) => Topography::read(name, self.channel.as_deref()),
+            (ArrayOption::Array(array), None) => Topography::of_array("surface", &array.view()),
+            (ArrayOption::Load(_), None) => return Err(Failure::refused("surface is a contact; it must be an array")),
         };
         let topography = topography.map_err(|error| Failure::refused(error.to_string()))?;
         let name = given.to_string();
