@@ -111,7 +111,7 @@ fn a_scan_is_read_once() {
     let source = SourceArgs { surface: Some(ArrayOption::File(name.into())), ..SourceArgs::default() };
     let session = Session::silent().with_map(map);
     let surface = source.surface(&session).unwrap();
-    assert_eq!((surface.grid.points(), surface.unit()), ([8, 8], "um"));
+    assert_eq!((surface.grid.points(), surface.unit()), ([8, 8], "nm"));
     assert!(source.surface(&session).is_err(), "the heights are not kept");
 }
 
