@@ -885,8 +885,8 @@ class Steps(Record):
 
     @property
     def flow_residual(self) -> Array:
-        """Without unit [step]: largest of what is missing in a cell and the deviations of sections and power, over
-        the mean flow. With `flow` only.
+        """Without unit [step]: upper less lower bound of the conductivity along an axis, over the conductivity; larger
+        of x and y. With `flow` only.
         """
 
     @property
