@@ -168,8 +168,8 @@ impl<T: Real> Operator<T> {
         });
     }
 
-    /// Transforms the strain of selected cells back into fields, and frees their spectra one after the other. Components
-    /// that vanish in plane strain are zero.
+    /// Transforms the strain of selected cells back into fields, and frees their spectra one after the other.
+    /// Components that vanish in plane strain are zero.
     pub(crate) fn fields(&mut self, selected: &[bool]) -> CellFields<T> {
         self.count((0..selected.len()).filter(|cell| selected[*cell]));
         let Self { volume, levels, spectra, benches, .. } = self;
