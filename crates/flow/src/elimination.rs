@@ -12,6 +12,9 @@ use crate::graph::{Graph, total};
 use crate::numbering::Numbering;
 use crate::remaining::{KeptEdge, Remaining};
 
+/// Usual number of neighbours of a node at its elimination.
+const SHARES: usize = 5;
+
 /// Factors of the elimination of some nodes, numbered from 0; higher numbers refer to further nodes outside.
 #[derive(Default)]
 struct Factors {
@@ -153,7 +156,14 @@ impl Factors {
     /// Eliminates the nodes of a graph.
     fn of(remaining: &mut Remaining) -> Self {
         let mut queue = remaining.queue();
-        let mut factors = Self { starts: vec![0], ..Self::default() };
+        let nodes = remaining.own();
+        let mut factors = Self {
+            order: Vec::with_capacity(nodes),
+            starts: Vec::with_capacity(nodes + 1),
+            shares: Vec::with_capacity(SHARES * nodes),
+            inverses: Vec::with_capacity(nodes),
+        };
+        factors.starts.push(0);
         let mut around = Vec::new();
         while let Some(node) = queue.pop() {
             remaining.collect(node, &mut around, &mut queue);
@@ -163,6 +173,7 @@ impl Factors {
             factors.inverses.push(if weight > 0.0 { 1.0 / weight } else { 0.0 });
             factors.starts.push(factors.shares.len() as u32);
         }
+        factors.shares.shrink_to_fit();
         factors
     }
 

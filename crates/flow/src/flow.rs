@@ -4,17 +4,7 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::cells::{Axes, Cells, conducting, larger};
 use crate::numbering::Numbering;
-use crate::search::{Search, TOLERANCE, search};
-
-/// What a flow is computed for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wanted {
-    /// The conductivity alone. The flow in single cells may still be wrong by a tenth of the mean flow.
-    Conductivity,
-    /// Potential and flux of every cell, too, which take two to three times the iterations. The conductivity has the
-    /// same bits as without them.
-    Fields,
-}
+use crate::search::{Search, TOLERANCE, Wanted, search};
 
 /// Fields of the flow under a unit mean gradient along one axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,7 +127,7 @@ pub fn flow(grid: &Grid, conductivity: ArrayView2<f64>, boundary: Boundary, want
     if state.worst() <= TOLERANCE { Ok(state) } else { Err(FlowError::NotConverged { state: state.into() }) }
 }
 
-/// What the gradients of a flow have in common.
+/// Data common to the gradients of a flow.
 struct Problem<'a> {
     grid: &'a Grid,
     conductivity: &'a [f64],

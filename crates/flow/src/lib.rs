@@ -23,8 +23,8 @@ mod tree;
 /// number of threads.
 const PART: usize = 1 << 12;
 
-pub use flow::{Flow, FlowError, Path, Wanted, flow};
+pub use flow::{Flow, FlowError, Path, flow};
 pub use gfmd_field::Grid;
 pub use gfmd_measure::Boundary;
 pub use ndarray;
-pub use search::TOLERANCE;
+pub use search::{TOLERANCE, Wanted};

@@ -47,6 +47,11 @@ impl Remaining {
         Self { edges: Vec::new(), firsts, degrees, own, kept: Vec::new(), samples: seed << 40 }
     }
 
+    /// Returns the number of nodes to be eliminated.
+    pub(crate) fn own(&self) -> usize {
+        self.own
+    }
+
     /// Adds an edge.
     pub(crate) fn join(&mut self, a: usize, b: usize, weight: f64) {
         let weight = weight / COPIES as f64;

@@ -4,11 +4,20 @@ use gfmd_vector::pass;
 
 use crate::cells::{Cells, larger};
 use crate::elimination::{Elimination, Work};
-use crate::flow::Wanted;
 use crate::graph::{Drops, Graph, Powers};
 use crate::halved::drops;
 use crate::potential::Potential;
 use crate::tree::Tree;
+
+/// Results that a flow is computed for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// The conductivity alone. The flow in single cells may still be wrong by a tenth of the mean flow.
+    Conductivity,
+    /// Potential and flux of every cell, too, which take two to three times the iterations. The conductivity has the
+    /// same bits as without them.
+    Fields,
+}
 
 /// Largest [residual](crate::Flow::residual) of a converged flow.
 pub const TOLERANCE: f64 = 1e-8;
@@ -22,8 +31,8 @@ const ROUNDS: usize = 12;
 /// Error reduction of a round at which rounding errors dominate.
 const REDUCTION: f64 = 1e-12;
 
-/// Fraction of the tolerated flow missing in a cell that the first round leaves; each further round leaves this fraction
-/// of the previous value.
+/// Fraction of the tolerated flow missing in a cell that the first round leaves; each further round leaves this
+/// fraction of the previous value.
 const MARGIN: f64 = 0.3;
 
 /// Fraction of the tolerated distance between the bounds that the first round leaves.

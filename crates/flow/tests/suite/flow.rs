@@ -261,10 +261,9 @@ fn fields_change_no_bit_of_the_conductivity() {
 fn a_channel_along_one_axis_has_its_conductivity_alone() {
     // A meander of two cells, with a dead end and a basin beside it.
     let n = 40;
-    let is_open = |i: usize, j: usize| match (i, j) {
-        (0..20, 10..12) | (20..40, 24..26) | (18..20 | 38..40, 10..26) => true,
-        (5, 12..20) | (30..36, 2..8) => true,
-        _ => false,
+    let is_open = |i: usize, j: usize| {
+        let meander = matches!((i, j), (0..20, 10..12) | (20..40, 24..26) | (18..20 | 38..40, 10..26));
+        meander || matches!((i, j), (5, 12..20) | (30..36, 2..8))
     };
     let k = Array2::from_shape_fn((n, n), |(i, j)| if is_open(i, j) { 1.0 + (i * j % 7) as f64 } else { 0.0 });
     for boundary in BOTH {
