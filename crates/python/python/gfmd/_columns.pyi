@@ -300,9 +300,7 @@ class Numbers(Record):
 
     @property
     def mean_pressure_grid_error(self) -> float:
-        """Stress: error of mean_pressure by the finite grid: |mean_pressure - limit| + limit_error. With `approach`
-        only.
-        """
+        """Stress: grid error of mean_pressure: |mean_pressure - limit| + limit_error. With `approach` only."""
 
     @property
     def approach_limit(self) -> float:
@@ -316,7 +314,7 @@ class Numbers(Record):
 
     @property
     def approach_grid_error(self) -> float:
-        """Length: error of approach by the finite grid: |approach - limit| + limit_error. In some problems only."""
+        """Length: grid error of approach: |approach - limit| + limit_error. In some problems only."""
 
     @property
     def area_fraction_limit(self) -> float:
@@ -328,7 +326,7 @@ class Numbers(Record):
 
     @property
     def area_fraction_grid_error(self) -> float:
-        """Without unit: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error."""
+        """Without unit: grid error of area_fraction: |area_fraction - limit| + limit_error."""
 
     @property
     def kappa_limit(self) -> float:
@@ -340,7 +338,7 @@ class Numbers(Record):
 
     @property
     def kappa_grid_error(self) -> float:
-        """Without unit: error of kappa by the finite grid: |kappa - limit| + limit_error."""
+        """Without unit: grid error of kappa: |kappa - limit| + limit_error."""
 
     @property
     def boundary_links_limit(self) -> float:
@@ -352,7 +350,7 @@ class Numbers(Record):
 
     @property
     def boundary_links_grid_error(self) -> float:
-        """Without unit: error of boundary_links by the finite grid: |boundary_links - limit| + limit_error."""
+        """Without unit: grid error of boundary_links: |boundary_links - limit| + limit_error."""
 
     @property
     def mean_gap_limit(self) -> float:
@@ -364,7 +362,7 @@ class Numbers(Record):
 
     @property
     def mean_gap_grid_error(self) -> float:
-        """Length: error of mean_gap by the finite grid: |mean_gap - limit| + limit_error."""
+        """Length: grid error of mean_gap: |mean_gap - limit| + limit_error."""
 
     @property
     def max_pressure_limit(self) -> float:
@@ -376,7 +374,7 @@ class Numbers(Record):
 
     @property
     def max_pressure_grid_error(self) -> float:
-        """Stress: error of max_pressure by the finite grid: |max_pressure - limit| + limit_error."""
+        """Stress: grid error of max_pressure: |max_pressure - limit| + limit_error."""
 
     @property
     def mean_pressure_in_contact_limit(self) -> float:
@@ -388,9 +386,7 @@ class Numbers(Record):
 
     @property
     def mean_pressure_in_contact_grid_error(self) -> float:
-        """Stress: error of mean_pressure_in_contact by the finite grid: |mean_pressure_in_contact - limit| +
-        limit_error.
-        """
+        """Stress: grid error of mean_pressure_in_contact: |mean_pressure_in_contact - limit| + limit_error."""
 
     @property
     def pressure_deviation_in_contact_limit(self) -> float:
@@ -402,8 +398,8 @@ class Numbers(Record):
 
     @property
     def pressure_deviation_in_contact_grid_error(self) -> float:
-        """Stress: error of pressure_deviation_in_contact by the finite grid: |pressure_deviation_in_contact - limit|
-        + limit_error.
+        """Stress: grid error of pressure_deviation_in_contact: |pressure_deviation_in_contact - limit| +
+        limit_error.
         """
 
     @property
@@ -416,7 +412,7 @@ class Numbers(Record):
 
     @property
     def pressure_moment_2_grid_error(self) -> float:
-        """Stress^2: error of pressure_moment_2 by the finite grid: |pressure_moment_2 - limit| + limit_error."""
+        """Stress^2: grid error of pressure_moment_2: |pressure_moment_2 - limit| + limit_error."""
 
     @property
     def elastic_energy_limit(self) -> float:
@@ -428,7 +424,7 @@ class Numbers(Record):
 
     @property
     def elastic_energy_grid_error(self) -> float:
-        """Stress * length: error of elastic_energy by the finite grid: |elastic_energy - limit| + limit_error."""
+        """Stress * length: grid error of elastic_energy: |elastic_energy - limit| + limit_error."""
 
     @property
     def interface_energy_limit(self) -> float:
@@ -442,8 +438,8 @@ class Numbers(Record):
 
     @property
     def interface_energy_grid_error(self) -> float:
-        """Stress * length: error of interface_energy by the finite grid: |interface_energy - limit| + limit_error.
-        With `law` only.
+        """Stress * length: grid error of interface_energy: |interface_energy - limit| + limit_error. With `law`
+        only.
         """
 
     @property
@@ -456,7 +452,7 @@ class Numbers(Record):
 
     @property
     def stiffness_grid_error(self) -> float:
-        """Stress/length: error of stiffness by the finite grid: |stiffness - limit| + limit_error."""
+        """Stress/length: grid error of stiffness: |stiffness - limit| + limit_error."""
 
 class Fields:
     """The fields of a load."""
@@ -907,9 +903,7 @@ class Steps(Record):
 
     @property
     def mean_pressure_grid_error(self) -> Array:
-        """Stress [step]: error of mean_pressure by the finite grid: |mean_pressure - limit| + limit_error. With
-        `approach` only.
-        """
+        """Stress [step]: grid error of mean_pressure: |mean_pressure - limit| + limit_error. With `approach` only."""
 
     @property
     def mean_shear_limit(self) -> Array:
@@ -925,8 +919,8 @@ class Steps(Record):
 
     @property
     def mean_shear_grid_error(self) -> Array:
-        """Stress [step, 2]: error of mean_shear_x by the finite grid: |mean_shear_x - limit| + limit_error. With
-        `friction` or `lateral` or `boundary="free"` only.
+        """Stress [step, 2]: grid error of mean_shear_x: |mean_shear_x - limit| + limit_error. With `friction` or
+        `lateral` or `boundary="free"` only.
         """
 
     @property
@@ -939,7 +933,7 @@ class Steps(Record):
 
     @property
     def approach_grid_error(self) -> Array:
-        """Length [step]: error of approach by the finite grid: |approach - limit| + limit_error."""
+        """Length [step]: grid error of approach: |approach - limit| + limit_error."""
 
     @property
     def area_fraction_limit(self) -> Array:
@@ -951,7 +945,7 @@ class Steps(Record):
 
     @property
     def area_fraction_grid_error(self) -> Array:
-        """Without unit [step]: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error."""
+        """Without unit [step]: grid error of area_fraction: |area_fraction - limit| + limit_error."""
 
     @property
     def mean_gap_limit(self) -> Array:
@@ -963,7 +957,7 @@ class Steps(Record):
 
     @property
     def mean_gap_grid_error(self) -> Array:
-        """Length [step]: error of mean_gap by the finite grid: |mean_gap - limit| + limit_error."""
+        """Length [step]: grid error of mean_gap: |mean_gap - limit| + limit_error."""
 
     @property
     def elastic_energy_limit(self) -> Array:
@@ -977,9 +971,7 @@ class Steps(Record):
 
     @property
     def elastic_energy_grid_error(self) -> Array:
-        """Stress * length [step]: error of elastic_energy by the finite grid: |elastic_energy - limit| +
-        limit_error.
-        """
+        """Stress * length [step]: grid error of elastic_energy: |elastic_energy - limit| + limit_error."""
 
     @property
     def interface_energy_limit(self) -> Array:
@@ -993,8 +985,8 @@ class Steps(Record):
 
     @property
     def interface_energy_grid_error(self) -> Array:
-        """Stress * length [step]: error of interface_energy by the finite grid: |interface_energy - limit| +
-        limit_error. In some problems only.
+        """Stress * length [step]: grid error of interface_energy: |interface_energy - limit| + limit_error. In some
+        problems only.
         """
 
     @property
@@ -1007,7 +999,7 @@ class Steps(Record):
 
     @property
     def dissipated_grid_error(self) -> Array:
-        """Stress * length [step]: error of dissipated by the finite grid: |dissipated - limit| + limit_error."""
+        """Stress * length [step]: grid error of dissipated: |dissipated - limit| + limit_error."""
 
     @property
     def stiffness_limit(self) -> Array:
@@ -1019,7 +1011,7 @@ class Steps(Record):
 
     @property
     def stiffness_grid_error(self) -> Array:
-        """Stress/length [step]: error of stiffness by the finite grid: |stiffness - limit| + limit_error."""
+        """Stress/length [step]: grid error of stiffness: |stiffness - limit| + limit_error."""
 
     @property
     def flow_xx_limit(self) -> Array:
@@ -1033,9 +1025,7 @@ class Steps(Record):
 
     @property
     def flow_xx_grid_error(self) -> Array:
-        """Without unit [step]: error of flow_xx by the finite grid: |flow_xx - limit| + limit_error. With `flow`
-        only.
-        """
+        """Without unit [step]: grid error of flow_xx: |flow_xx - limit| + limit_error. With `flow` only."""
 
     @property
     def flow_yy_limit(self) -> Array:
@@ -1049,9 +1039,7 @@ class Steps(Record):
 
     @property
     def flow_yy_grid_error(self) -> Array:
-        """Without unit [step]: error of flow_yy by the finite grid: |flow_yy - limit| + limit_error. With `flow`
-        only.
-        """
+        """Without unit [step]: grid error of flow_yy: |flow_yy - limit| + limit_error. With `flow` only."""
 
 class StepFields(Record):
     """The fields of a path."""
@@ -1272,8 +1260,8 @@ class States(Record):
 
     @property
     def area_fraction_grid_error(self) -> Array:
-        """Without unit [state]: error of area_fraction by the finite grid: |area_fraction - limit| + limit_error.
-        With `grid_error="refine"` only.
+        """Without unit [state]: grid error of area_fraction: |area_fraction - limit| + limit_error. With
+        `grid_error="refine"` only.
         """
 
     @property
@@ -1288,8 +1276,8 @@ class States(Record):
 
     @property
     def friction_grid_error(self) -> Array:
-        """Without unit [state]: error of friction by the finite grid: |friction - limit| + limit_error. With
-        `grid_error="refine"` only.
+        """Without unit [state]: grid error of friction: |friction - limit| + limit_error. With `grid_error="refine"`
+        only.
         """
 
     @property
@@ -1306,8 +1294,8 @@ class States(Record):
 
     @property
     def friction_hysteresis_grid_error(self) -> Array:
-        """Without unit [state]: error of friction_hysteresis by the finite grid: |friction_hysteresis - limit| +
-        limit_error. With `grid_error="refine"` only.
+        """Without unit [state]: grid error of friction_hysteresis: |friction_hysteresis - limit| + limit_error. With
+        `grid_error="refine"` only.
         """
 
     @property
