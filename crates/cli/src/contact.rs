@@ -30,7 +30,7 @@ use gfmd_surface::{Interpolation, PowerSpectrum};
 use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
-use crate::loads::LoadArgs;
+use crate::loads::{LoadArgs, Sign};
 use crate::progress::Progress;
 use gfmd_input::base::MovedBase;
 use gfmd_input::failure::{Failure, Outcome};
@@ -209,7 +209,7 @@ struct Loads {
 impl Loads {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.checkpoint.every()?;
-        args.control.check(args.problem.law.law != LawKind::HardWall)?;
+        args.control.check(if args.problem.law.law == LawKind::HardWall { Sign::Positive } else { Sign::Any })?;
         let count = args.control.given_values().len();
         args.problem.check()?;
         args.check_history()?;

@@ -36,6 +36,17 @@ pub(crate) struct LoadArgs {
     approach: Vec<Entry>,
 }
 
+/// Allowed signs of loads and approaches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sign {
+    /// Surfaces that only touch under a load.
+    Positive,
+    /// Surfaces that keep an imprint, which a load of zero leaves; approaches are positive.
+    NotNegative,
+    /// Surfaces that may be pulled.
+    Any,
+}
+
 impl LoadArgs {
     /// Returns the keys of the loads with their values.
     fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
@@ -57,20 +68,24 @@ impl LoadArgs {
         self.given().into_iter().flat_map(|(_, values)| numbers(values)).collect()
     }
 
-    /// Checks the loads. Only a contact that may be pulled accepts tension.
+    /// Checks that the loads have an allowed sign.
     ///
     /// # Errors
     /// Returns an error unless exactly one option is given, with values that can be used.
-    pub(crate) fn check(&self, pulls: bool) -> Result<(), Failure> {
+    pub(crate) fn check(&self, sign: Sign) -> Result<(), Failure> {
         let given = self.given();
         if given.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
             let names = words![key("pressure"), ", ", key("p_star"), ", ", key("approach")];
             let found = "loads are given by none or several of ";
             return Err(Failure::refused(words![found, names, "; it must be one of them"]));
         }
-        let allowed = if pulls { "finite" } else { "positive and finite" };
         for (option, values) in given {
-            if let Some(bad) = numbers(values).find(|value| !(value.is_finite() && (pulls || *value > 0.0))) {
+            let (allowed, has_sign): (&str, fn(f64) -> bool) = match sign {
+                Sign::NotNegative if option != "approach" => ("finite and not negative", |value| value >= 0.0),
+                Sign::Positive | Sign::NotNegative => ("positive and finite", |value| value > 0.0),
+                Sign::Any => ("finite", |_| true),
+            };
+            if let Some(bad) = numbers(values).find(|value| !(value.is_finite() && has_sign(*value))) {
                 return Err(Failure::value(key(option), bad, allowed));
             }
         }

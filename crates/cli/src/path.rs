@@ -27,6 +27,7 @@ use serde::{Deserialize, Serialize};
 use self::args::{PathOptions, StepArgs};
 use self::course::{Followed, PathInput, PathSettings};
 use self::waypoints::WaypointArgs;
+use crate::loads::Sign;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::lower::LowerArgs;
@@ -53,7 +54,7 @@ const FRICTION_SOLVES: u64 = 10;
     --approach=-0.004,0.004,-0.007 --steps 20 --out loop.h5 --plots loop
   gfmd path --n 128 --p-star 0.05 --friction 0.3 --lateral 0,0.002,-0.002,0.002 --steps 16 --plots slip
   gfmd path --n 128 --hardness 0.1 --p-star 0.01,0.3,0.01,0.3 --steps 10 --out imprint.h5 --plots imprint
-  gfmd path --n 64 --poisson 0.3 --yield-stress 0.02 --hardening 0.02 --p-star 0.01,0.1,0.01 --steps 8 --out metal.h5
+  gfmd path --n 64 --poisson 0.3 --yield-stress 0.02 --hardening 0.02 --p-star 0.01,0.1,0 --steps 8 --out metal.h5
   gfmd path --n 128 --prony 0.1:0.3,10:0.4 --pressure 0.01 --time 0,1e-3:1e3:25 --steps 1 --out creep.h5 --plots creep
   gfmd path --n 128 --p-star 0.05 --coefficient 1 --distance 0,1e-3:0.1:20 --steps 1 --out worn.h5 --plots worn
   gfmd path --n 64 --dim 2 --law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 \\
@@ -239,8 +240,12 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may lag behind the surface and touch it again.
     let may_part = prepared.prony.is_some() && args.waypoints.given() == "approach";
-    let hard = !may_part && args.law.law == LawKind::HardWall;
-    let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), hard)?;
+    let sign = match () {
+        () if prepared.facts.yields => Sign::NotNegative,
+        () if !may_part && args.law.law == LawKind::HardWall => Sign::Positive,
+        () => Sign::Any,
+    };
+    let (drives, places) = args.waypoints.drives(args.steps.steps, prepared.unit_pressure(), sign)?;
     if let Some(Wear { by_distance, .. }) = prepared.wear {
         check_distance(by_distance, &drives, &prepared.surface.heights)?;
     }

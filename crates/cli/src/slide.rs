@@ -31,7 +31,7 @@ use gfmd_run::series::{Asked, Head, Prepared, at_same_place, run_with_journal, s
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
-use crate::loads::LoadArgs;
+use crate::loads::{LoadArgs, Sign};
 use crate::progress::Progress;
 use gfmd_problem::options::SearchArgs;
 
@@ -216,7 +216,7 @@ impl Finer {
 
 impl SlideInput {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
-        args.control.check(false)?;
+        args.control.check(Sign::Positive)?;
         if args.grid_error == GridError::Estimate {
             let why = "the error of a single solution is not known while surfaces slide";
             return Err(Failure::from(

@@ -22,7 +22,7 @@ impl Equilibrium for YieldingContact {
     }
 
     fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
-        self.contact().check_resolution(drive, tolerance)
+        YieldingContact::check_resolution(self, drive.load, tolerance)
     }
 
     fn equilibrate(

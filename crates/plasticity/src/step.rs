@@ -279,7 +279,8 @@ impl Search<'_> {
         last: Option<f64>,
     ) -> Result<(), Refusal> {
         let cells = flowing.len();
-        let floating = matches!(self.load, Load::MeanPressure(_));
+        // Without a load nothing touches, and nothing has a mean.
+        let floating = matches!(self.load, Load::MeanPressure(mean) if mean > 0.0);
         let active: Vec<bool> = flowing.iter().map(|cell| !cell.tangents.is_empty()).collect();
         let mut starts = vec![0];
         for cell in flowing {

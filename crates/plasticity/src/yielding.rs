@@ -53,6 +53,14 @@ pub(crate) struct Energies {
     pub(crate) dissipated: f64,
 }
 
+/// The load that unloads a body, so that the surfaces touch without a pressure.
+const UNLOADED: Load = Load::MeanPressure(0.0);
+
+/// Returns the approach at which a contact touches at one point.
+fn first_touch(contact: &Contact) -> f64 {
+    contact.surface().clearance().iter().copied().fold(f64::INFINITY, gfmd_vector::lower)
+}
+
 /// Part of the pressure of uniform yield that a half-space carries.
 const UNIFORM_YIELD: f64 = 0.95;
 
@@ -140,11 +148,19 @@ impl YieldingContact {
             return Err(Refusal::OtherKind);
         }
         self.check_load(load)?;
-        self.contact.check_resolution(Drive::from(load), tolerance)
+        self.check_resolution(load, tolerance)
+    }
+
+    /// Checks that the tolerance resolves a load.
+    pub(crate) fn check_resolution(&self, load: Load, tolerance: f64) -> Result<(), Refusal> {
+        if load == UNLOADED { Ok(()) } else { self.contact.check_resolution(Drive::from(load), tolerance) }
     }
 
     /// Checks a load.
     pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
+        if load == UNLOADED {
+            return Ok(());
+        }
         self.contact.check(Drive::from(load))?;
         match (load, self.limit) {
             (Load::MeanPressure(found), Some(limit)) if found >= limit => {
@@ -212,14 +228,16 @@ impl YieldingContact {
         let depth = plastic_displacement.iter().map(|u| -u).collect();
         let depth = Array2::from_shape_vec(points, depth).expect("the displacement has the size of the grid");
         let contact = self.contact.with_indentation(&depth)?;
-        if let Load::Approach(approach) = load {
-            let apart = contact.surface().clearance().iter().all(|clearance| *clearance >= approach);
-            if apart {
-                // The imprint of earlier loads may be deeper than the approach.
-                let mut solution = contact.certify(&Array2::zeros(points), load)?;
-                solution.residual.complementarity = 0.0;
-                return Ok(solution);
-            }
+        let touch = first_touch(&contact);
+        let apart = match load {
+            // The imprint of earlier loads may be deeper than the approach.
+            Load::Approach(approach) => (touch >= approach).then_some(approach),
+            Load::MeanPressure(_) => (load == UNLOADED).then_some(touch),
+        };
+        if let Some(approach) = apart {
+            let mut solution = contact.certify(&Array2::zeros(points), Load::Approach(approach))?;
+            solution.residual.complementarity = 0.0;
+            return Ok(solution);
         }
         let start = start.iter().any(|p| *p > 0.0).then(|| contact.certify(start, load)).transpose()?;
         match contact.equilibrate(load.into(), Solver::Auto, budget, start.as_ref(), &mut ()) {
@@ -396,7 +414,9 @@ impl YieldingContact {
         let depth: Vec<f64> = plastic_displacement.iter().map(|u| -u).collect();
         let shape = self.response.grid().points();
         let depth = Array2::from_shape_vec(shape, depth).expect("the displacement has the size of the grid");
-        let mut solution = self.contact.with_indentation(&depth)?.certify(pressure, load)?;
+        let contact = self.contact.with_indentation(&depth)?;
+        let load = if load == UNLOADED { Load::Approach(first_touch(&contact)) } else { load };
+        let mut solution = contact.certify(pressure, load)?;
         let parted = solution.mean_pressure == 0.0 && solution.residual.penetration == 0.0;
         if parted {
             solution.residual.complementarity = 0.0;

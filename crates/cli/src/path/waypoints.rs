@@ -10,7 +10,7 @@ use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_run::series::Places;
 
 use super::legs::{counted, legs, lengths};
-use crate::loads::LoadArgs;
+use crate::loads::{LoadArgs, Sign};
 use gfmd_problem::options::{Kinds, Options};
 
 /// The flags of the waypoints. A single value holds for all of them; lists of several values have equal lengths.
@@ -53,9 +53,9 @@ impl WaypointArgs {
     ///
     /// # Errors
     /// Returns an error naming a flag that cannot be used.
-    pub(super) fn drives(&self, steps: u32, unit_pressure: f64, hard: bool) -> Result<(Vec<Drive>, Places), Failure> {
+    pub(super) fn drives(&self, steps: u32, unit_pressure: f64, sign: Sign) -> Result<(Vec<Drive>, Places), Failure> {
         let option = self.given();
-        self.loads.check(!hard)?;
+        self.loads.check(sign)?;
         let (values, load) = self.loads.values(unit_pressure);
         let all = self.lateral.iter().map(|value| ("lateral", value)).chain([("direction", &self.direction)]);
         let all = all.chain(self.lateral_y.iter().map(|value| ("lateral_y", value)));

@@ -155,6 +155,30 @@ fn the_program_has_the_values_of_the_reference() {
 }
 
 #[test]
+fn a_load_of_zero_leaves_the_imprint() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, flags) in [("a", "--p-star 0.1,0,0.1"), ("b", "--pressure 0.01,0 --grid-error refine --flow")] {
+        let report = json(folder.path(), &words(&format!("{METAL} {flags} --steps 2 --out {name}.h5 --json")));
+        let step = &report["steps"][2];
+        assert_eq!(step["converged"], true);
+        assert_eq!((step["mean_pressure"].as_f64(), step["area_fraction"].as_f64()), (Some(0.0), Some(0.0)));
+        assert!(
+            step["plastic_displacement"]["min"].as_f64().unwrap() < 0.0 && step["approach"].as_f64().unwrap() > 0.0
+        );
+        assert_eq!(json(folder.path(), &["check", &format!("{name}.h5"), "--rerun", "--json"])["differing"], 0);
+        assert!(gfmd(folder.path(), &["report", &format!("{name}.h5")]).status.success());
+    }
+    let refused = |flags: &str| {
+        let output = gfmd(folder.path(), &words(&format!("{METAL} {flags}")));
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    for flags in ["--pressure 0.01,-0.001", "--approach 0.001,0"] {
+        let (status, text) = refused(flags);
+        assert!(status == Some(2) && text.contains("it must be"), "{flags}: {text}");
+    }
+}
+
+#[test]
 fn without_yield_a_path_is_the_elastic_contact() {
     let folder = tempfile::tempdir().unwrap();
     let load = "--p-star 0.001 --tolerance 1e-11 --json";

@@ -85,6 +85,34 @@ fn unloading_is_elastic_and_leaves_residual_stress_and_an_imprint() {
 }
 
 #[test]
+fn without_a_load_the_imprint_is_left_and_the_surfaces_touch() {
+    let contact = yielding(32, 0.02);
+    let budget = Budget::default();
+    let pressed = contact.step(&contact.rest().unwrap(), Load::MeanPressure(0.01), &budget, &mut ()).unwrap();
+    let unloaded = contact.step(&pressed, Load::MeanPressure(0.0), &budget, &mut ()).unwrap();
+    assert!(unloaded.mean_pressure() == 0.0 && unloaded.worst() <= budget.tolerance);
+    assert!(unloaded.solution.pressure.iter().all(|p| *p == 0.0));
+    assert_eq!(unloaded.displacement_z(), unloaded.plastic_displacement);
+    let lowest = unloaded.gap().iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(lowest.abs() <= 1e-15 && unloaded.approach() > 0.0, "{lowest:e}");
+    // A light load gives the same imprint, and nearly the same approach.
+    let light = contact.step(&pressed, Load::MeanPressure(1e-9), &budget, &mut ()).unwrap();
+    assert_eq!(light.plastic, unloaded.plastic);
+    approx::assert_relative_eq!(light.approach(), unloaded.approach(), max_relative = 1e-3);
+    assert!(unloaded.elastic_energy > 0.0 && unloaded.elastic_energy < light.elastic_energy);
+    let certified = contact.certify(&pressed, &unloaded.solution.pressure, &unloaded.plastic, Load::MeanPressure(0.0));
+    let certified = certified.unwrap();
+    assert!(certified.worst() <= 1e-8, "{:?}", certified.residuals());
+    approx::assert_relative_eq!(certified.approach(), unloaded.approach(), max_relative = 1e-12);
+    // Loaded again it is the first load.
+    let again = contact.step(&unloaded, Load::MeanPressure(0.01), &budget, &mut ()).unwrap();
+    approx::assert_relative_eq!(again.approach(), pressed.approach(), max_relative = 1e-7);
+    // A body that has not yielded touches at one point.
+    let rest = contact.step(&contact.rest().unwrap(), Load::MeanPressure(0.0), &budget, &mut ()).unwrap();
+    assert!(rest.approach() == 0.0 && rest.operators == 1);
+}
+
+#[test]
 fn an_approach_above_the_imprint_has_no_contact() {
     let contact = yielding(32, 0.02);
     let budget = Budget::default();

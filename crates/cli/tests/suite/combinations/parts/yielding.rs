@@ -22,6 +22,8 @@ pub(crate) struct Yielding {
     stresses: Vec<f64>,
     /// Isotropic hardening, and kinematic hardening.
     hardening: [f64; 2],
+    /// Plastic strain and yield stress of a curve, in place of the isotropic hardening; none if empty.
+    curve: Vec<[f64; 2]>,
     /// Flags of the cells.
     cells: String,
 }
@@ -93,15 +95,54 @@ impl Yielding {
             });
         }
         parts.steps = parts.steps.min(2);
-        Some(Self { stresses: [vec![stress], below].concat(), hardening: [isotropic, kinematic], cells })
+        // More dice, so that other paths stay as they are.
+        let dice = &mut Dice::new(parts.index + 0xc0de);
+        let is_alone = below.iter().all(|stress| *stress == 0.0);
+        let curve = if is_alone && dice.chance(0.3) {
+            let mut last = stress;
+            let rows = [0.0, 1e-3, 0.01, 0.1].map(|strain| {
+                let row = [strain, last];
+                last = short(last * dice.between(1.0, 1.5));
+                row
+            });
+            rows.to_vec()
+        } else {
+            Vec::new()
+        };
+        if parts.control != Control::Approach && parts.loads.len() > 1 && dice.chance(0.4) {
+            let last = parts.loads.len() - 1;
+            parts.loads[last] = 0.0;
+        }
+        Some(Self { stresses: [vec![stress], below].concat(), hardening: [isotropic, kinematic], curve, cells })
+    }
+
+    /// Returns the energy that isotropic hardening stores up to an equivalent plastic strain, per volume.
+    fn stored(&self, equivalent: f64) -> f64 {
+        let Self { stresses, hardening: [isotropic, _], curve, .. } = self;
+        if curve.is_empty() {
+            return 0.5 * isotropic * equivalent * equivalent;
+        }
+        let (mut energy, above) = (0.0, |stress: f64| stress - stresses[0]);
+        for rows in curve.windows(2) {
+            let [[begin, first], [end, last]] = [rows[0], rows[1]];
+            let reached = equivalent.clamp(begin, end);
+            let there = first + (last - first) * (reached - begin) / (end - begin);
+            energy += 0.5 * (above(first) + above(there)) * (reached - begin);
+        }
+        let [end, last] = curve[curve.len() - 1];
+        energy + above(last) * (equivalent - end).max(0.0)
     }
 
     /// Returns the flags.
     pub(super) fn words(&self) -> String {
-        let Self { stresses, hardening: [isotropic, kinematic], cells } = self;
+        let Self { stresses, hardening: [isotropic, kinematic], curve, cells } = self;
         let mut text = format!(" --yield-stress {}", stresses[0]);
+        if !curve.is_empty() {
+            let rows: Vec<String> = curve.iter().map(|[strain, stress]| format!("{strain}:{stress}")).collect();
+            let _ = write!(text, " --hardening-curve {}", rows.join(","));
+        }
         for (flag, value) in [("hardening", isotropic), ("kinematic-hardening", kinematic)] {
-            if *value > 0.0 {
+            if *value > 0.0 && (curve.is_empty() || flag != "hardening") {
                 let _ = write!(text, " --{flag} {value}");
             }
         }
@@ -116,7 +157,7 @@ impl Yielding {
     pub(super) fn hard(&self, body: &Body) -> Self {
         let least = materials(body).iter().map(|(layer, _)| layer.young).fold(f64::INFINITY, f64::min);
         let stresses = self.stresses.iter().map(|stress| if *stress > 0.0 { 0.099 * least } else { 0.0 }).collect();
-        Self { stresses, ..self.clone() }
+        Self { stresses, curve: Vec::new(), ..self.clone() }
     }
 }
 
@@ -190,7 +231,7 @@ fn one(
     (cells, file, waypoint): (&[Strained], &Reader, usize),
     found: &mut Found,
 ) {
-    let [isotropic, kinematic] = yielding.hardening;
+    let [_, kinematic] = yielding.hardening;
     let (mut most, mut integral, mut volume, mut depth) = (0.0_f64, 0.0, 0.0, 0.0);
     let (mut hardening, mut sink, mut size) = (0.0, 0.0, 0.0);
     for (number, cell) in cells.iter().enumerate() {
@@ -211,11 +252,8 @@ fn one(
         if largest(equivalent) > 0.0 {
             depth = cell.depth;
         }
-        let own: Vec<f64> = equivalent
-            .iter()
-            .zip(&squares)
-            .map(|(k, square)| 0.5 * isotropic * k * k + kinematic / 3.0 * square)
-            .collect();
+        let own: Vec<f64> =
+            equivalent.iter().zip(&squares).map(|(k, square)| yielding.stored(*k) + kinematic / 3.0 * square).collect();
         hardening += thickness * mean(&own);
         // The mean stress on horizontal planes is the load alone: τ_zz of the mean strain is balanced by a mean strain.
         let compliance = (1.0 - 2.0 * material.poisson) / (1.0 - material.poisson);
