@@ -76,3 +76,8 @@ def test_a_punch_has_dynamics_of_its_own_and_their_history():
         assert history.modes[1].mode == [-1, 2] and len(history.modes[1].re) == len(history.iteration)
         assert np.all(history.points[0].u == -0.005)
     assert np.isnan(gfmd.punch(n=12, history=True).history.energy[0])
+
+
+def test_ragged_options_are_refused():
+    with pytest.raises(gfmd.InputError, match="entries of three"):
+        gfmd.punch(n=8, history=True, history_modes=[[], [0.0]])

@@ -57,7 +57,8 @@ def given(options: Mapping[str, Any], table: Mapping[str, Mapping[str, Any]]) ->
     """Checks options by a table. Returns them without the ones that have no value."""
 
     def is_left_out(name: str, value: Any) -> bool:
-        return value is None or table[name]["default"] == [] and np.size(value) == 0
+        is_empty = value.size == 0 if isinstance(value, np.ndarray) else isinstance(value, (list, tuple)) and not value
+        return value is None or table[name]["default"] == [] and is_empty
 
     there = {name: value for name, value in options.items() if not is_left_out(name, value)}
     return {name: _checked(name, value, table[name]["type"]) for name, value in there.items()}
