@@ -40,7 +40,7 @@ impl Cells<'_> {
         })
     }
 
-    /// Computes the potentials of all cells from those of the graph.
+    /// Computes the potentials of all cells from the potentials of the graph.
     pub(crate) fn expand(&self, kept: impl Fn(usize) -> Potential + Sync) -> Vec<Potential> {
         let of = |number: usize| {
             if number < self.numbering().kept() {

@@ -125,7 +125,9 @@ impl Relaxing {
             return Err(Refusal::ShearAlone { with: "a second surface" });
         };
         let mut transforms = PlateTransforms::of(&PlateResponse::new(self.grid, &Plate::of(body)?).into());
-        let uniform = 1.0 / transforms.response().uniform_compliance();
+        // An incompressible plate is not squeezed as a whole, and its mean indentation is zero.
+        let compliance = transforms.response().uniform_compliance();
+        let uniform = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
         let weights = std::iter::once(1.0).chain(branches.iter().map(|branch| branch.weight));
         let [upper, lower] = memories;
         let energies = weights.zip(upper).zip(lower).map(|((weight, upper), lower)| {

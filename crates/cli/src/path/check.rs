@@ -121,7 +121,7 @@ impl Face<'_> {
         rooms.into_iter()
     }
 
-    /// Returns the approach of which the gaps tell.
+    /// Returns the approach that follows from the gaps.
     fn apart(&self) -> f64 {
         self.rooms().zip(&self.gap).map(|(room, gap)| room - gap).sum::<f64>() / self.gap.len() as f64
     }

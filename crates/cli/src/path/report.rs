@@ -235,7 +235,7 @@ impl fmt::Display for Report {
         }
         if let Some(volume) = self.wear_volume {
             write!(f, "\nwear volume {} per area", read(volume, "length"))?;
-            // The numbers of a step are those of the upper face.
+            // The numbers of a step belong to the upper face.
             match self.steps.iter().rev().find_map(|step| step.value("lower_wear_volume")) {
                 Some(below) => writeln!(f, " at the upper face, {} at the lower", read(below, "length"))?,
                 None => writeln!(f)?,

@@ -213,10 +213,12 @@ fn both_faces_have_histories() {
     let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
     for (name, flags) in [
         ("a", prony.to_owned()),
+        ("incompressible", format!("{prony} --poisson 0.5")),
         ("b", wear.to_owned()),
         ("c", format!("{prony} {wear} --hardness 0.2")),
         ("d", format!("{prony} {wear} {law} --plots d")),
     ] {
+        let slab = if flags.contains("--poisson") { "--n 32 --eps-f-inv 4 --height 0.1" } else { slab };
         let run_it = format!("path {slab} {flags} --p-star 0.05,0.1,0.1 --steps 2 --lower-seed 2");
         let report = run(folder, &format!("{run_it} --out {name}.h5 --json"));
         let steps = report["steps"].as_array().unwrap();

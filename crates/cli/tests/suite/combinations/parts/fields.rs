@@ -338,7 +338,7 @@ fn shear(parts: &Parts, step: &Value, state: &State, [x, y]: [&[f64]; 2], found:
 
 /// Checks the displacement and the energy of the body.
 fn body(parts: &Parts, step: &Value, state: &State, reached: &Reached, sizes: &Sizes, found: &mut Found) {
-    // Of a plate, the indentations of both faces.
+    // A plate has the indentations of both faces.
     let elastic: Vec<Vec<f64>> = match state.lower {
         Some(_) => reached.displacement.iter().map(|field| field.iter().map(|u| -u).collect()).collect(),
         None => vec![reached.displacement.last().unwrap().clone()],
