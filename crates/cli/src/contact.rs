@@ -222,7 +222,7 @@ impl Loads {
         args.check_fields(facts)?;
         args.trace.tracer(&surface.grid, args.axes(surface))?;
         let conducting = Conducting::new(args, body, surface)?;
-        let drives = args.control.loads(prepared.unit_pressure()).map(Into::into).collect();
+        let drives = args.control.loads(&prepared)?.map(Into::into).collect();
         let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
         let output =
             own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input(key("out"), error))?;

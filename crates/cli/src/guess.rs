@@ -17,7 +17,8 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
     (&["nu", "poisson-ratio", "poissons-ratio"], "poisson"),
     (&["e", "modulus", "young-modulus", "youngs-modulus", "elastic-modulus"], "young"),
     (&["estar", "contact-modulus", "reduced-modulus"], "e-star"),
-    (&["load", "mean-pressure", "stress", "nominal-pressure"], "pressure"),
+    (&["normal-force", "load", "weight"], "force"),
+    (&["mean-pressure", "stress", "nominal-pressure"], "pressure"),
     (&["reduced-pressure", "pstar"], "p-star"),
     (&["indentation", "penetration", "disp", "depth"], "approach"),
     (&["cell", "lx", "physical-size"], "size"),
@@ -40,11 +41,6 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
 
 /// Options unknown to a command, the commands (all if empty), and the replacement to suggest.
 const INSTEAD: &[(&[&str], &[&str], &str)] = &[
-    (
-        &["force", "normal-force", "load", "weight"],
-        &["contact", "path", "slide"],
-        "write the mean pressure, the force divided by the area of the surface: --pressure 1MPa",
-    ),
     (
         &["pressure", "load", "force"],
         &["theory"],

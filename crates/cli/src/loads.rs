@@ -1,4 +1,4 @@
-//! Flags of the loads: mean pressures, reduced pressures, or approaches.
+//! Flags of the loads: mean pressures, reduced pressures, forces, or approaches.
 
 use clap::Args;
 use gfmd_contact::Load;
@@ -6,6 +6,7 @@ use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_problem::{key, words};
+use gfmd_run::series::Prepared;
 use serde::{Deserialize, Serialize};
 
 /// Flags of the loads, or of the loads at waypoints. Exactly one is given.
@@ -23,6 +24,11 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     p_star: Vec<Entry>,
+    /// Forces on the whole surface, stress * length^2, such as 5N: the mean pressures times the area of the cell or patch
+    #[arg(long, value_delimiter = ',', value_name = "F1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::FORCE)]
+    force: Vec<Entry>,
     /// Rigid approaches beyond first touch, length; a negative one is a separation
     #[arg(
         long,
@@ -49,8 +55,8 @@ pub(crate) enum Sign {
 
 impl LoadArgs {
     /// Returns the keys of the loads with their values.
-    fn given(&self) -> [(&'static str, &Vec<Entry>); 3] {
-        [("pressure", &self.pressure), ("p_star", &self.p_star), ("approach", &self.approach)]
+    fn given(&self) -> [(&'static str, &Vec<Entry>); 4] {
+        [("pressure", &self.pressure), ("p_star", &self.p_star), ("force", &self.force), ("approach", &self.approach)]
     }
 
     /// Returns the key of the given loads.
@@ -63,7 +69,7 @@ impl LoadArgs {
         self.option() == "approach"
     }
 
-    /// Returns the given values; reduced pressures are not yet pressures.
+    /// Returns the given values; reduced pressures and forces are not yet pressures.
     pub(crate) fn given_values(&self) -> Vec<f64> {
         self.given().into_iter().flat_map(|(_, values)| numbers(values)).collect()
     }
@@ -75,7 +81,7 @@ impl LoadArgs {
     pub(crate) fn check(&self, sign: Sign) -> Result<(), Failure> {
         let given = self.given();
         if given.iter().filter(|(_, values)| !values.is_empty()).count() != 1 {
-            let names = words![key("pressure"), ", ", key("p_star"), ", ", key("approach")];
+            let names = words![key("pressure"), ", ", key("p_star"), ", ", key("force"), ", ", key("approach")];
             let found = "loads are given by none or several of ";
             return Err(Failure::refused(words![found, names, "; it must be one of them"]));
         }
@@ -92,18 +98,24 @@ impl LoadArgs {
         Ok(())
     }
 
-    /// Returns the values, reduced pressures times `unit_pressure`, and the function from a value to its load.
-    pub(crate) fn values(&self, unit_pressure: f64) -> (Vec<f64>, fn(f64) -> Load) {
-        match self.option() {
-            "pressure" => (numbers(&self.pressure).collect(), Load::MeanPressure),
-            "p_star" => (numbers(&self.p_star).map(|p| p * unit_pressure).collect(), Load::MeanPressure),
-            _ => (numbers(&self.approach).collect(), Load::Approach),
-        }
+    /// Returns the values, mean pressures in place of reduced pressures and forces, and the function from a value to its
+    /// load.
+    ///
+    /// # Errors
+    /// Returns an error for a force on a profile.
+    pub(crate) fn values(&self, prepared: &Prepared) -> Result<(Vec<f64>, fn(f64) -> Load), Failure> {
+        let option = self.option();
+        let unit = prepared.unit_of_load(option)?;
+        let load = if self.is_approach() { Load::Approach } else { Load::MeanPressure };
+        Ok((self.given_values().into_iter().map(|value| value * unit).collect(), load))
     }
 
-    /// Returns the loads; `unit_pressure` is the unit of reduced pressures.
-    pub(crate) fn loads(&self, unit_pressure: f64) -> impl Iterator<Item = Load> {
-        let (values, load) = self.values(unit_pressure);
-        values.into_iter().map(load)
+    /// Returns the loads.
+    ///
+    /// # Errors
+    /// Returns an error as [`values`](Self::values).
+    pub(crate) fn loads(&self, prepared: &Prepared) -> Result<impl Iterator<Item = Load>, Failure> {
+        let (values, load) = self.values(prepared)?;
+        Ok(values.into_iter().map(load))
     }
 }

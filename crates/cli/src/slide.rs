@@ -247,7 +247,7 @@ impl SlideInput {
         let Prepared { surface, body, prony, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
         let mut contact = contact.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
-        let loads: Vec<Load> = args.control.loads(prepared.unit_pressure()).collect();
+        let loads: Vec<Load> = args.control.loads(&prepared)?.collect();
         if let Some(hardness) = &prepared.hardness {
             contact =
                 contact.with_hardness(hardness.clone()).map_err(|error| Failure::input(key("hardness"), error))?;

@@ -205,12 +205,9 @@ impl Problem {
         tick: Option<Py<PyAny>>,
     ) -> PyResult<Solved> {
         let Self { args, prepared, contact, finer } = self;
-        let drive: Drive = match control {
-            "pressure" => Load::MeanPressure(value),
-            "p_star" => Load::MeanPressure(value * prepared.unit_pressure()),
-            _ => Load::Approach(value),
-        }
-        .into();
+        let unit = prepared.unit_of_load(control).map_err(|failure| unusable(py, failure))?;
+        let load = if control == "approach" { Load::Approach } else { Load::MeanPressure };
+        let drive: Drive = load(value * unit).into();
         let (solved, raised) = run(py, threads, tick.as_ref(), |shared| {
             let mut watch = |now: &Progress| shared.see(now.iteration, now.residual);
             let tolerance = args.solver.search.tolerance;
@@ -276,9 +273,8 @@ impl Problem {
     /// Returns warnings about mixed-up units for loads up to `largest` with the key `control`.
     fn unit_warnings(&self, control: &str, largest: f64) -> Vec<String> {
         let mut warnings = self.prepared.unit_warnings(self.prepared.adhesion.as_ref());
-        let p_star = match control {
-            "pressure" => largest / self.prepared.unit_pressure(),
-            "p_star" => largest,
+        let p_star = match self.prepared.unit_of_load(control) {
+            Ok(unit) if control != "approach" => largest * unit / self.prepared.unit_pressure(),
             _ => 0.0,
         };
         warnings.extend(self.prepared.load_warning(p_star, control));

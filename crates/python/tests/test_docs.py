@@ -271,7 +271,7 @@ def test_the_types_know_the_options(tmp_path):
     assert found == wrong, done.stdout + done.stderr
 
 
-LOADS = {"pressure", "p_star", "approach"}
+LOADS = {"pressure", "p_star", "force", "approach"}
 # Functions with their options, and the arguments that are none.
 TAKING = {
     gfmd.contact: (ContactOptions, LOADS),

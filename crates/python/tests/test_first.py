@@ -47,7 +47,7 @@ def results(tmp_path_factory):
         (lambda: gfmd.self_affine(n=16, rms_gradiant=0.1), "rms_gradient"),
         (lambda: gfmd.Surface(np.eye(4), length=1.0), "size"),
         (lambda: gfmd.contact(np.eye(4), gfmd.Body(), mean_pressure=0.1), "pressure"),
-        (lambda: gfmd.contact(np.eye(4), gfmd.Body(), force=0.1), "pressure, the force divided by the area"),
+        (lambda: gfmd.contact(np.eye(4), gfmd.Body(), normal_force=0.1), "force"),
         (lambda: gfmd.contacts(np.eye(4), gfmd.Body(), mean_pressure=[0.1]), "pressure"),
         (lambda: gfmd.contact(np.eye(4), gfmd.Body(), p_star=0.1, tol=1e-6), "tolerance"),
         (lambda: gfmd.contact(np.eye(4), gfmd.Body(), displacement=0.1), "approach"),

@@ -50,6 +50,27 @@ def test_a_quantity_is_its_number(scan, pressed):
     assert giga.body.young == 70.0 and giga.mean_pressure == pytest.approx(0.05, rel=1e-8)
 
 
+def test_a_force_is_the_mean_pressure_on_the_whole_surface(scan, tmp_path):
+    body = gfmd.Body(young="70 GPa", poisson=0.3)
+    pressed = gfmd.contact(scan, body, force="0.25 N")
+    assert pressed.mean_pressure == pytest.approx(1e8, rel=1e-9)
+    assert pressed == gfmd.contact(scan, body, force=2.5e11, stress_unit="Pa")
+    several = gfmd.contacts(scan, body, force=["25 mN", "0.25 N"])
+    assert several.mean_pressure == pytest.approx([1e7, 1e8], rel=1e-9)
+    several.save(tmp_path / "forces.h5")
+    assert np.array_equal(gfmd.load(tmp_path / "forces.h5").mean_pressure, several.mean_pressure)
+    [once] = gfmd.many([scan], body, force="0.25 N")
+    assert once.mean_pressure == pressed.mean_pressure
+    followed = gfmd.path(scan, body, force=["25 mN", "0.25 N"], steps=1)
+    assert followed.steps.mean_pressure == pytest.approx([1e7, 1e8], rel=1e-9)
+    rubber = gfmd.Body(young="1 GPa", prony=[(1.0, 0.5)])
+    assert gfmd.slide(scan, rubber, velocity=1.0, force="25 mN").states.mean_pressure == pytest.approx([1e7], rel=1e-9)
+    with pytest.raises(gfmd.InputError, match="a force per length"):
+        gfmd.contact(gfmd.self_affine(n=64, dim=2), gfmd.Body(), force=0.01)
+    with pytest.raises(gfmd.InputError, match="force is .*it is a stress"):
+        gfmd.contact(scan, body, force="1 MPa")
+
+
 def test_loads_in_a_list_are_contacts_one_after_the_other(scan):
     body = gfmd.Body(young="70 GPa")
     several = gfmd.contact(scan, body, pressure=["50 MPa", 1e8, "0.2 GPa"])

@@ -10,7 +10,7 @@ pub(crate) fn waypoints(table: &toml::Table, computed: usize, steps_of_leg: usiz
     if lengths.iter().all(|list| list.is_empty()) {
         return (0..computed).step_by(steps_of_leg).collect();
     }
-    let levels = ["pressure", "p_star", "approach", "lateral", "lateral_y"].map(list);
+    let levels = ["pressure", "p_star", "force", "approach", "lateral", "lateral_y"].map(list);
     let legs = levels.into_iter().chain(lengths).map(<[toml::Value]>::len).fold(0, usize::max);
     let is_zero = |list: &[toml::Value], leg: usize| match list.get(leg.min(list.len().saturating_sub(1))) {
         None => true,

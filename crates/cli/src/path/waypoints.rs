@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
-use gfmd_run::series::Places;
+use gfmd_run::series::{Places, Prepared};
 
 use super::legs::{counted, legs, lengths};
 use crate::loads::{LoadArgs, Sign};
@@ -53,10 +53,10 @@ impl WaypointArgs {
     ///
     /// # Errors
     /// Returns an error naming a flag that cannot be used.
-    pub(super) fn drives(&self, steps: u32, unit_pressure: f64, sign: Sign) -> Result<(Vec<Drive>, Places), Failure> {
+    pub(super) fn drives(&self, steps: u32, prepared: &Prepared, sign: Sign) -> Result<(Vec<Drive>, Places), Failure> {
         let option = self.given();
         self.loads.check(sign)?;
-        let (values, load) = self.loads.values(unit_pressure);
+        let (values, load) = self.loads.values(prepared)?;
         let all = self.lateral.iter().map(|value| ("lateral", value)).chain([("direction", &self.direction)]);
         let all = all.chain(self.lateral_y.iter().map(|value| ("lateral_y", value)));
         if let Some((option, bad)) = all.into_iter().find(|(_, value)| !value.is_finite()) {

@@ -183,9 +183,8 @@ fn the_length_of_a_cell_has_the_unit_of_heights_that_are_made() {
 fn other_names_of_options_are_answered_with_theirs() {
     let folder = folder();
     for (flags, reason) in [
-        ("contact scan.npy --force 1N", "--pressure 1MPa"),
-        ("contact scan.npy --load=1N", "divided by the area"),
-        ("path scan.npy --force 1 N", "--pressure 1MPa"),
+        ("contact scan.npy --load=1N", "write --force"),
+        ("path scan.npy --weight 1 N", "write --force"),
         ("theory scan.npy --pressure 1MPa", "--p-star 0.02"),
         ("contact scan.npy --prony 1:0.5", "gfmd path --prony"),
         ("contact scan.npy --time 1", "gfmd path --prony"),

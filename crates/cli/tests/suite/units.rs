@@ -265,3 +265,48 @@ fn people_read_prefixes_and_programs_consistent_units() {
     let output = gfmd(folder.path(), &words("contact --surface h.npy --size 10 --young 70e9 --pressure 5e6"));
     assert!(String::from_utf8(output.stdout).unwrap().contains("  5.0000e6"));
 }
+
+/// A force is the mean pressure times the area of the cell, or of the patch, for every command and in every unit.
+#[test]
+fn a_force_is_the_mean_pressure_on_the_whole_surface() {
+    let folder = folder();
+    let folder = folder.path();
+    let scan = "--surface h.npy --size 50um,40um --unit um --young 70GPa --poisson 0.3";
+    let states = |command: &str, flags: &str| {
+        let report = json(folder, &words(&format!("{command} {scan} {flags} --json")));
+        let list = ["loads", "steps", "states"].into_iter().find_map(|key| report.get(key)).unwrap();
+        list.as_array().unwrap().iter().map(|state| state["mean_pressure"].as_f64().unwrap()).collect::<Vec<f64>>()
+    };
+    let law = "--law exponential --param gamma=50mJ/m^2,range=5nm --coarse";
+    for (command, flags, force, pressure) in [
+        ("contact", String::new(), "20mN,0.1N", "10MPa,50MPa"),
+        ("contact", "--boundary free".to_owned(), "20000uN", "10MPa"),
+        ("contact", law.to_owned(), "20mN,-1uN", "10MPa,-500Pa"),
+        ("path", "--friction 0.3 --lateral 0,10nm --steps 1".to_owned(), "20mN", "10MPa"),
+        ("wear", "--coefficient 1e-12/Pa --distance 1um --steps 1".to_owned(), "20mN", "10MPa"),
+        ("slide", "--prony 1:0.5 --velocity 1um/s".to_owned(), "20mN", "10MPa"),
+    ] {
+        let [by_force, by_pressure] = [("force", force), ("pressure", pressure)]
+            .map(|(key, load)| states(command, &format!("{flags} --{key}={load}")));
+        assert_eq!(by_force.len(), by_pressure.len(), "{command} {flags}");
+        for (found, wanted) in by_force.iter().zip(&by_pressure) {
+            approx::assert_relative_eq!(found, wanted, max_relative = 1e-9);
+        }
+    }
+    let run = format!("contact {scan} --force 20mN --out f.h5 --json");
+    assert_eq!(json(folder, &words(&run))["loads"][0]["converged"], true);
+    assert_eq!(json(folder, &["check", "f.h5", "--rerun", "--json"])["differing"], 0);
+    // Without a unit it is a stress times the square of a length.
+    let bare = json(folder, &words("contact --n 32 --size 2,3 --eps-f-inv 4 --force 0.06 --json"));
+    approx::assert_relative_eq!(bare["loads"][0]["mean_pressure"].as_f64().unwrap(), 0.01, max_relative = 1e-9);
+    for (flags, reason) in [
+        ("contact --n 16 --force 1N", "--unit"),
+        ("contact --n 64 --dim 2 --force 0.01", "a force per length"),
+        ("contact --n 16 --force 0", "--force is 0; it must be positive"),
+        ("contact --n 16 --force 1 --pressure 1", "--force"),
+        ("contact --surface h.npy --size 50um --unit um --force 1MPa", "a force"),
+    ] {
+        let text = refused(folder, flags);
+        assert!(text.contains(reason), "{flags}: {text}");
+    }
+}

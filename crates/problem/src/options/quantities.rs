@@ -50,6 +50,8 @@ impl Kinds {
     pub const LENGTH: Self = Self::list(&[&["length"]]);
     /// A stress, or stresses.
     pub const STRESS: Self = Self::list(&[&["stress"]]);
+    /// Forces.
+    pub const FORCE: Self = Self::list(&[&["stress*length^2"]]);
     /// Times.
     pub const TIME: Self = Self::list(&[&["time"]]);
     /// A wavenumber.

@@ -15,10 +15,8 @@ from ._check import Array
 from ._command import body_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError
-from ._load import of_load
+from ._load import LOADS, of_load
 from ._surface import Surface, _surface
-
-_CONTROLS = ("pressure", "p_star", "approach")
 
 # Datasets of a problem in a file, by the keys of their options.
 _ARRAYS = {
@@ -84,7 +82,7 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
     reported, names = _gfmd.read_records(name)
     records = [of_load(record) for record in reported]
     fields = {field: _array(name, f"/fields/{field}", (len(records), *surface.heights.shape)) for field in names}
-    control, asked = next(((key, config[key]) for key in _CONTROLS if config.get(key)), ("", []))
+    control, asked = next(((key, config[key]) for key in LOADS if config.get(key)), ("", []))
 
     def contact(index: int) -> Contact:
         own = {field: np.ascontiguousarray(column[index]) for field, column in fields.items()}

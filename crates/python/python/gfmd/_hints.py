@@ -17,7 +17,7 @@ _ARGUMENTS = {
     "e_star": ("E_star", "Estar", "estar", "contact_modulus", "E_s"),
     "height": ("thickness",),
     "pressure": ("mean_pressure", "p", "nominal_pressure", "stress", "external_pressure"),
-    "pressure, the force divided by the area of the surface": ("force", "load", "normal_force", "external_force"),
+    "force": ("load", "normal_force", "external_force", "weight"),
     "p_star": ("reduced_pressure", "pstar"),
     "approach": ("displacement", "indentation", "penetration", "offset"),
     "rms_gradient": ("rms_slope", "hrms_prime", "slope", "hprime_rms"),

@@ -12,6 +12,9 @@ from ._check import frozen
 from ._columns import LowerFace, Residuals
 from ._record import Record, by_name, parsed, without_null
 
+# Kinds of the loads.
+LOADS = {"pressure": "stress", "p_star": "1", "force": "stress*length^2", "approach": "length"}
+
 
 class Residual(Residuals):
     """Parts of the residual by name, all without unit; arrays for several loads, steps or states.

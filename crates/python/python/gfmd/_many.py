@@ -28,6 +28,7 @@ def many(
     *,
     pressure: Any = None,
     p_star: Any = None,
+    force: Any = None,
     approach: Any = None,
     workers: Optional[int] = None,
     **options: Unpack[ContactOptions],
@@ -41,7 +42,8 @@ def many(
     Args:
         surfaces: surfaces as in `contact`.
         body: the elastic body.
-        pressure, p_star, approach: the load, one of the three, one number or several (stress, 1, length).
+        pressure, p_star, force, approach: the load, one of the four, one number or several (stress, 1,
+            stress * length^2, length).
         workers: number of contacts computed at once; by default the number of cores available to this process.
         options: further arguments of `contact`, except `threads` and `start`.
 
@@ -62,7 +64,7 @@ def many(
             )
     if workers is None:
         workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
+    loads = {"pressure": pressure, "p_star": p_star, "force": force, "approach": approach}
     return _solved(surfaces, body, integer("workers", workers, 1, 4096), {**loads, **options})
 
 

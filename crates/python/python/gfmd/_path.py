@@ -18,7 +18,7 @@ from ._errors import InputError
 from ._given import taking
 from ._hints import hinted
 from ._leak import Leaks
-from ._load import Residual, residual_of
+from ._load import LOADS, Residual, residual_of
 from ._options import PathOptions
 from ._parts import Wear, wear_keys
 from ._record import Record, by_name, without_null
@@ -270,12 +270,11 @@ def _column(values: list[Any]) -> Any:
 
 
 def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
-    """Returns the configuration keys of the load, given in one of three ways; `said` starts the error message."""
-    kinds = {"pressure": "stress", "p_star": "1", "approach": "length"}
-    found = {name: quantities(name, value, kinds[name]) for name, value in drive.items() if value is not None}
+    """Returns the configuration keys of the load, given in one of four ways; `said` starts the error message."""
+    found = {name: quantities(name, value, LOADS[name]) for name, value in drive.items() if value is not None}
     if len(found) != 1:
         given = ", ".join(found) or "none"
-        raise InputError(f"{said} given by {given}; it must be given by one of pressure, p_star, approach")
+        raise InputError(f"{said} given by {given}; it must be given by one of pressure, p_star, force, approach")
     return found
 
 
@@ -349,6 +348,7 @@ def path(
     *,
     pressure: Any = None,
     p_star: Any = None,
+    force: Any = None,
     approach: Any = None,
     lateral: Any = None,
     distance: Any = None,
@@ -361,9 +361,9 @@ def path(
 
     Args:
         surface, body: as in `contact`.
-        pressure, p_star, approach: waypoints of one of the three (stress, 1, length), a number or a sequence;
-            negative values pull. Stresses and lengths may be strings with a unit, such as "1MPa", if the surface has
-            one.
+        pressure, p_star, force, approach: waypoints of one of the four (stress, 1, stress * length^2, length), a
+            number or a sequence; negative values pull. All may be strings with a unit, such as "1MPa", "5N", if the
+            surface has one.
         lateral: lateral displacements of the rigid surface at the waypoints, length: values along `direction`, or a
             pair of such values, `(along, across)`, along `direction` and at a right angle to it. With friction, or
             with a law that shears.
@@ -434,7 +434,7 @@ def path(
     threads, out = options.pop("threads", None), options.pop("out", None)
     bound = as_hardness(options.pop("hardness", None), made)
     lower = as_lower(options.pop("lower_surface", None), made)
-    drive = drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "approach": approach})
+    drive = drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
     worn = wear_keys(wear)
     _check_distance(wear, distance)
     problem: dict[str, Any] = dict(
@@ -478,6 +478,7 @@ def friction(
     shear_strength: Optional[Quantity] = None,
     pressure: Any = None,
     p_star: Any = None,
+    force: Any = None,
     approach: Any = None,
     lateral: Any = (0.0,),
     distance: Any = None,
@@ -490,7 +491,7 @@ def friction(
         surface, body: as in `contact`.
         coefficient: Coulomb's coefficient of friction, or
         shear_strength: strength of the interface (Tresca), stress; or both, as in `path`.
-        pressure, p_star, approach: waypoints, as in `path`.
+        pressure, p_star, force, approach: waypoints, as in `path`.
         lateral: lateral displacements of the rigid surface at the waypoints, length, as in `path`.
         distance, wear: sliding distances and wear, as in `path`.
         options: further arguments of `path`.
@@ -507,7 +508,7 @@ def friction(
     """
     if coefficient is None and shear_strength is None:
         raise InputError("friction is missing; it must be given by coefficient, shear_strength or both")
-    loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
+    loads = {"pressure": pressure, "p_star": p_star, "force": force, "approach": approach}
     further = {"distance": distance, "wear": wear, **options}
     return path(surface, body, friction=coefficient, shear_strength=shear_strength, lateral=lateral, **loads, **further)
 
@@ -521,6 +522,7 @@ def wear(
     distance: Any,
     pressure: Any = None,
     p_star: Any = None,
+    force: Any = None,
     approach: Any = None,
     **options: Unpack[PathOptions],
 ) -> Path:
@@ -531,7 +533,7 @@ def wear(
         coefficient: wear coefficient of both surfaces together, divided by the hardness, 1/stress, as in `Wear`.
         distance: sliding distances of the legs, length: a number or a sequence. Each leg ends at a waypoint. The first
             leg begins at first touch; a leg of zero distance is one step.
-        pressure, p_star, approach: waypoints, as in `path`.
+        pressure, p_star, force, approach: waypoints, as in `path`.
         options: further arguments of `path`.
 
     Raises:
@@ -546,5 +548,5 @@ def wear(
         >>> worn.steps.distance.shape, worn.wear_depth.shape
         ((21,), (2, 32, 32))
     """
-    loads = {"pressure": pressure, "p_star": p_star, "approach": approach}
+    loads = {"pressure": pressure, "p_star": p_star, "force": force, "approach": approach}
     return path(surface, body, wear=Wear(coefficient), distance=distance, **loads, **options)

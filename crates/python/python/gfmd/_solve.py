@@ -18,7 +18,7 @@ from ._contact import Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
 from ._given import taking
 from ._progress import Progress
-from ._load import of_load
+from ._load import LOADS, of_load
 from ._options import ContactOptions
 from ._record import parsed
 from ._surface import Surface, as_hardness, as_lower, as_surface
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
 
 # Last problem of each surface in use, with its inputs.
 _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictionary()
-
-# Kinds of the loads.
-_LOADS = {"pressure": "stress", "p_star": "1", "approach": "length"}
 
 
 class _Setup:
@@ -104,7 +101,7 @@ class _Setup:
     def values(self, control: str, given: list[Quantity]) -> list[float]:
         """Converts the loads to the units of the problem and checks their signs."""
         found = [
-            self.problem.value(control, value, _LOADS[control]) if isinstance(value, str) else value for value in given
+            self.problem.value(control, value, LOADS[control]) if isinstance(value, str) else value for value in given
         ]
         for value in found:
             self.check(control, value)
@@ -151,7 +148,7 @@ def _control(loads: dict[str, Any]) -> tuple[str, Any]:
     found = [(name, value) for name, value in loads.items() if value is not None]
     if len(found) != 1:
         names = ", ".join(name for name, _ in found) or "none"
-        raise InputError(f"the load is given by {names}; it must be given by one of pressure, p_star, approach")
+        raise InputError(f"the load is given by {names}; it must be given by one of pressure, p_star, force, approach")
     return found[0]
 
 
@@ -162,6 +159,7 @@ def contact(
     *,
     pressure: Optional[Quantity] = None,
     p_star: Optional[float] = None,
+    force: Optional[Quantity] = None,
     approach: Optional[Quantity] = None,
     **options: Unpack[ContactOptions],
 ) -> Contact: ...
@@ -172,6 +170,7 @@ def contact(
     *,
     pressure: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
     p_star: Optional[Sequence[float] | npt.NDArray[np.float64]] = None,
+    force: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
     approach: Optional[Sequence[Quantity] | npt.NDArray[np.float64]] = None,
     **options: Unpack[ContactOptions],
 ) -> Contacts: ...
@@ -182,6 +181,7 @@ def contact(
     *,
     pressure: Any = None,
     p_star: Any = None,
+    force: Any = None,
     approach: Any = None,
     **options: Any,
 ) -> Any:
@@ -193,6 +193,8 @@ def contact(
         pressure: mean pressure over the whole surface, stress (with free boundaries, force divided by area), or a
             string with a unit, such as "1MPa", if the surface has one; or
         p_star: mean pressure divided by E* and by the rms gradient; or
+        force: force on the whole surface, stress * length^2, or a string with a unit, such as "5N"; for a surface, not a
+            profile; or
         approach: rigid approach beyond first touch, length, or a string with a unit. A sequence of loads returns
             `Contacts`, as `contacts` does, each started from the last.
         boundary: "periodic" (default) or "free": the surface is a patch on an unbounded half-space, slab or stack of
@@ -241,8 +243,8 @@ def contact(
         >>> [round(c.p_star, 4) for c in loads]
         [0.001, 0.0143]
     """
-    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach})
-    loads = quantities(control, given, _LOADS[control])
+    control, given = _control({"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
+    loads = quantities(control, given, LOADS[control])
     several = not isinstance(given, str) and isinstance(given, Iterable) and getattr(given, "shape", None) != ()
     if several:
         return contacts(surface, body, **{control: given}, **options)
@@ -258,8 +260,8 @@ def contact(
 
 
 def _of_stress(control: str, loads: list[Quantity]) -> list[Quantity]:
-    """Returns the loads that are stresses with a unit."""
-    return [load for load in loads if isinstance(load, str) and _LOADS[control] == "stress"]
+    """Returns the loads whose unit has a stress in it."""
+    return [load for load in loads if isinstance(load, str) and "stress" in LOADS[control]]
 
 
 def _accurate(
@@ -294,6 +296,7 @@ def contacts(
     *,
     pressure: Any = None,
     p_star: Any = None,
+    force: Any = None,
     approach: Any = None,
     **options: Unpack[ContactOptions],
 ) -> Contacts:
@@ -301,7 +304,7 @@ def contacts(
 
     Args:
         surface, body: as in `contact`.
-        pressure, p_star, approach: the loads, one of the three, a sequence (stress, 1, length).
+        pressure, p_star, force, approach: the loads, one of the four, a sequence (stress, 1, stress * length^2, length).
         options: further arguments of `contact`; `start` and `range_continuation` apply to the first load.
 
     Raises:
@@ -314,8 +317,8 @@ def contacts(
         ([True, True, True], (3,))
     """
     further: dict[str, Any] = dict(options)
-    control, given = _control({"pressure": pressure, "p_star": p_star, "approach": approach})
-    loads = quantities(control, given, _LOADS[control])
+    control, given = _control({"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
+    loads = quantities(control, given, LOADS[control])
     accuracy = further.pop("accuracy", None)
     if accuracy is not None:
         return Contacts(_accurate(accuracy, (surface, body), (control, loads), further))

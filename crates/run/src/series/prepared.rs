@@ -214,6 +214,28 @@ impl Prepared {
         self.body.contact_modulus() * self.surface.rms_gradient()
     }
 
+    /// Returns the load or approach of the value 1 of the option `control`: the factor from a reduced pressure or a force
+    /// to the mean pressure, 1 for a pressure and an approach.
+    ///
+    /// # Errors
+    /// Returns an error for a force on a profile.
+    pub fn unit_of_load(&self, control: &str) -> Result<f64, Failure> {
+        let grid = &self.surface.grid;
+        match control {
+            "p_star" => Ok(self.unit_pressure()),
+            "force" if grid.is_line() => {
+                let allowed = words![
+                    "left out of a profile, which has a force per length: ",
+                    key("pressure"),
+                    " is this divided by the length of the profile"
+                ];
+                Err(Failure::value(key("force"), "given", allowed))
+            }
+            "force" => Ok(grid.lengths().iter().product::<f64>().recip()),
+            _ => Ok(1.0),
+        }
+    }
+
     /// Returns the lift that a moved base adds to the displacement.
     pub fn lift(&self) -> Option<&Array2<f64>> {
         self.base.as_ref().map(|base| &base.lift)
