@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Fields as _, Refusal};
+use gfmd_contact::{Boundary, Drive, Fields as _, Refusal, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Wanted;
 use gfmd_green::Height;
@@ -456,6 +456,15 @@ impl StateHandler for Measuring<'_> {
         Ok(record)
     }
 
+    fn keep(&mut self, visitor: &mut dyn Visit) {
+        self.finer.iter_mut().for_each(|(finer, _)| finer.keep(visitor));
+    }
+
+    fn resume(&mut self, last: usize, visitor: &mut dyn Visit) -> Result<(), Refusal> {
+        let drive = self.loads.drives[last];
+        self.finer.iter_mut().try_for_each(|(finer, _)| finer.resume(drive, visitor))
+    }
+
     fn recall(&mut self, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
         let Prepared { facts, surface, .. } = &self.loads.prepared;
         let places = self.args.fields.clone().unwrap_or_default().contact_and_gap(facts).filter(|_| facts.statistics);
@@ -506,10 +515,7 @@ impl Args {
     /// Returns the axes of the moving components.
     fn axes(&self, surface: &Surface) -> &'static [usize] {
         let of_grid = Components::of(&surface.grid);
-        if self.problem.components == Unknown::All || self.problem.finite_slope {
-            of_grid.axes()
-        } else {
-            &of_grid.axes()[of_grid.normal()..]
-        }
+        let moves_all = self.facts(surface.grid.is_line()).moves_all_by(self.problem.solver.solver);
+        if moves_all || self.problem.finite_slope { of_grid.axes() } else { &of_grid.axes()[of_grid.normal()..] }
     }
 }

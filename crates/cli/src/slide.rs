@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Contact, Load, Refusal, SolveError};
+use gfmd_contact::{Contact, Load, Refusal, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
 use gfmd_input::failure::{Failure, Outcome};
@@ -171,6 +171,9 @@ struct SlideInput {
     velocities: Vec<Velocity>,
 }
 
+/// Fields of a state from which the next one starts.
+const STARTS: [&str; 2] = ["pressure", "heat_flux"];
+
 /// Problem on a grid with twice as many points along each side.
 struct Finer {
     args: Args,
@@ -190,6 +193,38 @@ impl Finer {
             Ok(Self { args, input, rise, last: None })
         };
         sources(&args.asked()?, prepared)?.into_iter().map(pose).collect()
+    }
+
+    /// Visits the last state, from which the next one starts.
+    fn keep(&self, visitor: &mut dyn Visit) {
+        visitor.flag(&mut self.last.is_some());
+        let Some(last) = &self.last else { return };
+        for name in STARTS {
+            let mut field = last.field(name).into_owned();
+            visitor.flag(&mut !field.is_empty());
+            visitor.field(&mut field);
+        }
+    }
+
+    /// Restores the last state, which [`keep`](Self::keep) visited, under a load and velocity of the coarser grid.
+    fn resume(&mut self, (load, velocity): (Load, &Velocity), visitor: &mut dyn Visit) -> Result<(), Failure> {
+        let (mut has_state, points) = (false, self.input.prepared.surface.grid.len());
+        visitor.flag(&mut has_state);
+        if !has_state {
+            return Ok(());
+        }
+        let [pressure, into_body] = STARTS.map(|_| {
+            let mut has_field = false;
+            visitor.flag(&mut has_field);
+            has_field.then(|| {
+                let mut field = vec![0.0; points];
+                visitor.field(&mut field);
+                field
+            })
+        });
+        let at = (at_same_place(load.into(), self.rise).load, velocity);
+        self.last = Some(self.input.certify(at, pressure.unwrap_or_default(), into_body)?);
+        Ok(())
     }
 
     /// Solves a state of the coarser grid, and returns its numbers, or the reason why there are none.
@@ -389,7 +424,7 @@ impl SlideInput {
         let names: Vec<&str> = fields(self.facts()).map(|field| field.name).collect();
         for (index, at) in self.states().enumerate() {
             let (started, place) = (Instant::now(), format!("state {index}"));
-            if let Some(kept) = kept.as_ref().filter(|_| index < finished) {
+            if let Some(kept) = kept.as_mut().filter(|_| index < finished) {
                 let FinishedStep { text, mut fields } = kept.part(index)?;
                 let record = Record::from_line(&self.facts(), &text);
                 report.states.push(record.map_err(|error| kept.unusable(index, error))?);
@@ -400,6 +435,11 @@ impl SlideInput {
                     let of = |name: &str| names.iter().position(|other| *other == name);
                     let into_body = of("heat_flux").map(|place| std::mem::take(&mut fields[place]).into_owned());
                     last = Some(self.certify(at, std::mem::take(&mut fields[0]).into_owned(), into_body)?);
+                    if let Some(mut stored) = kept.state() {
+                        let mut resume =
+                            |visitor: &mut dyn Visit| finer.iter_mut().try_for_each(|finer| finer.resume(at, visitor));
+                        stored.restore(&mut resume)?;
+                    }
                 }
                 progress.advance(1.0, "kept");
                 continue;
@@ -436,7 +476,7 @@ impl SlideInput {
             if let (None, Some(kept)) = (&failed, &mut kept) {
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
                 kept.add(&FinishedStep { text, fields });
-                kept.keep_state(|_| ())?;
+                kept.keep_state(|visitor| finer.iter().for_each(|finer| finer.keep(visitor)))?;
             }
             report.states.push(record);
             failure = failed.map(|failed| failed.at(&place));

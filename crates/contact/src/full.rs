@@ -42,6 +42,10 @@ pub struct FullSolution {
 }
 
 impl FullContact {
+    /// Solvers of the contact.
+    pub const SOLVERS: &[Solver] =
+        &[Solver::Auto, Solver::Verlet, Solver::VerletCritical, Solver::VerletModes, Solver::Fire];
+
     /// Makes the contact of `body` with a rigid profile `heights` on `grid`, in length, with peaks towards the body. A
     /// constant in the heights has no effect.
     ///
@@ -142,7 +146,7 @@ impl Equilibrium for FullContact {
     type State = FullSolution;
 
     fn solvers(&self) -> &'static [Solver] {
-        &[Solver::Auto, Solver::Verlet, Solver::VerletCritical, Solver::VerletModes, Solver::Fire]
+        Self::SOLVERS
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {

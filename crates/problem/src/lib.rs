@@ -23,6 +23,7 @@ mod parts;
 mod pose;
 mod posed;
 mod rules;
+mod sideways;
 mod unknown;
 mod unusable;
 mod words;

@@ -1,4 +1,4 @@
-use gfmd_contact::Boundary;
+use gfmd_contact::{Boundary, Solver};
 
 use crate::facts::Task;
 use crate::rules::Facts;
@@ -17,7 +17,7 @@ impl MemoryNeed {
     pub const FREE: Self = Self(26);
     /// Contact with finite slopes.
     pub const STEEP: Self = Self(48);
-    /// Contact with a hard wall and unknown lateral components.
+    /// Contact with a hard wall whose components all are moved by damped dynamics.
     pub const WALL_ALL_COMPONENTS: Self = Self(64);
     /// Slab between two surfaces.
     pub const SQUEEZED: Self = Self(50);
@@ -50,6 +50,10 @@ impl MemoryNeed {
     /// Flow alone, through a given gap.
     pub const FLOW_ALONE: Self = Self(34);
 
+    /// Lateral displacement by the pressure.
+    const SIDEWAYS: u64 = 24;
+    /// Lateral displacement by the pressure on a patch.
+    const SIDEWAYS_FREE: u64 = 66;
     /// Law beside friction on a path.
     const LAW_BESIDE_FRICTION: u64 = 41;
     /// Cell of a body that yields, on the grid of the surface.
@@ -87,22 +91,34 @@ impl MemoryNeed {
 }
 
 impl Facts {
-    /// Returns the memory that the problem needs, which is less for `only` one load without statistics.
-    pub fn memory_need(&self, only: bool) -> MemoryNeed {
+    /// Returns the memory that the problem needs with this solver, which is less for `only` one load without statistics.
+    pub fn memory_need(&self, solver: Solver, only: bool) -> MemoryNeed {
         let flow = match self.task {
             _ if !self.flow => MemoryNeed(0),
             Task::Loads => MemoryNeed::FLOW,
             Task::Path => MemoryNeed::FLOW_ON_PATH,
         };
         // The fields of the search are freed before the flow is computed.
-        MemoryNeed(flow.0.max(self.need_of_search(only).0))
+        let search =
+            if self.moves_all_by(solver) { MemoryNeed::WALL_ALL_COMPONENTS } else { self.need_of_search(only) };
+        MemoryNeed(flow.0.max(search.0))
     }
 
     fn need_of_search(&self, only: bool) -> MemoryNeed {
         let is_free = self.boundary == Boundary::Free;
+        let normal = self.need_of_normal(only);
+        if self.task == Task::Path || self.unknown != Unknown::All || self.finite_slope {
+            return normal;
+        }
+        let sideways = if is_free { MemoryNeed::SIDEWAYS_FREE } else { MemoryNeed::SIDEWAYS };
+        MemoryNeed(normal.0 + sideways)
+    }
+
+    /// Returns the need of a search that finds no lateral displacement by the pressure.
+    fn need_of_normal(&self, only: bool) -> MemoryNeed {
+        let is_free = self.boundary == Boundary::Free;
         match self.task {
             Task::Loads if self.finite_slope => MemoryNeed::STEEP,
-            Task::Loads if self.unknown == Unknown::All => MemoryNeed::WALL_ALL_COMPONENTS,
             Task::Loads if self.lower.is_some() && self.has_law() => MemoryNeed::SQUEEZED_BY_LAW,
             Task::Loads if self.lower.is_some() && self.hardness => MemoryNeed::SQUEEZED_WITH_HARDNESS,
             Task::Loads if self.lower.is_some() => MemoryNeed::SQUEEZED,

@@ -58,7 +58,7 @@ impl AnyState {
     /// Returns the lateral displacement u_x, u_y (u_x of a profile), `[x, y]`, length, if it was also unknown.
     pub fn lateral(&self) -> &[Array2<f64>] {
         let full = self.get().map(|state: &FullSolution| &state.lateral[..]);
-        full.or_else(|| self.steep().map(|state| &state.lateral[..])).unwrap_or_default()
+        full.or_else(|| self.steep().map(|state| &state.lateral[..])).unwrap_or_else(|| self.sideways())
     }
 
     /// Returns the contact of the lower face of a slab between two surfaces, as seen from that face.

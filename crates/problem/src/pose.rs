@@ -13,6 +13,7 @@ use crate::facts::Task;
 use crate::options::Plasticity;
 use crate::posed::Posed;
 use crate::rules::Facts;
+use crate::sideways::Sideways;
 use crate::unknown::Unknown;
 
 /// Problem after reading its files: its facts, and arrays with the rows of this process.
@@ -44,6 +45,8 @@ pub struct Given<'a> {
     pub wear: Option<Wear>,
     /// Time step and damping of the dynamic solvers.
     pub dynamics: Dynamics,
+    /// True if a dynamic solver moves all components ([`Facts::moves_all_by`]).
+    pub moves_all: bool,
 }
 
 impl<'a> Given<'a> {
@@ -63,6 +66,7 @@ impl<'a> Given<'a> {
             prony: None,
             wear: None,
             dynamics: Dynamics::default(),
+            moves_all: false,
         }
     }
 
@@ -88,8 +92,19 @@ impl<'a> Given<'a> {
 /// Returns an error if heights, body, hardness or law cannot be in contact, or if the given parts differ from the
 /// facts.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
+    let posed = pose_normal(given)?;
+    let Given { facts: Facts { unknown, finite_slope, boundary, .. }, body, grid, moves_all, .. } = given;
+    // Finite slopes have a lateral displacement of their own.
+    if *unknown != Unknown::All || *finite_slope || *moves_all {
+        return Ok(posed);
+    }
+    Ok(posed.with_sideways(Sideways::new(*boundary, grid, body)?))
+}
+
+/// Builds the contact in u_z, unless a dynamic solver moves all components.
+fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
     let Given { facts, body, grid, share: _, heights, lower, law, hardness, .. } = given;
-    let Given { plasticity, shear, prony, wear, dynamics, .. } = given;
+    let Given { plasticity, shear, prony, wear, dynamics, moves_all, .. } = given;
     // All parts, so that none of them is left out of the contact.
     for (part, is_fact, is_given) in [
         ("lower surface", facts.lower.is_some(), lower.is_some()),
@@ -168,7 +183,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
             None => interface,
         }));
     }
-    if facts.unknown == Unknown::All {
+    if *moves_all {
         return Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)));
     }
     // The solvers for a hard wall alone are faster than the solvers for a law.

@@ -7,9 +7,10 @@ use gfmd_contact::{
 };
 use gfmd_interface::{Loss, Losses, Quasistatic, Reading, StoredFields, Trapping};
 use gfmd_measure::{Scales, Summary};
-use ndarray::{ArrayRef2, ArrayView2, CowArray, Ix2};
+use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::Unusable;
+use crate::sideways::Sideways;
 
 /// Kind of contact, with all that solvers, paths and files need. A new kind implements this trait, once.
 pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
@@ -137,67 +138,79 @@ impl<S: Fields + Any + Send + Sync> State for S {
 }
 
 /// State at rest of a [`Posed`] problem, or the state reached by a solve that failed.
-pub struct AnyState(Box<dyn State>);
+pub struct AnyState {
+    state: Box<dyn State>,
+    /// Lateral displacement by the pressure, if it is requested.
+    sideways: Vec<Array2<f64>>,
+}
 
 impl AnyState {
     /// Wraps a state.
     pub fn new(state: impl State) -> Self {
-        Self(Box::new(state))
+        Self { state: Box::new(state), sideways: Vec::new() }
+    }
+
+    /// Returns the lateral displacement by the pressure, if it is requested.
+    pub(crate) fn sideways(&self) -> &[Array2<f64>] {
+        &self.sideways
     }
 
     /// Returns the state as its own type, for data that only one kind of contact has; `None` if it is of another kind.
     pub fn get<S: 'static>(&self) -> Option<&S> {
-        (*self.0).as_any().downcast_ref()
+        (*self.state).as_any().downcast_ref()
     }
 
     fn get_mut<S: 'static>(&mut self) -> Option<&mut S> {
-        (*self.0).as_any_mut().downcast_mut()
+        (*self.state).as_any_mut().downcast_mut()
     }
 }
 
 impl Fields for AnyState {
     fn pressure(&self) -> CowArray<'_, f64, Ix2> {
-        self.0.pressure()
+        self.state.pressure()
     }
 
     fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
-        self.0.repulsion()
+        self.state.repulsion()
     }
 
     fn displacement_z(&self) -> ArrayView2<'_, f64> {
-        self.0.displacement_z()
+        self.state.displacement_z()
     }
 
     fn gap(&self) -> ArrayView2<'_, f64> {
-        self.0.gap()
+        self.state.gap()
     }
 
     fn mean_pressure(&self) -> f64 {
-        self.0.mean_pressure()
+        self.state.mean_pressure()
     }
 
     fn approach(&self) -> f64 {
-        self.0.approach()
+        self.state.approach()
     }
 
     fn effort(&self) -> Effort {
-        self.0.effort()
+        self.state.effort()
     }
 
     fn residuals(&self) -> Vec<(&'static str, f64)> {
-        self.0.residuals()
+        let mut residuals = self.state.residuals();
+        // The pressure alone acts on the surface that the lateral displacement follows from.
+        residuals.extend((!self.sideways.is_empty()).then_some(("lateral_traction", 0.0)));
+        residuals
     }
 
     fn worst(&self) -> f64 {
-        self.0.worst()
+        self.state.worst()
     }
 
     fn scales(&self) -> Scales {
-        self.0.scales()
+        self.state.scales()
     }
 
     fn summary_in(&self, scales: &Scales) -> Summary {
-        self.0.summary_in(scales)
+        self.state.summary_in(scales)
     }
 }
 
@@ -325,22 +338,39 @@ impl<K: ContactKind> DynContact for K {
 
 /// Problem of any kind, ready to be solved. Everything that takes an [`Equilibrium`] takes it, such as
 /// [`Press`](gfmd_contact::Press) and [`Path`](gfmd_interface::Path).
-pub struct Posed(Box<dyn DynContact>);
+pub struct Posed {
+    kind: Box<dyn DynContact>,
+    /// Response of the lateral displacement, if it is requested beside a contact in u_z.
+    sideways: Option<Sideways>,
+}
 
 impl Posed {
     /// Wraps a contact.
     pub fn new(kind: impl ContactKind) -> Self {
-        Self(Box::new(kind))
+        Self { kind: Box::new(kind), sideways: None }
+    }
+
+    /// Adds the lateral displacement by the pressure to every state.
+    pub(crate) fn with_sideways(self, sideways: Sideways) -> Self {
+        Self { sideways: Some(sideways), ..self }
+    }
+
+    /// Completes a state by its lateral displacement, if it is requested.
+    fn completed(&self, state: AnyState) -> AnyState {
+        match &self.sideways {
+            Some(sideways) => AnyState { sideways: sideways.displacement(&state), ..state },
+            None => state,
+        }
     }
 
     /// Returns the rigid surface; the upper one of two.
     pub fn surface(&self) -> &RigidSurface {
-        self.0.surface()
+        self.kind.surface()
     }
 
     /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one.
     pub fn basis(&self) -> &'static [&'static str] {
-        self.0.basis()
+        self.kind.basis()
     }
 
     /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms.
@@ -348,7 +378,7 @@ impl Posed {
     /// # Errors
     /// Returns an error if the fields do not fit the grid, or if the drive is invalid.
     pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal> {
-        self.0.certify(fields, drive)
+        self.kind.certify(fields, drive).map(|state| self.completed(state))
     }
 
     /// Restores a state from stored fields, and from the fields of the lower face if there is one, as a start.
@@ -356,7 +386,7 @@ impl Posed {
     /// # Errors
     /// Returns an error if fields are missing or do not fit the grid.
     pub fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal> {
-        self.0.recall(stored, lower)
+        self.kind.recall(stored, lower).map(|state| self.completed(state))
     }
 
     /// Computes the stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
@@ -364,7 +394,7 @@ impl Posed {
     /// # Errors
     /// Returns the reason why there is no stiffness, or why it is less exact than requested.
     pub fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        self.0.stiffness(state, tolerance)
+        self.kind.stiffness(state, tolerance)
     }
 
     /// Computes the [`stiffness`](Self::stiffness) of the state along a path with this pressure and gap of each face,
@@ -377,7 +407,7 @@ impl Posed {
         faces: &[[&ArrayRef2<f64>; 2]],
         tolerance: f64,
     ) -> Result<Stiffness, NoStiffness> {
-        self.0.stiffness_of_fields(faces, tolerance)
+        self.kind.stiffness_of_fields(faces, tolerance)
     }
 
     /// Computes the derivatives of a scalar under a `load` of this kind, from its derivatives `of` with respect to a
@@ -386,12 +416,12 @@ impl Posed {
     /// # Errors
     /// Returns the reason why there are none.
     pub fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
-        self.0.gradient(state, load, of)
+        self.kind.gradient(state, load, of)
     }
 
     /// Returns a warning if the law is too steep for the grid.
     pub fn trapping(&self) -> Option<Trapping> {
-        self.0.trapping()
+        self.kind.trapping()
     }
 }
 
@@ -399,15 +429,15 @@ impl Equilibrium for Posed {
     type State = AnyState;
 
     fn solvers(&self) -> &'static [Solver] {
-        self.0.solvers()
+        self.kind.solvers()
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
-        self.0.check(drive)
+        self.kind.check(drive)
     }
 
     fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
-        self.0.check_resolution(drive, tolerance)
+        self.kind.check_resolution(drive, tolerance)
     }
 
     fn equilibrate(
@@ -418,35 +448,36 @@ impl Equilibrium for Posed {
         start: Option<&AnyState>,
         watch: &mut dyn Watch,
     ) -> Result<AnyState, SolveError<AnyState>> {
-        self.0.equilibrate(drive, solver, budget, start, watch)
+        let solved = self.kind.equilibrate(drive, solver, budget, start, watch);
+        solved.map(|state| self.completed(state)).map_err(|error| error.map(|state| self.completed(state)))
     }
 }
 
 impl Resumable for Posed {
     fn keep(&self, state: &mut AnyState, visitor: &mut dyn Visit) {
-        self.0.keep(state, visitor);
+        self.kind.keep(state, visitor);
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal> {
-        self.0.restore(drive, visitor)
+        self.kind.restore(drive, visitor).map(|state| self.completed(state))
     }
 }
 
 impl Quasistatic for Posed {
     fn reading(&self, state: &AnyState) -> Reading {
-        self.0.reading(state)
+        self.kind.reading(state)
     }
 
     fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool {
-        self.0.depends_on_division(start, end, tolerance)
+        self.kind.depends_on_division(start, end, tolerance)
     }
 
     fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64 {
-        self.0.change(start, from, to)
+        self.kind.change(start, from, to)
     }
 
     fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64 {
-        self.0.change_of_stick(from, to)
+        self.kind.change_of_stick(from, to)
     }
 }
 

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use gfmd_contact::Boundary;
+use gfmd_contact::{Boundary, FullContact, Solver};
 use gfmd_green::{BaseKind, Condition, Ground};
 use gfmd_law::LawKind;
 use gfmd_medium::Relaxes;
@@ -114,6 +114,15 @@ impl Facts {
     pub fn has_level(&self) -> bool {
         let is_open = self.support.is_open() || self.second.is_some_and(Support::is_open);
         self.boundary == Boundary::Periodic || !self.line || !is_open
+    }
+
+    /// Returns true if the solver moves all components of the displacement by damped dynamics, as the source does. Other
+    /// solvers find the pressure, which gives the lateral displacement.
+    pub fn moves_all_by(&self, solver: Solver) -> bool {
+        let is_dynamic = solver != Solver::Auto && FullContact::SOLVERS.contains(&solver);
+        let is_wall = !self.has_law() && !self.hardness && self.boundary == Boundary::Periodic;
+        let all = self.task == Task::Loads && self.unknown == Unknown::All && !self.finite_slope && !self.approach;
+        is_dynamic && is_wall && all
     }
 
     /// Returns true if all components of the displacement are unknown.
@@ -252,11 +261,11 @@ parts! {
         (key("lateral"), "given", words![key("lateral"), ", unless there is ", friction])
     },
         |f| f.lateral && f.friction.is_none();
-    /// Shear on a patch.
-    FreeShear: |_| {
-        let free = setting("boundary", "free");
-        (key("boundary"), "free", words![free, " and friction or ", key("lateral")])
-    }, |f| f.boundary == Boundary::Free && (f.friction.is_some() || f.lateral);
+    /// Lateral displacement of a patch.
+    FreeSideways: |_| {
+        let (free, all) = (setting("boundary", "free"), setting("components", "all"));
+        (key("boundary"), "free", words![free, " and friction, ", key("lateral"), " or ", all])
+    }, |f| f.boundary == Boundary::Free && f.moves_sideways();
     /// Path.
     Path: |_| ("path".into(), "asked for", "a path".into()), |f| f.task == Task::Path;
     /// Patches, distributions, spectra, conductance.
@@ -325,9 +334,6 @@ pub const RULES: &[Rule] = {
         rule(Yield, Lower, "left out", "the strain above a free lower face is not computed"),
         rule(SecondBody, Lower, "left out", "it has one of the two surfaces, and which one is not given"),
         rule(MovedBase, Lower, "left out", "there is no base"),
-        rule(Statistics, Lower, "left out", "the face is ambiguous"),
-        rule(Flow, Lower, "left out", "the gap is ambiguous"),
-        rule(FlowThreshold, Lower, "left out", "the gap is ambiguous"),
         rule(Law, FiniteSlope, "hard-wall", "where surfaces are steep, the vertical gap is not their distance"),
         rule(Free, FiniteSlope, "periodic", "points move beyond the rim, where no heights are known"),
         rule(All, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
@@ -345,21 +351,17 @@ pub const RULES: &[Rule] = {
         rule(MovedBase, Table, "left out", "it has no base"),
         rule(SecondBody, Table, "left out", "the compliance is that of both bodies together"),
         rule(Layers, Table, "left out", "the compliance is that of the whole body"),
-        rule(All, Law, "normal", "the dynamics of all components has a hard wall"),
-        rule(All, Free, "normal", "the dynamics would move the surface outside the patch, which has no end"),
         rule(Held, Free, "normal", "nothing holds the surface outside the patch sideways"),
-        rule(All, Hardness, "normal", "the dynamics has no bound of the pressure"),
         rule(Held, SecondBody, "normal", "the relative displacement of two held bodies is not that of one"),
         rule(All, MovedBase, "normal", "the base moves the surface sideways, too"),
         rule(Held, MovedBase, "normal", "the base moves the surface sideways, too"),
-        rule(All, Approach, "normal", "the dynamics needs a mean pressure"),
         rule(Hardness, OpenLaw, "left out", "without a wall nothing is pressed into the other surface"),
         rule(Friction, ShearingLaw, "left out", "the law has a shear of its own"),
         rule(Hardness, Lateral, "left out", LAW_ALONE),
         rule(Free, MovedBase, "periodic", "the effect of the base is that of a periodic cell"),
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
-        rule(Line, FreeShear, "3", "the lateral displacement of a profile is known up to a constant"),
-        rule(Sliding, FreeShear, "bonded or half-space", "the body has no lateral support"),
+        rule(Line, FreeSideways, "3", "the lateral displacement of a profile is known up to a constant"),
+        rule(Sliding, FreeSideways, "bonded or half-space", "the body has no lateral support"),
         rule(Prony, Lateral, "left out", LAW_ALONE),
         rule(SecondBody, Prony, "left out", "the second body would relax differently"),
         rule(Wear, OpenLaw, "left out", "without a wall nothing is rubbed off"),
@@ -383,8 +385,6 @@ pub const RULES: &[Rule] = {
         rule(FlowThreshold, Law, "left out", "the bisection needs compressive loads"),
         rule(Flow, Line, "left out", "a profile has no flow"),
         rule(FlowThreshold, Line, "left out", "a profile has no flow"),
-        rule(Refine, History, "none or estimate", "it is the record of one search"),
-        rule(Refine, Resume, "none or estimate", "the states of the finer grid are not kept"),
         rule(Refine, Several, "none or estimate", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(History, Resume, "left out", "it records a search from its beginning"),
         rule(Law, Several, "hard-wall", ONLY_PERIODIC_WALLS_IN_PARALLEL),
@@ -445,9 +445,9 @@ impl Facts {
 }
 
 /// Parts without derivatives.
-const WITHOUT_GRADIENT: [Part; 6] = {
+const WITHOUT_GRADIENT: [Part; 5] = {
     use Part::*;
-    [Hardness, All, FiniteSlope, Lower, MovedBase, Several]
+    [Hardness, FiniteSlope, Lower, MovedBase, Several]
 };
 
 impl Facts {
@@ -487,7 +487,7 @@ impl Part {
                 self,
                 Self::Friction
                     | Self::Lateral
-                    | Self::FreeShear
+                    | Self::FreeSideways
                     | Self::Path
                     | Self::Prony
                     | Self::Shear

@@ -11,7 +11,7 @@ pub enum Unknown {
     /// u_z; u_x and u_y follow from the pressure, as the lateral traction is zero.
     #[default]
     Normal,
-    /// u_x, u_y and u_z, moved by damped dynamics; the lateral traction is zero.
+    /// u_x, u_y and u_z; the lateral traction is zero. A dynamic solver moves all of them against a periodic hard wall.
     All,
     /// u_z, with u_x and u_y held at zero.
     Held,
@@ -34,7 +34,7 @@ impl Unknown {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Normal => "u_z; u_x and u_y follow from the pressure, as the lateral traction is zero",
-            Self::All => "u_x, u_y and u_z, moved by damped dynamics; the lateral traction is zero",
+            Self::All => "u_x, u_y and u_z; the lateral traction is zero",
             Self::Held => "u_z, with u_x and u_y held at zero",
         }
     }

@@ -117,8 +117,16 @@ pub trait StateHandler {
         Ok(())
     }
 
-    /// Visits data that continues from part to part beside the state; `is_new` if it is read from a kept run.
-    fn visit(&mut self, _visitor: &mut dyn Visit, _is_new: bool) {}
+    /// Visits data that continues from part to part beside the state.
+    fn keep(&mut self, _visitor: &mut dyn Visit) {}
+
+    /// Restores what [`keep`](Self::keep) visited after the part `last`.
+    ///
+    /// # Errors
+    /// Returns an error if the data do not make a state.
+    fn resume(&mut self, _last: usize, _visitor: &mut dyn Visit) -> Result<(), Refusal> {
+        Ok(())
+    }
 }
 
 /// State that was reached.
@@ -258,7 +266,7 @@ impl Series<'_> {
                 kept.add(&FinishedStep { text, fields });
                 kept.keep_state(|visitor| {
                     path.keep(visitor);
-                    handler.visit(visitor, false);
+                    handler.keep(visitor);
                 })?;
             }
             outcome.records.push(record);
@@ -300,8 +308,7 @@ impl Series<'_> {
         };
         stored.restore(|visitor| {
             path.resume(self.drives[last], visitor)?;
-            handler.visit(visitor, true);
-            Ok::<_, Refusal>(())
+            handler.resume(last, visitor)
         })?;
         Ok(records)
     }

@@ -221,7 +221,9 @@ impl Found {
         let axes = if ny == 1 { 1 } else { 2 };
         let lateral = |names: [&str; 2]| names[..axes].iter().map(|name| field(name)).collect::<Result<_, String>>();
         let pressure = field("pressure")?;
-        if relaxes(&self.record) {
+        let components = self.record.get("components").and_then(toml::Value::as_str);
+        // All components follow from the pressure; the solver decides which shortest waves they have.
+        if relaxes(&self.record) || components == Some("all") {
             let values = pressure.ok_or("pressure is missing; the file must have it")?;
             let mean_traction = Some([0.0, 0.0, -mean(&values)]);
             return Ok(Self { kind: StoredField::Pressure, mean_traction, values, ..self });
@@ -230,8 +232,7 @@ impl Found {
         if let (None, Some(friction)) = (&shears, FRICTION.iter().find(|key| self.record.contains_key(**key))) {
             return Err(format!("the {} {NO_SHEAR}", friction.replace('_', " ")));
         }
-        let held = self.record.get("components").and_then(toml::Value::as_str) == Some("held");
-        let lateral = match held {
+        let lateral = match components == Some("held") {
             // Held surfaces have no lateral displacement; other surfaces use the stored one, if any.
             true => Some(vec![vec![0.0; self.values.len()]; axes]),
             false => lateral(["displacement_x", "displacement_y"])?,

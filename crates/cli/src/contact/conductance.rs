@@ -58,7 +58,8 @@ impl Conducting {
         let is_endless = |body: &Body| body.height() == Height::Infinite;
         let are_alike = args.problem.law.law == LawKind::HardWall
             && args.problem.hardness.hardness.is_none()
-            && args.problem.components == Unknown::Normal
+            && args.problem.components != Unknown::Held
+            && !args.facts(grid.is_line()).moves_all_by(args.problem.solver.solver)
             && body.tabulated_wavenumbers().is_none()
             && [height, body.height()] == [Height::Infinite; 2]
             && body.second().is_none_or(is_endless);

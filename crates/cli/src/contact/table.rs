@@ -30,7 +30,8 @@ impl fmt::Display for Report {
             let converged = index == 0 || self.loads[index - 1].is("converged");
             writeln!(f, "{line}{}", if converged { "" } else { "  NOT CONVERGED" })?;
         }
-        for (title, table) in [("lower face\n", Table::LowerFace), ("", Table::Patches), ("", Table::Flow)] {
+        let upper = if self.head.lower.is_some() { "upper face\n" } else { "" };
+        for (title, table) in [("lower face\n", Table::LowerFace), (upper, Table::Patches), (upper, Table::Flow)] {
             let lines = table_of(&self.loads, &[table], &units, f.width());
             if !lines.is_empty() {
                 writeln!(f, "\n{title}{}", lines.join("\n"))?;

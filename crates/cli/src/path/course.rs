@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use gfmd_contact::{Budget, Drive, SolveError, Visit};
+use gfmd_contact::{Budget, Drive, Refusal, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_problem::{AnyState, Posed};
@@ -144,6 +144,9 @@ impl PathInput {
     }
 }
 
+/// Largest number of bytes of a reason in a kept run; more are read from a damaged one alone.
+const LONGEST_REASON: u64 = 1 << 16;
+
 /// Path on a finer grid, beside the requested one.
 struct Beside<'a> {
     prepared: &'a Prepared,
@@ -157,6 +160,37 @@ struct Beside<'a> {
 }
 
 impl Beside<'_> {
+    /// Visits the last state of the path, or the reason why it ended.
+    fn keep(&mut self, visitor: &mut dyn Visit) {
+        match &self.ended {
+            // No step follows.
+            Some(reason) => {
+                visitor.count(&mut (reason.len() as u64));
+                reason.bytes().for_each(|byte| visitor.count(&mut byte.into()));
+            }
+            None => {
+                visitor.count(&mut 0);
+                self.path.keep(visitor);
+            }
+        }
+    }
+
+    /// Restores what [`keep`](Self::keep) visited after the step to a drive of the other grid.
+    fn resume(&mut self, drive: Drive, visitor: &mut dyn Visit) -> Result<(), Refusal> {
+        let mut length = 0;
+        visitor.count(&mut length);
+        if length == 0 {
+            return self.path.resume(at_same_place(drive, self.rise), visitor);
+        }
+        let bytes = (0..length.min(LONGEST_REASON)).map(|_| {
+            let mut byte = 0;
+            visitor.count(&mut byte);
+            byte as u8
+        });
+        self.ended = Some(String::from_utf8_lossy(&bytes.collect::<Vec<_>>()).into_owned());
+        Ok(())
+    }
+
     /// Returns the record of the step under a drive of the other grid.
     fn record(&mut self, drive: Drive, tolerance: f64, session: &Session) -> Result<OnFinerGrid, Failure> {
         if let Some(reason) = &self.ended {
@@ -236,11 +270,22 @@ impl StateHandler for Log<'_> {
         strain::write_waypoint(file, place, values)
     }
 
+    fn keep(&mut self, visitor: &mut dyn Visit) {
+        self.visit_widest(visitor);
+        self.finer.iter_mut().for_each(|finer| finer.keep(visitor));
+    }
+
+    fn resume(&mut self, last: usize, visitor: &mut dyn Visit) -> Result<(), Refusal> {
+        self.widest = Some((f64::NAN, SceneFields::zeros(self.prepared.surface.grid.len())));
+        self.visit_widest(visitor);
+        let drive = self.drives[last];
+        self.finer.iter_mut().try_for_each(|finer| finer.resume(drive, visitor))
+    }
+}
+
+impl Log<'_> {
     /// Visits the largest contact area and its fields; before the first step there are none.
-    fn visit(&mut self, visitor: &mut dyn Visit, is_new: bool) {
-        if is_new {
-            self.widest = Some((f64::NAN, SceneFields::zeros(self.prepared.surface.grid.len())));
-        }
+    fn visit_widest(&mut self, visitor: &mut dyn Visit) {
         if let Some((area, shown)) = &mut self.widest {
             visitor.number(area);
             shown.fields_mut().into_iter().for_each(|field| visitor.field(field));

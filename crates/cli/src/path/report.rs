@@ -187,11 +187,11 @@ pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided b
                                mean gap; in ml/s by Python: \
                                1e6 * result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")";
 
-/// Prints the table of the flow, one line per step, if there is one.
-fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
+/// Prints the table of the flow, one line per step, below the `title`, if there is one.
+fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units, title: &str) -> fmt::Result {
     let lines = table_of(steps, &[Table::Flow], units, None);
     for (index, line) in lines.iter().enumerate() {
-        let step = index.checked_sub(1).map_or_else(|| "\n     ".to_owned(), |step| format!("{step:>5}"));
+        let step = index.checked_sub(1).map_or_else(|| format!("\n{title}     "), |step| format!("{step:>5}"));
         writeln!(f, "{step}{line}")?;
     }
     if lines.is_empty() { Ok(()) } else { writeln!(f, "{FLOW}") }
@@ -219,7 +219,8 @@ impl fmt::Display for Report {
         if let Some(step) = self.parted_at {
             writeln!(f, "{step:>5}  the surfaces part")?;
         }
-        print_flow(f, &self.steps, &self.head.units())?;
+        let upper = if self.head.lower.is_some() { "upper face\n" } else { "" };
+        print_flow(f, &self.steps, &self.head.units(), upper)?;
         for leg in &self.sliding {
             let stiffness = self.head.units().shown("stress/length", leg.tangential_stiffness);
             writeln!(

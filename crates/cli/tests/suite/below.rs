@@ -373,7 +373,7 @@ fn every_stiffness_without_a_value_has_its_reason() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (flags, reason) in [
-        ("--components all --p-star 0.1", "components"),
+        ("--components all --solver verlet --p-star 0.1", "components"),
         ("--finite-slope --p-star 0.1", "slope"),
         ("--height 0.3 --lower-seed 5 --p-star 0.1", "two surfaces"),
         ("--p-star 9", "full contact"),

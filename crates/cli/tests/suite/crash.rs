@@ -26,11 +26,11 @@ const COMMANDS: [&str; 13] = [
     "contact contact --n 128 --eps-f-inv 16 --p-star 0.01,0.02,0.05,0.1,0.2,0.4 --checkpoint 0.001",
     "squeezed contact --n 64 --eps-f-inv 8 --height 0.05 --lower-seed 2 --p-star 0.02,0.05,0.2 --checkpoint 0.001",
     "relaxation contact --n 64 --eps-f-inv 16 --p-star 0.02 --solver verlet --checkpoint 0.001",
-    "law contact --n 64 --eps-f-inv 8 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,0.02,0,0.01 \
-     --checkpoint 0.001",
+    "law contact --n 32 --eps-f-inv 8 --law exponential --param gamma=1e-4,range=3e-3 --p-star 0.05,0.02,0,0.01 \
+     --checkpoint 0.001 --grid-error refine",
     "path path --n 32 --eps-f-inv 8 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 6",
     "loop path --n 64 --dim 2 --law exponential --param gamma=2e-4,range=4e-3 --approach=0.002,0.006,-0.002 \
-     --steps 5",
+     --steps 5 --grid-error refine",
     "body body --surface whole-punch.h5 --levels 24",
     "punch punch --n 32",
     "creep path --n 64 --height 0.3 --relaxes shear --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1e-2:1e2:12 \
@@ -47,17 +47,17 @@ const SMALL: [&str; 13] = [
     "squeezed contact --n 24 --eps-f-inv 4 --height 0.1 --lower-seed 2 --p-star 0.02,0.2 --checkpoint 0.0001",
     "relaxation contact --n 24 --eps-f-inv 4 --p-star 0.05 --solver fire --checkpoint 0.0001",
     "law contact --n 24 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=4e-3 --p-star 0.05,0 \
-     --checkpoint 0.0001",
+     --checkpoint 0.0001 --grid-error refine",
     "path path --n 16 --eps-f-inv 4 --p-star 0.05 --friction 0.3 --lateral 0,0.001,-0.001 --steps 2",
     "loop path --n 32 --dim 2 --eps-f-inv 4 --law exponential --param gamma=2e-4,range=4e-3 --approach=0.002,0.006 \
-     --steps 3",
+     --steps 3 --grid-error refine",
     "body body --surface whole-punch.h5 --levels 3",
     "punch punch --n 16",
     "creep path --n 16 --eps-f-inv 4 --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1,100 --steps 1",
     "wear wear --n 16 --eps-f-inv 4 --p-star 0.05 --coefficient 1 --distance 0,0.1,1 --steps 2",
     "yield path --n 16 --eps-f-inv 4 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06 --steps 2",
     "slide slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.05 \
-     --velocity 0.1,1",
+     --velocity 0.1,1 --grid-error refine",
 ];
 
 /// Commands that keep finished parts.

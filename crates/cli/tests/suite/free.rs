@@ -201,13 +201,13 @@ fn what_a_patch_cannot_have_is_refused_by_name() {
         ),
         (
             "path --friction 0.3 --height 0.2 --base sliding",
-            "--base is sliding; it must be bonded or half-space with --boundary free and friction or --lateral",
+            "--base is sliding; it must be bonded or half-space with --boundary free and friction, --lateral",
         ),
         (
             "path --dim 2 --friction 0.3",
-            "--dim is 2; it must be 3 with --boundary free and friction or --lateral (the lateral displacement of a",
+            "--dim is 2; it must be 3 with --boundary free and friction, --lateral or --components all (the lateral",
         ),
-        ("path --dim 2 --lateral 0,0.1", "--dim is 2; it must be 3 with --boundary free and friction or --lateral"),
+        ("path --dim 2 --lateral 0,0.1", "--dim is 2; it must be 3 with --boundary free and friction, --lateral"),
         ("path --height 0.2 --base sliding --lateral 0,0.1", "--base is sliding; it must be bonded or half-space with"),
         ("path --height 0.2 --base free --lateral 0,0.1", "--base is free; it must be bonded, sliding or half-space"),
         ("path --lateral 0,0.1 --coefficient 0.1 --distance 1", "it must be left out with --lateral, unless there is"),

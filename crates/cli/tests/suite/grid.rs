@@ -263,7 +263,6 @@ fn what_cannot_be_made_finer_is_refused_by_name() {
         ("contact --n 32 --approach 0.001 --accuracy 1%".into(), "the approach counts from the highest point"),
         (format!("{contact} --grid-error refine --method rmd"), "--method is rmd"),
         (format!("{contact} --refine 2"), "--surface"),
-        ("path --n 32 --p-star 0.05 --grid-error refine --resume --out a.h5".into(), "--grid-error is refine"),
         (format!("{contact} --boundary free --accuracy 1%"), "the rim of a patch moves with the grid"),
     ] {
         let reported = refused(folder.path(), &flags);

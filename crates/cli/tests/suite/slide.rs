@@ -400,10 +400,6 @@ fn unusable_input_is_refused_in_one_line() {
             "--prony 1:0.5 --velocity 1 --pressure 0.01 --grid-error estimate",
             "--grid-error is estimate; it must be none or refine",
         ),
-        (
-            "--prony 1:0.5 --velocity 1 --pressure 0.01 --grid-error refine --resume --out x.h5",
-            "--grid-error is refine; it must be none or estimate with --resume",
-        ),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --hardness 0", "--hardness is 0; it must be positive and finite"),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --hardness nan", "--hardness is NaN; it must be positive"),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --hardness none.npy", "--hardness: none.npy"),

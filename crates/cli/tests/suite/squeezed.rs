@@ -273,8 +273,6 @@ fn what_does_not_go_together_is_refused() {
         (format!("{with} --finite-slope"), ["--finite-slope", "--lower-seed"]),
         (format!("{with} --boundary free"), ["--boundary", "periodic"]),
         (format!("{with} --base-displacement flat.npy"), ["--base-displacement", "--lower-seed"]),
-        (format!("{with} --statistics"), ["--statistics", "--lower-seed"]),
-        (format!("{with} --flow"), ["--flow", "--lower-seed"]),
         (format!("{with} --solver verlet"), ["--solver", "preconditioned-cg"]),
         (format!("{with} --lower-surface flat.npy"), ["--lower-surface", "--lower-seed"]),
         (format!("{slab} --lower-surface other.npy"), ["--lower-surface", "16 x 16"]),
@@ -298,4 +296,34 @@ fn what_does_not_go_together_is_refused() {
     // A flat surface below is a base.
     let report = run(folder, &format!("{slab} --lower-surface flat.npy --json"));
     assert_eq!(report["lower"]["rms_height"], 0.0);
+}
+
+/// Between equal surfaces, both halves of a slab are one slab of half the height on a base that slides.
+#[test]
+fn patches_and_flow_of_the_upper_face_are_those_of_half_the_slab() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    run(folder, "surface --n 32 --eps-f-inv 4 --out h.h5 --json");
+    let measured = "--statistics --flow --flow-threshold --p-star 0.05,0.6 --tolerance 1e-10 --surface h.h5 --json";
+    let whole = run(folder, &format!("contact --height 0.2 --lower-surface h.h5 {measured} --out whole.h5"));
+    let half = run(folder, &format!("contact --height 0.1 --base sliding {measured}"));
+    let number = |value: &Value| value.as_f64().unwrap();
+    for load in 0..2 {
+        let [a, b] = [&whole, &half].map(|report| &report["loads"][load]);
+        for name in ["count", "largest_fraction", "percolates"] {
+            assert_eq!(a["patches"][name], b["patches"][name], "{name}");
+        }
+        let [a, b] = [a, b].map(|load| number(&load["conductance"]));
+        assert!((a / b - 1.0).abs() < 1e-6, "{a} and {b}");
+    }
+    for axis in [0, 1] {
+        let [a, b] = [&whole, &half].map(|report| number(&report["flow_threshold"][axis]["p_star"][0]));
+        assert!((a / b - 1.0).abs() < 1e-3, "{a} and {b}");
+    }
+    let [a, b] = [&whole, &half].map(|report| number(&report["loads"][0]["flow"]["conductivity"][0][0]));
+    assert!((a / b - 1.0).abs() < 1e-4 && a > 0.0, "{a} and {b}");
+    assert_eq!(run(folder, "check whole.h5 --json")["differing"], 0);
+    let along = "path --surface h.h5 --height 0.2 --lower-surface h.h5 --p-star 0.05 --steps 1 --flow --json";
+    let on_path = number(&run(folder, along)["steps"][0]["flow"]["conductivity"][0][0]);
+    assert!((on_path / a - 1.0).abs() < 1e-4, "{on_path} and {a}");
 }

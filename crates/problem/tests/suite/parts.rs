@@ -100,6 +100,7 @@ impl Parts {
             prony: self.prony.as_ref(),
             wear,
             dynamics: Dynamics::default(),
+            moves_all: false,
         }
     }
 }

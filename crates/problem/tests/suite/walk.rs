@@ -285,7 +285,8 @@ fn every_combination_is_refused_by_the_table_or_solved() {
                 Task::Loads => press(0.0, None)?,
                 Task::Path => press(1.0, Some(&press(0.0, None)?))?,
             };
-            let bits = state.pressure().iter().chain(state.gap()).map(|value| value.to_bits()).collect();
+            let lateral = state.lateral().iter().flatten();
+            let bits = state.pressure().iter().chain(state.gap()).chain(lateral).map(|value| value.to_bits()).collect();
             match states.insert(bits, facts) {
                 // The first step of a path may be the state of a load.
                 Some(other) if (Facts { task: facts.task, ..other }) != facts => Err(format!("the state of {other:?}")),

@@ -202,9 +202,9 @@ def contact(
         law: law of adhesion or cohesion across the gap (`gfmd.law`); a hard wall by default.
         hardness: largest pressure of a hard wall, stress, a number or an array of the shape of the heights. Where it is
             reached, the surfaces are pressed into each other.
-        components: unknown components of the surface displacement, with a hard wall: "normal" (default: u_z; u_x and
-            u_y follow from the pressure), "all" (u_x, u_y, u_z by damped dynamics, under a mean pressure; the same u_z
-            at a higher cost), or "held" (u_z, with u_x and u_y held at zero).
+        components: unknown components of the surface displacement: "normal" (default: u_z), "all" (u_z, and u_x and
+            u_y by the pressure; a dynamic solver moves all three against a periodic hard wall), or "held" (u_z, with
+            u_x and u_y held at zero).
         finite_slope: points of the body meet the height at their displaced position, and pressures act along the normal
             of the surface (a hard wall with periodic boundaries, one body, no hardness).
         lower_surface: heights [nx, ny] of a second rigid surface below a slab, in place of its base, peaks towards the

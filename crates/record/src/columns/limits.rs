@@ -39,7 +39,7 @@ pub fn not_calibrated(facts: &Facts) -> Option<&'static str> {
         (facts.lateral, with!("a lateral motion")),
         (relaxing(facts), with!("a body that relaxes")),
         (wears(facts), with!("surfaces that wear")),
-        (facts.unknown != Unknown::Normal, with!("further unknown components")),
+        (facts.unknown == Unknown::Held, with!("a surface held sideways")),
         (steep(facts), with!("finite slopes")),
         (facts.lower.is_some(), with!("a lower surface")),
         (facts.moved_base.is_some(), with!("a base that moves")),

@@ -114,7 +114,7 @@ impl Stored {
     ///
     /// # Errors
     /// Returns an error if the value cannot be made, or if the file has other variables than the value.
-    pub(crate) fn restore<T, R: Into<Failure>>(
+    pub fn restore<T, R: Into<Failure>>(
         &mut self,
         make: impl FnOnce(&mut dyn Visit) -> Result<T, R>,
     ) -> Result<T, Failure> {

@@ -1,6 +1,6 @@
 //! Same contact on a finer grid, to find the grid error of its numbers.
 
-use gfmd_contact::{Drive, Load, Watch};
+use gfmd_contact::{Drive, Load, Refusal, Resumable as _, Visit, Watch};
 use gfmd_problem::{AnyState, GridError, Posed, key, words};
 use gfmd_record::{OnFinerGrid, StateContext, UNRESOLVED};
 use gfmd_surface::Interpolation;
@@ -97,6 +97,26 @@ impl Finer {
     /// Returns true if a state was found before.
     pub fn has_started(&self) -> bool {
         self.last.is_some()
+    }
+
+    /// Visits the last state, from which the next search starts.
+    pub fn keep(&mut self, visitor: &mut dyn Visit) {
+        visitor.flag(&mut self.last.is_some());
+        if let Some(state) = &mut self.last {
+            self.contact.keep(state, visitor);
+        }
+    }
+
+    /// Restores the last state, which [`keep`](Self::keep) visited, under a drive of the coarser grid.
+    ///
+    /// # Errors
+    /// Returns an error if the data do not make a state.
+    pub fn resume(&mut self, drive: Drive, visitor: &mut dyn Visit) -> Result<(), Refusal> {
+        let mut has_state = false;
+        visitor.flag(&mut has_state);
+        let restore = || self.contact.restore(at_same_place(drive, self.rise), visitor);
+        self.last = has_state.then(restore).transpose()?;
+        Ok(())
     }
 
     /// Solves for the state under a drive of the coarser grid, starting from the previous one; returns it with its

@@ -94,6 +94,8 @@ pub struct Prepared {
     /// Wear of both surfaces together, if they wear.
     pub wear: Option<Wear>,
     dynamics: Dynamics,
+    /// True if a dynamic solver moves all components.
+    moves_all: bool,
     /// Height of the surface's top above the highest grid point, if this process has the whole surface.
     pub rise: Option<f64>,
     /// Numbers of the attraction, if there is one.
@@ -129,7 +131,7 @@ impl Prepared {
                 "the heights are all equal; with a lower surface only that may be flat",
             ));
         }
-        let elastic = facts.memory_need(asked.once);
+        let elastic = facts.memory_need(asked.solver, asked.once);
         let faces = 1 + usize::from(facts.lower.is_some());
         let components = if facts.friction.is_some() { 3 } else { faces };
         let relaxing = |prony: &Prony| elastic.relaxing(prony.branches().len(), components);
@@ -181,6 +183,7 @@ impl Prepared {
             prony,
             wear,
             dynamics,
+            moves_all: facts.moves_all_by(asked.solver),
             rise,
             adhesion,
             moments,
@@ -295,6 +298,7 @@ impl Prepared {
             prony: self.prony.as_ref(),
             wear: self.wear,
             dynamics: self.dynamics,
+            moves_all: self.moves_all,
         };
         pose(&given).map_err(|refusal| Failure::posing(refusal, source.name()))
     }

@@ -164,8 +164,10 @@ impl ContactArgs {
             Solver::VerletModes => DampedBy::Modes,
             _ => DampedBy::Other,
         })?;
-        if let (Factors::Components(factors), true) = (self.dynamics.factors()?, self.components != Unknown::All) {
-            let allowed = words!["one number without ", setting("components", "all")];
+        let moves_all = self.facts(false).moves_all_by(self.solver.solver);
+        if let (Factors::Components(factors), false) = (self.dynamics.factors()?, moves_all) {
+            let allowed =
+                words!["one number unless a hard wall moves all components (", setting("components", "all"), ")"];
             return Err(Failure::value(key("damping"), format!("{factors:?}"), allowed));
         }
         Ok(())

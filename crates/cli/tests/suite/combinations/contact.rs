@@ -307,7 +307,7 @@ pub(crate) fn check(found: &mut Found, case: &Case, report: &Value, file: &Reade
     if case.threshold {
         threshold(found, case, report, file);
     }
-    if case.statistics && !case.has_lower {
+    if case.statistics {
         arrays(found, case, loads, file);
     }
 }
@@ -374,13 +374,22 @@ fn one(
     if case.has_lower {
         squeezed(found, case, load, k, file, rough, [&pressure, &displacement, &gap]);
     } else if !case.is_steep {
-        let dense = match case.components {
-            Components::All => {
-                let zero = vec![0.0; plane.len()];
-                let pressed = pressure.iter().map(|p| -p).collect();
-                let Vectors([_, _, z]) = all_components(case, &Vectors([zero.clone(), zero, pressed]));
-                z.into_iter().map(|u| -u).collect()
+        let all = (case.components == Components::All && !case.is_free).then(|| {
+            let zero = vec![0.0; plane.len()];
+            let pressed = pressure.iter().map(|p| -p).collect();
+            all_components(case, &Vectors([zero.clone(), zero, pressed]))
+        });
+        if let Some(Vectors([x, y, _])) = &all {
+            let most = largest(x).max(largest(y)).max(1e-3 * scale);
+            for (name, expected) in
+                [("displacement_x", x), ("displacement_y", y)].iter().take(2 - usize::from(case.is_line))
+            {
+                let apart = field(name).iter().zip(expected.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                found.near(&format!("{name} less that of the pressure"), apart, 0.0, elastic.tolerance * most);
             }
+        }
+        let dense = match all {
+            Some(Vectors([_, _, z])) if case.moves_all() => z.into_iter().map(|u| -u).collect(),
             _ => elastic.dense.displace(&pressure),
         };
         let most = largest(&dense).max(1e-3 * scale);
@@ -566,7 +575,7 @@ pub(crate) fn tangent(found: &mut Found, case: &Case, load: &Value, pressure: &[
     let has_stiffness = case.law.is_none()
         && !case.is_steep
         && !case.has_lower
-        && case.components != Components::All
+        && !case.moves_all()
         && case.friction.is_none()
         && case.shear_strength.is_none()
         && has_level(case);

@@ -396,6 +396,13 @@ pub(crate) fn write(folder: &Path, name: &str, plane: Plane, is_line: bool, valu
 }
 
 impl Case {
+    /// Returns true if a dynamic solver moves all components.
+    pub(crate) fn moves_all(&self) -> bool {
+        let is_dynamic = ["verlet", "verlet-critical", "verlet-modes", "fire"].contains(&self.solver);
+        let is_wall = self.law.is_none() && self.hardness.is_none() && !self.is_free && !self.is_steep;
+        self.components == Components::All && is_dynamic && is_wall && self.control != Control::Approach
+    }
+
     /// Draws the case and writes its input into `folder`.
     pub(crate) fn draw(index: u64, folder: &Path) -> Self {
         let dice = &mut Dice::new(index);
@@ -456,7 +463,8 @@ impl Case {
         let has_lower = !is_path && ((!is_free && kind < 7) || wild(dice, 0.2));
         let is_steep = !is_path && ((!is_free && (7..14).contains(&kind)) || wild(dice, 0.2));
         let components = match kind {
-            14..19 if !is_free && !is_path => Components::All,
+            // A patch of a profile has no lateral level.
+            14..19 if !is_path && !(is_free && is_line) => Components::All,
             19..24 if !is_free && !is_path => Components::Held,
             _ if wild(dice, 0.3) => dice.of(&[Components::All, Components::Held]),
             _ if has_lower && dice.chance(0.3) => Components::Held,
@@ -468,7 +476,7 @@ impl Case {
         let bases: &[usize] = match () {
             () if is_wild => &[0, 1, 2, 3],
             () if has_lower => &[0],
-            () if is_free && with_friction => &[0, 0, 3],
+            () if is_free && (with_friction || components == Components::All) => &[0, 0, 3],
             () if is_free => &[0, 0, 1, 3],
             () => &[0, 0, 0, 1, 1, 2, 3, 3],
         };
@@ -478,7 +486,7 @@ impl Case {
         }
         let modulus = body.contact_modulus();
         let between = has_lower && !is_steep && components != Components::All;
-        let may_have_law = plain || components == Components::Held && !has_lower;
+        let may_have_law = plain || components != Components::Normal && !has_lower && !is_steep;
         let has_law = (may_have_law && dice.chance(0.3)) || (between && dice.chance(0.4)) || wild(dice, 0.3);
         let size = gradient * length_x;
         let law = has_law.then(|| {
@@ -589,7 +597,6 @@ impl Case {
         let control = match dice.count(0, 9) {
             0..=2 => Control::Pressure,
             3..=5 => Control::PStar,
-            _ if components == Components::All && !is_wild => Control::PStar,
             _ if is_line && is_free && body.lowest() > 0.0 && !is_wild => Control::Pressure,
             _ => Control::Approach,
         };
@@ -634,10 +641,9 @@ impl Case {
             text.push_str(" --steps 1");
         }
         let hard_wall = law.is_none();
-        let measured = !is_path && !has_lower;
-        let statistics = measured && dice.chance(0.4) || (!is_path && wild(dice, 0.3));
-        let flow = measured && !is_line && dice.chance(0.3) || (!is_path && wild(dice, 0.2));
-        let threshold = measured
+        let statistics = !is_path && (dice.chance(0.4) || wild(dice, 0.3));
+        let flow = !is_path && (!is_line && dice.chance(0.3) || wild(dice, 0.2));
+        let threshold = !is_path
             && !is_line
             && hard_wall
             && !is_steep
@@ -676,6 +682,8 @@ impl Case {
             ])
         } else if hard_wall && (is_free || hardness.is_some()) && dice.chance(0.3) {
             dice.of(&["preconditioned-cg", "projected-cg", "cg"])
+        } else if components == Components::All && hard_wall && hardness.is_none() && !is_free && dice.chance(0.5) {
+            dice.of(&["verlet", "verlet-critical", "fire", "preconditioned-cg"])
         } else if law.is_some() && dice.chance(0.2) {
             dice.of(&["newton", "fire", "fire2"])
         } else {
@@ -684,7 +692,7 @@ impl Case {
         if solver != "auto" {
             let _ = write!(text, " --solver {solver}");
         }
-        if solver.starts_with("verlet") || solver.starts_with("fire") || components == Components::All {
+        if solver.starts_with("verlet") || solver.starts_with("fire") {
             text.push_str(" --max-iterations 20000");
         }
         let conductor_height = (statistics && dice.chance(0.4)).then(|| dice.of(&[0.2, 0.5, 2.0]));
@@ -716,14 +724,12 @@ impl Case {
         }
         let further = dice.of(&["check", "check", "body", "body", "report", "resume", "check --rerun", ""]);
         // A problem that cannot be refined is refused.
-        let has_finer = !has_lower && !is_steep && !is_line && moved.is_none() && !threshold && further != "resume";
+        let has_finer = !has_lower && !is_steep && !is_line && moved.is_none() && !threshold;
         let is_asked = has_finer && dice.chance(0.2) || wild(dice, 0.05);
         let grid_error = if is_asked { dice.of(&["refine", "refine", "none"]) } else { "estimate" };
         if grid_error != "estimate" {
             let _ = write!(text, " --grid-error {grid_error}");
         }
-        // The states of a finer grid along a path are not kept.
-        let further = if is_path && grid_error == "refine" && further == "resume" { "" } else { further };
         let words = text.split_whitespace().map(str::to_owned).collect();
         Self {
             index,
