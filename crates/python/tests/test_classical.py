@@ -89,7 +89,7 @@ def test_shapes_are_the_closed_forms_and_may_be_rough():
         (lambda: gfmd.wave(0.1, (0.5, 0.5, 0.5)), "wavelength is"),
         (lambda: gfmd.ellipsoid((1.0, 2.0)), "semi_axes is"),
         (lambda: gfmd.cylinder(1.0, axis="z"), "axis of cylinder is z"),
-        (lambda: gfmd.flat_punch(0.2), "needs? a, "),
+        (lambda: gfmd.flat_punch(0.2), "R of flat-punch is 0; it must be positive without a depth"),
         (lambda: gfmd.self_affine(shape="torus:R=1"), 'the shape is "torus"'),
     ],
 )

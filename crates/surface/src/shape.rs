@@ -212,7 +212,7 @@ impl Entries {
         let depth = match self.maybe("depth", false)? {
             Some(depth) if depth < edge => return Err(self.refused("depth", depth, format!("at least R, {edge}"))),
             Some(depth) => depth,
-            None if edge == 0.0 => return Err(ShapeError::Missing { kind: self.kind, key: "R" }),
+            None if edge == 0.0 => return Err(self.refused("R", 0, "positive without a depth")),
             None => edge,
         };
         Ok(Shape::FlatPunch { radius, edge, depth })
@@ -413,7 +413,8 @@ fn wave_fits(
 ) -> Result<(), ShapeError> {
     let refused = |allowed| Err(ShapeError::Value { kind, key, found: found.to_string(), allowed });
     let count = side / found;
-    if !(found >= 2.0 * step * (1.0 - WHOLE)) {
+    let is_resolved = found >= 2.0 * step * (1.0 - WHOLE);
+    if !is_resolved {
         return refused(format!("at least {}, two grid spacings", 2.0 * step));
     }
     if is_periodic && !(count > 0.5 && (count - count.round()).abs() <= WHOLE * count) {
@@ -507,7 +508,7 @@ mod tests {
         says("cylinder:R=1,axis=z", "axis of cylinder is z; it must be x or y");
         says("paraboloid:Rx=1", "paraboloid has no Ry; it needs [R], [Rx], [Ry]");
         says("paraboloid:R=1,Ry=1", "R of paraboloid is 1; it must be left out with Rx and Ry");
-        says("flat-punch:a=1", "flat-punch has no R; it needs a, [R], [depth]");
+        says("flat-punch:a=1", "R of flat-punch is 0; it must be positive without a depth");
         says("flat-punch:a=1,R=2,depth=1", "depth of flat-punch is 1; it must be at least R, 2");
         let on = |text: &str, periodic| {
             let grid = Grid::new([8, 8], [4.0, 4.0]).unwrap();

@@ -63,7 +63,7 @@ def sphere(radius: Quantity, **options: Unpack[ShapeOptions]) -> Surface:
         >>> ball = gfmd.sphere("10 mm", size="0.4 mm", n=32)
         >>> c = gfmd.contact(ball, gfmd.Body(young="70 GPa", poisson=0.3), force="1 N", boundary="free")
         >>> hertz = (0.75 * 1.0 * 10e-3 / (70e9 / 0.91)) ** (1 / 3)
-        >>> abs(np.sqrt(c.area_fraction * 0.4**2 / np.pi) * 1e-3 / hertz - 1) < 0.05
+        >>> bool(abs(np.sqrt(c.area_fraction * 0.4**2 / np.pi) * 1e-3 / hertz - 1) < 0.05)
         True
     """
     return _made("sphere", options, R=_length("radius", radius))
