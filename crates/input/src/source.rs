@@ -38,8 +38,8 @@ pub struct SourceArgs {
         long,
         value_name = "FILE",
         conflicts_with_all = [
-            "n", "shape", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim", "method",
-            "roll_off", "roll_off_shape", "amplitudes"
+            "n", "shape", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
+            "method", "roll_off", "roll_off_shape", "amplitudes"
         ]
     )]
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -29,8 +29,8 @@ pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
 
 /// Generates a self-affine surface: heights, cell lengths, description. Arguments are the flags of `gfmd surface`.
 #[pyfunction]
-#[pyo3(signature = (*, n, size, shape, unit, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed, dim, method,
-    roll_off, roll_off_shape, amplitudes))]
+#[pyo3(signature = (*, n, size, shape, unit, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed,
+    dim, method, roll_off, roll_off_shape, amplitudes))]
 #[expect(clippy::too_many_arguments, reason = "keywords")]
 pub(crate) fn self_affine<'py>(
     py: Python<'py>,
