@@ -63,6 +63,7 @@ use whole::Whole;
 #[serde(default)]
 #[command(after_help = "Examples:
   gfmd contact --n 256 --hurst 0.8 --p-star 0.01,0.05,0.2
+  gfmd contact --shape sphere:R=10mm --size 0.4mm --n 128 --young 70GPa --boundary free --force 1N
   gfmd contact --surface h.npy --size 1 --young 1 --poisson 0 --pressure 0.01,0.05 --json --out c.h5
   gfmd contact --n 512 --law exponential --param gamma=1e-5 --param range=1e-4 --p-star 0.02,0.01,0,-0.002
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume

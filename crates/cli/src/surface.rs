@@ -47,6 +47,7 @@ use listing::Listing;
   gfmd surface --n 512 --hurst 0.8 --eps-t-inv 2 --eps-f-inv 64 --rms-gradient 0.1 --seed 7 --out h.npy
   gfmd surface --dim 2 --n 4096 --hurst 0.5 --eps-f-inv 256 --json
   gfmd surface --method rmd --n 1024 --hurst 0.3 --out h.h5
+  gfmd surface --shape sphere:R=2mm --size 0.1mm --hurst 0.8 --rms-height 20nm --out h.h5
   gfmd surface --surface scan.txt --detrend plane --periodise mirror --out h.h5
   gfmd surface --surface scan.sur --list
   gfmd surface --surface scan.sur --channel 1 --detrend plane --fill harmonic --window hann --plots scan
@@ -99,7 +100,7 @@ pub struct Args {
     statistics: bool,
     /// Boundary of the surface for these functions: periodic, or free, with differences between points inside alone,
     /// from which rms gradient, rms curvature, m2, m4 and Nayak's parameter then follow, too [default of the functions:
-    /// periodic for a surface of method psd and for a mirrored one, else free]
+    /// periodic for a surface of method psd, a wave and a mirrored surface, else free]
     #[arg(long, value_parser = parse_choice::<Boundary>(), help_heading = "Measurements")]
     #[serde(skip)]
     boundary: Option<Boundary>,
@@ -208,7 +209,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
 fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
     let page = args.report.as_deref().map(claim_page).transpose()?;
-    let surface = args.source.surface(session)?;
+    let surface = match (&args.source.generator.shape, args.boundary) {
+        // A wave need not fit into a patch.
+        (Some(_), Some(boundary)) => args.source.bounded(boundary, session)?,
+        _ => args.source.surface(session)?,
+    };
     let name = args.source.name();
     let (grid, statistics) = (surface.grid, &surface.statistics);
     let refused = |error| Failure::input(&name, error);
@@ -218,7 +223,7 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     };
     let spectrum = spectrum.map_err(refused)?;
     let (asked, range) = match (&args.source.surface, &surface.second) {
-        (None, None) => args.asked(&grid)?,
+        (None, None) if args.source.generator.shape.is_none() => args.asked(&grid)?,
         _ => (None, whole_band(&grid)),
     };
     let range = match args.fit_range[..] {
@@ -338,7 +343,7 @@ impl Args {
         };
         let asked = RequestedStatistics {
             seed: generator.seed,
-            hurst: generator.hurst,
+            hurst: generator.hurst(),
             rms_gradient,
             rms_height,
             longest_wavelength: spectrum.map(|spectrum| spectrum.longest_wavelength),
@@ -362,7 +367,7 @@ impl Args {
     /// The boundary of the surface as far as its origin tells it.
     fn source_boundary(&self) -> Boundary {
         let source = &self.source;
-        let made = source.surface.is_none() && source.generator.method == Method::Psd;
+        let made = source.surface.is_none() && source.generator.is_periodic();
         let mirrored = source.periodise == Periodisation::Mirror;
         if (made && source.second_surface.is_none()) || mirrored { Boundary::Periodic } else { Boundary::Free }
     }

@@ -187,8 +187,9 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let persson = Persson::new(waves, |q| body.normal_stiffness(q)).ok_or_else(flat)?;
     let moments = spectrum.moments();
     let generator = &args.source.generator;
-    let made = args.source.surface.is_none() && generator.method == Method::Psd && !grid.is_line();
-    let hurst = made.then_some(generator.hurst);
+    let made = args.source.surface.is_none() && generator.shape.is_none();
+    let made = made && generator.method == Method::Psd && !grid.is_line();
+    let hurst = made.then(|| generator.hurst());
     let eps = match made {
         true => {
             let spectrum = generator.spectrum(&grid)?;

@@ -83,6 +83,11 @@ impl LowerArgs {
                 let allowed = words!["left out with ", surface, "; use ", lower, " for the lower surface"];
                 return Err(Failure::value(key("lower_seed"), seed, allowed));
             }
+            if source.generator.shape.is_some() {
+                let allowed =
+                    words!["left out with ", key("shape"), "; use ", key("lower_surface"), " for the lower surface"];
+                return Err(Failure::value(key("lower_seed"), seed, allowed));
+            }
             let generator = GeneratorArgs { seed, ..source.generator.clone() };
             SourceArgs { generator, ..source.clone() }.surface(session)?
         } else {

@@ -7,7 +7,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, contiguous, split_dataset};
 use gfmd_surface::{
-    Fill, Interpolation, Moments, Periodisation, Statistics, SurfaceError, centred, composite, composite_inside, finer,
+    Fill, Interpolation, Moments, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer,
     finer_inside,
 };
 use gfmd_unit::{Units, canonical, is_length};
@@ -38,8 +38,8 @@ pub struct SourceArgs {
         long,
         value_name = "FILE",
         conflicts_with_all = [
-            "n", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim", "method",
-            "roll_off", "roll_off_shape", "amplitudes"
+            "n", "shape", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
+            "method", "roll_off", "roll_off_shape", "amplitudes"
         ]
     )]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -214,6 +214,8 @@ pub struct Surface {
     pub origin: Option<(String, String)>,
     /// Second surface, contained in these heights.
     pub second: Option<Second>,
+    /// True if the heights contain a shape, known between the points by its closed form.
+    pub has_shape: bool,
 }
 
 /// Second of two rough surfaces in contact.
@@ -358,7 +360,7 @@ impl Surface {
     /// Returns the surface with the whole heights at the first process; `None` at the others.
     pub fn gathered(&self) -> Option<Self> {
         let heights = rows::gathered(&self.share, self.heights.view())?;
-        let Self { grid, statistics, boundary, .. } = *self;
+        let Self { grid, statistics, boundary, has_shape, .. } = *self;
         Some(Self {
             heights,
             grid,
@@ -371,6 +373,7 @@ impl Surface {
             scan: self.scan.clone(),
             origin: self.origin.clone(),
             second: self.second.clone(),
+            has_shape,
         })
     }
 }
@@ -393,11 +396,13 @@ const ROUGH_SEAM: f64 = 2.0;
 const SAME_LENGTH: f64 = 1e-6;
 
 impl SourceArgs {
-    /// Returns the name of the surface in messages: its file, `surface` for an array, or `the generated surface`.
+    /// Returns the name of the surface in messages: its file, `surface` for an array, `the shape`, or `the
+    /// generated surface`.
     pub fn name(&self) -> String {
         match &self.surface {
             Some(ArrayOption::File(file)) => file.clone(),
             Some(_) => "surface".into(),
+            None if !self.generator.is_rough() => "the shape".into(),
             None => "the generated surface".into(),
         }
     }
@@ -468,7 +473,21 @@ impl SourceArgs {
         let scans = scan.iter().chain(second.as_ref().map(|second| &second.second_scan));
         let unit = scans.into_iter().find_map(|scan| scan.unit.clone()).or_else(|| self.unit.clone());
         let stress_unit = self.stress_unit.clone();
-        Ok(Surface { heights, grid, share, unit, stress_unit, statistics, boundary, description, scan, origin, second })
+        let has_shape = self.surface.is_none() && self.generator.shape.is_some();
+        Ok(Surface {
+            heights,
+            grid,
+            share,
+            unit,
+            stress_unit,
+            statistics,
+            boundary,
+            description,
+            scan,
+            origin,
+            second,
+            has_shape,
+        })
     }
 
     /// Makes the heights of the rows of this process. With several processes, each makes its own if the generator can;
@@ -479,6 +498,7 @@ impl SourceArgs {
         if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
             // Another machine may have less memory.
             let grid = session.agree(generated_grid(&self.generator, &self.size, session.processes()))?;
+            self.generator.check_shape(&grid, boundary == Boundary::Periodic)?;
             let share = shared(&grid)?;
             return Ok(LoadedHeights::generated(
                 self.generator.heights_shared(&grid, &share)?,
@@ -519,12 +539,10 @@ impl SourceArgs {
             }
             None => {
                 let grid = grid_of(&self.generator, &self.size)?;
-                let heights = self.generator.heights(&grid)?;
+                self.generator.check_shape(&grid, boundary == Boundary::Periodic)?;
                 let heights = match (boundary, self.finer) {
-                    (Boundary::Free, Some(times)) => {
-                        centred(&heights, &grid, times as usize).map_err(|error| Failure::input(self.name(), error))?
-                    }
-                    _ => heights,
+                    (Boundary::Free, Some(times)) => self.generator.heights_centred(&grid, times as usize)?,
+                    _ => self.generator.heights(&grid)?,
                 };
                 (heights, grid, self.generator.to_string(), None, None)
             }
@@ -608,10 +626,11 @@ impl SourceArgs {
         if all_equal || !largest.is_finite() {
             return Ok(()); // checked where the heights are used
         }
-        let name = match (&self.surface, self.generator.rms_height) {
+        let name = match (&self.surface, &self.generator) {
             (Some(_), _) => self.name().into(),
-            (None, Some(_)) => key("rms_height"),
-            (None, None) => key("rms_gradient"),
+            (None, GeneratorArgs { shape: Some(_), .. }) => key("shape"),
+            (None, GeneratorArgs { rms_height: Some(_), .. }) => key("rms_height"),
+            (None, _) => key("rms_gradient"),
         };
         if SIZES.contains(&largest) {
             return Ok(());

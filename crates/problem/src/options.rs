@@ -13,6 +13,7 @@ mod law;
 mod plasticity;
 mod prony;
 pub mod quantities;
+mod shape;
 mod sliding;
 mod solver;
 pub mod values;

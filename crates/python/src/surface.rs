@@ -11,11 +11,14 @@ use gfmd_input::json;
 use gfmd_input::memory;
 use gfmd_input::session::Session;
 use gfmd_input::source::composed;
-use gfmd_problem::options::{GeneratorArgs, Method};
+use gfmd_problem::Spelling;
+use gfmd_problem::options::quantities::text_in_units;
+use gfmd_problem::options::{GeneratorArgs, Kinds, Method};
 use gfmd_surface::{
-    Areal, Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, Statistics,
+    Areal, Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, Shape, Statistics,
     finer as finer_heights,
 };
+use gfmd_unit::Units;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -26,18 +29,20 @@ pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
 
 /// Generates a self-affine surface: heights, cell lengths, description. Arguments are the flags of `gfmd surface`.
 #[pyfunction]
-#[pyo3(signature = (*, n, size, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed, dim, method,
-    roll_off, roll_off_shape, amplitudes))]
+#[pyo3(signature = (*, n, size, shape, unit, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed,
+    dim, method, roll_off, roll_off_shape, amplitudes))]
 #[expect(clippy::too_many_arguments, reason = "keywords")]
 pub(crate) fn self_affine<'py>(
     py: Python<'py>,
     n: Vec<usize>,
     size: Vec<f64>,
-    hurst: f64,
+    shape: Option<&str>,
+    unit: Option<&str>,
+    hurst: Option<f64>,
     eps_t_inv: Option<f64>,
     eps_f_inv: Option<f64>,
     eps_c_inv: Option<f64>,
-    rms_gradient: f64,
+    rms_gradient: Option<f64>,
     rms_height: Option<f64>,
     seed: u64,
     dim: u8,
@@ -45,7 +50,7 @@ pub(crate) fn self_affine<'py>(
     roll_off: Option<f64>,
     roll_off_shape: &str,
     amplitudes: &str,
-) -> PyResult<(Array<'py>, [f64; 2], String)> {
+) -> PyResult<(Array<'py>, [f64; 2], String, bool)> {
     let method = match method {
         "psd" => Method::Psd,
         "sra" => Method::Sra,
@@ -57,6 +62,7 @@ pub(crate) fn self_affine<'py>(
     }
     let args = GeneratorArgs {
         n,
+        shape: shape.map(|text| shape_of(text, unit)).transpose().map_err(|error| refused(py, &error))?,
         hurst,
         eps_t_inv,
         eps_f_inv,
@@ -72,10 +78,19 @@ pub(crate) fn self_affine<'py>(
     };
     let made = quick(py, || {
         let grid = gfmd_input::source::grid_of(&args, &size)?;
+        args.check_shape(&grid, true)?;
         Ok((args.heights(&grid)?, grid.lengths()))
     })?;
     let (heights, lengths) = made.map_err(|failure| failed(py, failure))?;
-    Ok((heights.into_pyarray(py), lengths, args.to_string()))
+    Ok((heights.into_pyarray(py), lengths, args.to_string(), args.is_periodic()))
+}
+
+/// Reads a shape, whose lengths may have units if the lengths of the surface have one.
+fn shape_of(text: &str, unit: Option<&str>) -> Result<Shape, String> {
+    let units = Units::new(unit, None);
+    let bare = text_in_units(("shape", Kinds::SHAPE), text, &mut &units);
+    let bare = bare.map_err(|error| error.spelled(Spelling::Argument))?;
+    bare.as_deref().unwrap_or(text).parse().map_err(|error| format!("shape: {error}"))
 }
 
 /// Heights (NaN where undefined), lengths of the cell, unit, description, and the file's other entries as JSON.

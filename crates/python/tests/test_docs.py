@@ -298,13 +298,11 @@ def test_a_signature_has_the_options_of_the_table(function):
 
 @pytest.mark.parametrize("function", [gfmd.Body, gfmd.Wear, gfmd.self_affine], ids=lambda function: function.__name__)
 def test_a_group_has_the_options_of_the_table_and_their_defaults(function):
-    # The default of rms_gradient is left to rms_height, if that is given.
-    none = {"rms_gradient": 0.1}
     parameters, table = inspect.signature(function).parameters, TABLES[function.__name__]
     assert set(parameters) == set(table)
     for name, of in parameters.items():
         default = list(of.default) if isinstance(of.default, tuple) else of.default
-        default = None if default is of.empty else none.get(name) if default is None else default
+        default = None if default is of.empty else default
         found = table[name]["default"]
         assert default == found or (default, found) in [(None, []), ([], None)], name
 

@@ -14,6 +14,7 @@
 //! | points of a scan without a height                  | [`remove_from_defined`], [`fill`]            |
 //! | the spectrum of a scan that is not periodic        | [`window`], then [`PowerSpectrum`]           |
 //! | midpoint displacement, random addition             | [`RealSpace`]                                |
+//! | a sphere, cone, punch, wave from its closed form   | [`Shape`]                                    |
 //!
 //! Heights are `Array2<f64>` of shape `[nx, ny]`, index `[x, y]`; a profile is `[n, 1]`. Lengths are in any consistent
 //! unit. Gradients are full gradients |∇h|, computed from the spectrum unless stated otherwise.
@@ -24,6 +25,7 @@ mod self_affine;
 mod synthesis;
 
 mod real_space;
+mod shape;
 
 mod areal;
 mod fill;
@@ -52,5 +54,6 @@ pub use power::{HurstFit, PowerSpectrum, RadialBin};
 pub use preparation::{Periodisation, Trend, periodise, remove, remove_from_defined, window};
 pub use real_space::{Displaced, RealSpace};
 pub use self_affine::{Amplitudes, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
+pub use shape::{Along, Shape, ShapeError};
 pub use statistics::{Seam, Statistics};
 pub use texture::{Autocorrelation, Bearing, Core, CorrelationLengths, Density, Distributions, Scales, Texture};

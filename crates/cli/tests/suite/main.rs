@@ -30,6 +30,7 @@ mod report;
 mod scan;
 mod seams;
 mod second;
+mod shapes;
 mod slide;
 mod squeezed;
 mod stiffness;

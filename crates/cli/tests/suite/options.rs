@@ -197,7 +197,7 @@ fn options_of_commands_with_groups_have_one() {
 }
 
 /// Types of arguments that Python takes in a form of its own.
-const TYPES: [(&str, &str); 13] = [
+const TYPES: [(&str, &str); 14] = [
     ("accuracy", "float | str"),
     ("cells", "str | Sequence[Quantity]"),
     ("damping", "float | Sequence[float]"),
@@ -208,6 +208,7 @@ const TYPES: [(&str, &str); 13] = [
     ("history_point", "Sequence[tuple[float, float, str]]"),
     ("law", "Law | str"),
     ("lower_surface", "Surface | npt.ArrayLike"),
+    ("shape", "str"),
     ("shift", "Sequence[float]"),
     ("slice", "str"),
     ("time", "Quantity | npt.ArrayLike"),

@@ -1,17 +1,19 @@
 //! Generated surfaces: heights from flags that describe a self-affine spectrum, and a seed.
 
 use std::fmt;
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use gfmd_field::{Grid, Share};
 use gfmd_surface::{
     Amplitudes, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff, RollOffShape,
-    SelfAffine, SurfaceError,
+    SelfAffine, Shape, SurfaceError, centred,
 };
 use ndarray::{Array2, s};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{named, parse_choice};
+use super::shape;
 use super::values::within;
 use crate::options::{Kinds, Options};
 use crate::{Unusable, check_size, key, setting, words};
@@ -31,6 +33,15 @@ const EPS_F_INV: f64 = 32.0;
 /// The value of 1/eps_c to which the default of 1/eps_f leads.
 const EPS_C_INV: f64 = 4.0;
 
+/// The default Hurst exponent.
+const HURST: f64 = 0.8;
+
+/// The default rms gradient.
+const RMS_GRADIENT: f64 = 0.1;
+
+/// The default seed.
+const SEED: u64 = 1;
+
 /// Largest ratio of wavelengths: the points of the longest possible grid.
 const MOST_POINTS: f64 = (1_u64 << 31) as f64;
 
@@ -43,9 +54,17 @@ pub struct GeneratorArgs {
     #[arg(long, value_delimiter = ',', value_name = "N")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<usize>,
-    /// Hurst exponent, 0 to 1
-    #[arg(long, default_value_t = 0.8, value_name = "H", allow_negative_numbers = true)]
-    pub hurst: f64,
+    /// A shape from its closed form, with its top in the middle of the cell: sphere:R=, paraboloid:R= (or Rx=,Ry=),
+    /// ellipsoid:a=,b=,c=, cylinder:R=[,axis=x|y], cone:slope=, wedge:slope=[,axis=x|y], flat-punch:a=,R=[,depth=],
+    /// wave:A=[,Lx=][,Ly=]. It is smooth, unless --hurst, --rms-gradient or --rms-height adds roughness
+    #[arg(long, value_name = "KIND:KEY=VALUE,..", value_parser = Shape::from_str)]
+    #[serde(with = "shape", skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::SHAPE)]
+    pub shape: Option<Shape>,
+    /// Hurst exponent, 0 to 1 [default: 0.8]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hurst: Option<f64>,
     /// Cell length over longest wavelength, at least 1 [default: 2]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -58,16 +77,17 @@ pub struct GeneratorArgs {
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_c_inv: Option<f64>,
-    /// Root-mean-square of the full gradient (spectral) to which the surface is scaled
-    #[arg(long, default_value_t = 0.1, value_name = "G", allow_negative_numbers = true)]
-    pub rms_gradient: f64,
+    /// Root-mean-square of the full gradient (spectral) to which the surface is scaled [default: 0.1]
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_gradient: Option<f64>,
     /// Root-mean-square height to which the surface is scaled instead, length
     #[arg(long, value_name = "LENGTH", conflicts_with = "rms_gradient", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTH)]
     pub rms_height: Option<f64>,
     /// Number of the realisation, below 2^63; seed and cell determine the surface on any grid
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
+    #[arg(long, default_value_t = SEED, value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
     #[serde(deserialize_with = "within::<0, LARGEST_SEED, _, _>")]
     pub seed: u64,
     /// 3: a surface; 2: a profile, for plane strain
@@ -117,7 +137,11 @@ impl GeneratorArgs {
     /// Returns an error if the numbers do not make a grid.
     pub fn resolved(&self) -> Result<Self, Unusable> {
         let mut whole = self.clone();
-        if self.method == Method::Psd {
+        if self.is_rough() {
+            whole.hurst = Some(self.hurst());
+            whole.rms_gradient = Some(self.rms_gradient.unwrap_or(RMS_GRADIENT));
+        }
+        if self.method == Method::Psd && self.is_rough() {
             whole.eps_t_inv = Some(self.eps_t_inv.unwrap_or(EPS_T_INV));
             let [nx, ny] = self.points()?;
             whole.eps_f_inv = Some(self.eps_f_inv_on(if self.dim == 2 { nx } else { nx.min(ny) } as f64));
@@ -144,17 +168,81 @@ impl GeneratorArgs {
         grid.map_err(|error| Unusable::input(key("size"), error))
     }
 
-    /// Generates the heights on a grid from [`GeneratorArgs::grid`]: `[x, y]`, length, mean zero.
+    /// Returns true for random heights, in place of a shape or added to it.
+    pub fn is_rough(&self) -> bool {
+        self.shape.is_none() || self.hurst.is_some() || self.rms_gradient.is_some() || self.rms_height.is_some()
+    }
+
+    /// Returns true if the heights are periodic: waves, without a shape that has kinks at the edges of the cell.
+    pub fn is_periodic(&self) -> bool {
+        self.shape.is_none_or(|shape| shape.is_wave()) && (self.method == Method::Psd || !self.is_rough())
+    }
+
+    /// Returns the Hurst exponent.
+    pub fn hurst(&self) -> f64 {
+        self.hurst.unwrap_or(HURST)
+    }
+
+    /// Checks that the grid resolves the shape, and that no option of roughness is given beside a smooth one.
+    ///
+    /// # Errors
+    /// Returns an error that names the option.
+    pub fn check_shape(&self, grid: &Grid, is_periodic: bool) -> Result<(), Unusable> {
+        let Some(shape) = &self.shape else { return Ok(()) };
+        shape.check_on(grid, is_periodic).map_err(|error| Unusable::input(key("shape"), error))?;
+        let beside = [
+            ("eps_t_inv", self.eps_t_inv.is_some()),
+            ("eps_f_inv", self.eps_f_inv.is_some()),
+            ("eps_c_inv", self.eps_c_inv.is_some()),
+            ("seed", self.seed != SEED),
+            ("method", self.method != Method::Psd),
+            ("roll_off", self.roll_off.is_some()),
+            ("amplitudes", self.amplitudes != Amplitudes::Gaussian),
+        ];
+        match beside.into_iter().find(|(_, is_given)| *is_given && !self.is_rough()) {
+            Some((option, _)) => Err(Unusable::of(words![
+                key(option),
+                " describes roughness, and ",
+                setting("shape", shape.kind()),
+                " is smooth; ",
+                key("hurst"),
+                " adds roughness to it"
+            ])),
+            None => Ok(()),
+        }
+    }
+
+    /// Generates the heights on a grid from [`GeneratorArgs::grid`]: `[x, y]`, length. Random heights have mean zero, a
+    /// shape has its top at zero.
     ///
     /// # Errors
     /// Returns an error if a flag is out of range, or if flags cannot be combined.
     pub fn heights(&self, grid: &Grid) -> Result<Array2<f64>, Unusable> {
-        self.check_normalisation()?;
-        match self.method {
-            Method::Psd => self.heights_shared(grid, &grid.whole()),
-            Method::Sra => self.subdivided(grid, Displaced::AllPoints),
-            Method::Rmd => self.subdivided(grid, Displaced::Midpoints),
+        self.with_shape(self.roughness(grid)?, grid, &grid.whole(), [0.0; 2])
+    }
+
+    /// Generates the heights at the cell centres of a patch, whose grid has `times` as many points as another one with
+    /// points where the waves begin.
+    ///
+    /// # Errors
+    /// Fails like [`heights`](Self::heights).
+    pub fn heights_centred(&self, grid: &Grid, times: usize) -> Result<Array2<f64>, Unusable> {
+        let rough = self.roughness(grid)?.map(|rough| centred(&rough, grid, times));
+        let rough = rough.transpose().map_err(|error| of_option(&error))?;
+        self.with_shape(rough, grid, &grid.whole(), [0.5 * (times as f64 - 1.0); 2])
+    }
+
+    /// Generates random heights; `None` for a smooth shape.
+    fn roughness(&self, grid: &Grid) -> Result<Option<Array2<f64>>, Unusable> {
+        if !self.is_rough() {
+            return Ok(None);
         }
+        self.check_normalisation()?;
+        Ok(Some(match self.method {
+            Method::Psd => self.rough_rows(grid, &grid.whole())?,
+            Method::Sra => self.subdivided(grid, Displaced::AllPoints)?,
+            Method::Rmd => self.subdivided(grid, Displaced::Midpoints)?,
+        }))
     }
 
     /// Returns true if several processes generate their own rows by [`heights_shared`](Self::heights_shared).
@@ -162,13 +250,37 @@ impl GeneratorArgs {
         self.method == Method::Psd
     }
 
-    /// Generates the rows of `--method psd` in the `share` of this process.
+    /// Generates the rows of `--method psd`, or of a shape, in the `share` of this process.
     ///
     /// # Errors
     /// Fails like [`heights`](Self::heights), on all processes.
     pub fn heights_shared(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Unusable> {
+        let rough = if self.is_rough() { Some(self.rough_rows(grid, share)?) } else { None };
+        self.with_shape(rough, grid, share, [0.0; 2])
+    }
+
+    fn rough_rows(&self, grid: &Grid, share: &Share) -> Result<Array2<f64>, Unusable> {
         self.check_normalisation()?;
         self.spectrum(grid)?.heights_over(grid, self.seed, share).map_err(|error| of_option(&error))
+    }
+
+    /// Adds the heights of the shape, displaced from the points by `steps` of the grid.
+    fn with_shape(
+        &self,
+        rough: Option<Array2<f64>>,
+        grid: &Grid,
+        share: &Share,
+        steps: [f64; 2],
+    ) -> Result<Array2<f64>, Unusable> {
+        // The values of a profile are one row of its share.
+        let (own, [_, ny]) = (share.own(), grid.points());
+        let rows = own.start / ny..own.end / ny;
+        // Both follow from `is_rough`.
+        match (self.shape.map(|shape| shape.heights(grid, rows, steps)), rough) {
+            (Some(shape), Some(rough)) => Ok(shape + rough),
+            (Some(heights), None) | (None, Some(heights)) => Ok(heights),
+            (None, None) => Err(Unusable::missing("shape", "it is needed without roughness")),
+        }
     }
 
     fn check_normalisation(&self) -> Result<(), Unusable> {
@@ -250,13 +362,13 @@ impl GeneratorArgs {
         }
         let roll_off = self.roll_off.map(|wavelength| RollOff { wavelength, shape: self.roll_off_shape });
         Ok(SelfAffine {
-            hurst: self.hurst,
+            hurst: self.hurst(),
             longest_wavelength: longest,
             shortest_wavelength: shortest,
             roll_off,
             amplitudes: self.amplitudes,
             normalisation: self.normalisation(),
-            ..SelfAffine::with_rms_gradient(self.rms_gradient)
+            ..SelfAffine::with_rms_gradient(self.rms_gradient.unwrap_or(RMS_GRADIENT))
         })
     }
 
@@ -268,7 +380,8 @@ impl GeneratorArgs {
 
     /// Returns the property to which the heights are scaled.
     pub fn normalisation(&self) -> Normalisation {
-        self.rms_height.map_or(Normalisation::RmsGradient(self.rms_gradient), Normalisation::RmsHeight)
+        let gradient = self.rms_gradient.unwrap_or(RMS_GRADIENT);
+        self.rms_height.map_or(Normalisation::RmsGradient(gradient), Normalisation::RmsHeight)
     }
 
     /// Generates heights by subdivision on at least as many points as the grid has, crops them to the grid, subtracts
@@ -284,7 +397,7 @@ impl GeneratorArgs {
         }
         let [nx, ny] = grid.points();
         let subdivisions = nx.max(ny).next_power_of_two().ilog2().max(1);
-        let generator = RealSpace { hurst: self.hurst, subdivisions, rms_increment: 1.0, displaced };
+        let generator = RealSpace { hurst: self.hurst(), subdivisions, rms_increment: 1.0, displaced };
         let made = match Dimension::of(grid) {
             Dimension::Profile => generator.profile(self.seed),
             Dimension::Surface => generator.surface(self.seed),
@@ -317,7 +430,12 @@ impl fmt::Display for GeneratorArgs {
     /// Writes the kind of surface in words.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let what = if self.dim == 2 { "profile" } else { "surface" };
-        write!(f, "generated {what}, method {}, Hurst exponent {}, seed {}", self.method, self.hurst, self.seed)
+        match &self.shape {
+            Some(shape) if !self.is_rough() => return write!(f, "smooth {what}, {shape}"),
+            Some(shape) => write!(f, "{shape} with roughness of a ")?,
+            None => {}
+        }
+        write!(f, "generated {what}, method {}, Hurst exponent {}, seed {}", self.method, self.hurst(), self.seed)
     }
 }
 

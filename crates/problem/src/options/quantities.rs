@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use gfmd_law::LawKind as Kind;
+use gfmd_surface::Shape;
 use gfmd_unit::{NoValue, Quantity, Units};
 use toml::Value;
 
@@ -31,6 +32,8 @@ enum Form {
     Table(&'static [&'static [&'static str]]),
     /// Parameters of a law with their names.
     Parameters,
+    /// Name of a shape, and its numbers with their names.
+    Shape,
     /// A number, or the name of a file.
     NumberOrFile,
 }
@@ -43,6 +46,9 @@ impl Kinds {
 
     /// Parameters of a law, `NAME=VALUE`.
     pub const PARAMETERS: Self = Self { rows: &[&["1"]], form: Form::Parameters };
+
+    /// Shape, `KIND:KEY=LENGTH,..`.
+    pub const SHAPE: Self = Self { rows: &[&["length"]], form: Form::Shape };
 
     /// Numbers without a unit.
     pub const NUMBER: Self = Self::list(&[&["1"]]);
@@ -112,6 +118,12 @@ pub fn is_rows(text: &str) -> bool {
 fn kind_of_parameter(name: &str) -> &'static str {
     let parameters = Kind::ALL.into_iter().flat_map(|kind| kind.parameters());
     parameters.into_iter().find(|parameter| parameter.name == name).map_or("1", |parameter| parameter.units)
+}
+
+/// Returns the kind of a number of a shape, whose key may stand behind the name of the shape.
+fn kind_of_key(name: &str) -> &'static str {
+    let key = name.rsplit(':').next().unwrap_or_default().trim();
+    if Shape::is_length(key) { "length" } else { "1" }
 }
 
 /// Takes the quantities of options one by one, and gives the numbers that stand in their place.
@@ -202,6 +214,7 @@ pub fn text_in_units(
         let (name, values) = entry.split_once('=').map_or((None, entry), |(name, value)| (Some(name), value));
         let kind = match kinds.form {
             Form::Parameters => kind_of_parameter(name.unwrap_or_default().trim()),
+            Form::Shape => kind_of_key(name.unwrap_or_default()),
             _ => kinds.in_row(index, kinds.in_turn().len()),
         };
         let mut parts = Vec::new();

@@ -27,6 +27,7 @@ from ._path import Path, friction, path, wear
 from ._progress import progress
 from ._record import Record
 from ._result import Result
+from ._shape import cone, cylinder, ellipsoid, flat_punch, paraboloid, sphere, wave, wedge
 from ._slide import Slide, slide
 from ._solve import contact, contacts
 from ._surface import Statistics, Surface, read, read_heights, self_affine
@@ -57,8 +58,12 @@ __all__ = [
     "Wear",
     "__version__",
     "cite",
+    "cone",
     "contact",
     "contacts",
+    "cylinder",
+    "ellipsoid",
+    "flat_punch",
     "friction",
     "green",
     "interior",
@@ -66,6 +71,7 @@ __all__ = [
     "law",
     "load",
     "many",
+    "paraboloid",
     "path",
     "progress",
     "punch",
@@ -73,5 +79,8 @@ __all__ = [
     "read_heights",
     "self_affine",
     "slide",
+    "sphere",
+    "wave",
     "wear",
+    "wedge",
 ]

@@ -109,11 +109,13 @@ def self_affine(
     *,
     n: list[int],
     size: list[float],
-    hurst: float,
+    shape: Optional[str],
+    unit: Optional[str],
+    hurst: Optional[float],
     eps_t_inv: Optional[float],
     eps_f_inv: Optional[float],
     eps_c_inv: Optional[float],
-    rms_gradient: float,
+    rms_gradient: Optional[float],
     rms_height: Optional[float],
     seed: int,
     dim: int,
@@ -121,7 +123,7 @@ def self_affine(
     roll_off: Optional[float],
     roll_off_shape: str,
     amplitudes: str,
-) -> tuple[_Array, tuple[float, float], str]: ...
+) -> tuple[_Array, tuple[float, float], str, bool]: ...
 def read(
     name: str, channel: Optional[str] = None
 ) -> tuple[_Array, Optional[tuple[float, float]], Optional[str], str, str]: ...

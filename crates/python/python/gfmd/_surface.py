@@ -636,8 +636,9 @@ def as_hardness(value: Any, surface: Surface) -> Union[float, str, Array, None]:
 @hinted
 def self_affine(
     n: Union[int, tuple[int, int], None] = None,
-    hurst: float = 0.8,
+    hurst: Optional[float] = None,
     *,
+    shape: Optional[str] = None,
     rms_gradient: Optional[float] = None,
     rms_height: Optional[_check.Quantity] = None,
     seed: int = 1,
@@ -656,12 +657,15 @@ def self_affine(
 
     Args:
         n: number of points along a side, or (nx, ny); 256 by default, or set by `eps_c_inv`.
-        hurst: Hurst exponent, 0 to 1.
+        hurst: Hurst exponent, 0 to 1; 0.8 by default.
+        shape: a shape below the roughness, "KIND:KEY=VALUE,..." as of `gfmd surface --shape`, such as "sphere:R=2";
+            smooth unless `hurst`, `rms_gradient` or `rms_height` is given. `gfmd.sphere` and its siblings make it.
         rms_gradient: root mean square of the full gradient, 0.1 by default; or
         rms_height: root mean square of the heights, length.
         seed: number of the realisation, below 2**63; the same seed gives the same surface on any grid.
         size: lengths of the cell, L or (Lx, Ly); 1 by default.
-        unit: the unit of heights and lengths, such as "um"; then lengths may be strings with a unit.
+        unit: the unit of heights and lengths, such as "um"; then lengths may be strings with a unit. By default the
+            unit of the size, if that has one.
         eps_t_inv: cell length divided by longest wavelength, at least 1; 2 by default.
         eps_f_inv: longest divided by shortest wavelength; by default the shortest one has 4 points.
         eps_c_inv: points per shortest wavelength, at least 2, in place of `n`.
@@ -687,18 +691,21 @@ def self_affine(
         points = [integer("n", value, 0, 2**62) for value in n]
     else:
         points = [integer("n", n, 0, 2**62)]
-    heights, lengths, description = _gfmd.self_affine(
+    unit = _unit_of(size) if unit is None else word("unit", unit)
+    heights, lengths, description, periodic = _gfmd.self_affine(
         n=points,
         size=(
             []
             if size is None
             else [in_units("size", length, "length", unit, None) for length in quantities("size", size, "length")]
         ),
-        hurst=number("hurst", hurst),
+        shape=None if shape is None else word("shape", shape),
+        unit=unit,
+        hurst=optional("hurst", hurst),
         eps_t_inv=optional("eps_t_inv", eps_t_inv),
         eps_f_inv=optional("eps_f_inv", eps_f_inv),
         eps_c_inv=optional("eps_c_inv", eps_c_inv),
-        rms_gradient=0.1 if rms_gradient is None else number("rms_gradient", rms_gradient),
+        rms_gradient=optional("rms_gradient", rms_gradient),
         rms_height=None if rms_height is None else in_units("rms_height", rms_height, "length", unit, None),
         seed=integer("seed", seed, 0, 2**63 - 1),
         dim=integer("dim", dim, 2, 3),
@@ -707,8 +714,15 @@ def self_affine(
         roll_off_shape=word("roll_off_shape", roll_off_shape),
         amplitudes=word("amplitudes", amplitudes),
     )
-    origin = _Origin(description, {}, method == "psd")
-    return _surface(heights, lengths, None if unit is None else _gfmd.canonical(word("unit", unit)), origin)
+    origin = _Origin(description, {}, periodic)
+    return _surface(heights, lengths, None if unit is None else _gfmd.canonical(unit), origin)
+
+
+def _unit_of(size: Any) -> Optional[str]:
+    """Returns the unit in the text of a size; None of numbers."""
+    lengths = [size] if isinstance(size, str) else size if isinstance(size, (list, tuple)) else []
+    units = (length.lstrip("+-.0123456789eE ").strip() for length in lengths if isinstance(length, str))
+    return next((unit for unit in units if unit), None)
 
 
 @hinted

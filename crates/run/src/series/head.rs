@@ -98,7 +98,11 @@ impl FoundBy {
             GridError::Refine => [2 * nx, if surface.grid.is_line() { ny } else { 2 * ny }],
             _ => [nx, ny],
         };
-        let assumes = if surface.is_read() { "nothing rougher than the pixels" } else { "band-limited" };
+        let assumes = match (surface.is_read(), surface.has_shape) {
+            (true, _) => "nothing rougher than the pixels",
+            (false, true) => "the shape between the points",
+            (false, false) => "band-limited",
+        };
         let orders = columns::<State>(facts).filter_map(|column| Some((column.limit_of()?, column.order?)));
         let mode = facts.grid_error;
         (mode != GridError::None).then(|| Self { mode, n, assumes, orders: orders.collect() })
