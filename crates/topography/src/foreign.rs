@@ -10,7 +10,7 @@ const AS_ARRAY: &str = "write the heights with numpy.save as .npy, or as text";
 const UNPACK: &str = "unpack it and give the file inside";
 
 /// First bytes of a file, name of the format, and advice.
-const FIRST_BYTES: [(&[u8], &str, &str); 49] = [
+const FIRST_BYTES: [(&[u8], &str, &str); 38] = [
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.mnt of MountainsMap, .xls, .oif)", AS_SURFACE),
     (b"VK3_", "Keyence VK3", "export the heights as CSV from its program"),
     (b"VK4_", "Keyence VK4", "export the heights as CSV from its program"),
@@ -24,20 +24,9 @@ const FIRST_BYTES: [(&[u8], &str, &str); 49] = [
     (b"\x89PNG\r\n\x1a\n", "PNG image", AS_ARRAY),
     (b"\xff\xd8\xff", "JPEG image", AS_ARRAY),
     (b"GIF8", "GIF image", AS_ARRAY),
-    (b":NANONIS_VERSION:", "Nanonis SXM", "export the heights from Gwyddion as .gsf or text"),
-    (b"\x01\xb0\x93\xff", "NT-MDT", "export the heights from Gwyddion as .gsf or text"),
-    (b"WSxM file copyright", "WSxM", "export the heights from WSxM as text"),
     (b"STiMage", "RHK SM4", "export the heights from Gwyddion as .gsf or text"),
     (b"ONTMATRX", "Omicron MATRIX", "export the heights from Gwyddion as .gsf or text"),
     (b"OLYMPUSRAWFORMAT", "Olympus OIR", AS_SURFACE),
-    (b"FRTM_GLIDER", "FRT MicroProf", AS_SURFACE),
-    (b"Binary TrueMap Data File", "TrueMap or GelSight TMD", AS_SURFACE),
-    (b"OmniSurf3D", "OmniSurf3D", AS_SURFACE),
-    (b"Zeta-Instruments", "Zeta ZMG", AS_SURFACE),
-    (b"fileformat = bcr", "BCR (.bcr, .bcrf)", "export the heights as .sdf, .gsf or text"),
-    (b"\xff\xfef\0i\0l\0e\0f\0o\0r\0m\0a\0t\0", "BCR (.bcr, .bcrf)", "export the heights as .sdf, .gsf or text"),
-    (b"DSBB", "binary grid of Surfer 6", "export it from Surfer as an ASCII grid (DSAA)"),
-    (b"DSRB", "binary grid of Surfer 7", "export it from Surfer as an ASCII grid (DSAA)"),
     (b"'ISO 5436", "ISO 5436-2 (.smd)", "write its numbers as text, a column x and a column z"),
     (b"Zygo ASCII Data File", "Zygo ASCII", "export it from MetroPro as .dat, or as Zygo XYZ"),
     (b"ply\n", "PLY mesh", "write its vertices as text, the columns x y z"),
@@ -96,9 +85,6 @@ fn deeper(head: &[u8], length: u64) -> Option<(&'static str, &'static str)> {
     let at = |from: usize, mark: &[u8]| head.get(from..from + mark.len()) == Some(mark);
     let number = |from: usize| Some(u32::from_le_bytes(head.get(from..from + 4)?.try_into().ok()?));
     let mesh = ("STL mesh", "write its vertices as text, the columns x y z");
-    if at(32, b"OM_MS_2.0") {
-        return Some(("NanoFocus NMS", AS_SURFACE));
-    }
     if at(128, b"DICM") {
         return Some(("DICOM image", AS_ARRAY));
     }

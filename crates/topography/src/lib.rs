@@ -22,6 +22,7 @@ mod archived;
 mod array;
 #[cfg(feature = "zip")]
 mod arrays;
+mod bcr;
 mod bytes;
 mod checksum;
 #[cfg(feature = "zip")]
@@ -32,6 +33,7 @@ mod datx;
 mod file;
 mod foreign;
 mod format;
+mod frt;
 mod gwyddion;
 mod ibw;
 pub mod input;
@@ -39,14 +41,17 @@ pub mod legible;
 #[cfg(feature = "zlib")]
 mod matlab;
 mod matrix;
+mod mdt;
 mod metropro;
 mod mi;
 mod nanoscope;
 mod nanosurf;
 mod netcdf;
+mod nms;
 pub mod npy;
 mod opd;
 mod opdx;
+mod os3d;
 mod packing;
 mod plu;
 #[cfg(feature = "zip")]
@@ -60,11 +65,16 @@ mod sentinel;
 pub mod stored;
 #[cfg(feature = "zlib")]
 mod sur;
+mod surfer;
+mod sxm;
+mod tmd;
 pub mod unit;
+mod wsxm;
 #[cfg(feature = "zip")]
 mod x3p;
 #[cfg(feature = "zip")]
 mod zipped;
+mod zmg;
 
 #[cfg(all(test, feature = "hdf5", feature = "zip", feature = "zlib"))]
 mod tests;
@@ -114,6 +124,16 @@ static FORMATS: &[Format] = &[
     plu::FORMAT,
     ibw::FORMAT,
     sdf::FORMAT,
+    tmd::FORMAT,
+    nms::FORMAT,
+    os3d::FORMAT,
+    zmg::FORMAT,
+    bcr::FORMAT,
+    frt::FORMAT,
+    wsxm::FORMAT,
+    sxm::FORMAT,
+    mdt::FORMAT,
+    surfer::FORMAT,
     matrix::FORMAT,
 ];
 

@@ -2,6 +2,11 @@
 //!
 //! The heights of every map are given by [`height`], in the unit named by the file, unless stated otherwise.
 
+#[path = "made/grids.rs"]
+pub(crate) mod grids;
+#[path = "made/probes.rs"]
+pub(crate) mod probes;
+
 use std::io::{Cursor, Write};
 use std::path::Path;
 
@@ -71,6 +76,10 @@ impl Bytes {
     }
 
     fn floats(self, values: &[f32]) -> Self {
+        self.add(joined(values.iter().map(|value| value.to_le_bytes())))
+    }
+
+    fn doubles(self, values: &[f64]) -> Self {
         self.add(joined(values.iter().map(|value| value.to_le_bytes())))
     }
 }

@@ -616,7 +616,7 @@ fn formats_that_are_not_read_are_named_with_a_way_out() {
         (b"II*\0\x08\0\0\0".to_vec(), "TIFF"),
         (b"MM\0*\0\0\0\x08".to_vec(), "TIFF"),
         (b"\x89PNG\r\n\x1a\n\0\0\0\x0d".to_vec(), "PNG"),
-        (b":NANONIS_VERSION:\n2\n".to_vec(), "Nanonis"),
+        (b"STiMage 3.1\0\0".to_vec(), "RHK SM4"),
         (b"solid made\nfacet normal 0 0 1\n".to_vec(), "STL"),
         (mesh, "STL"),
         (b"ply\nformat ascii 1.0\n0 0 1 1\n0 1 1 1\n".to_vec(), "PLY"),

@@ -1,0 +1,129 @@
+//! Files with one grid behind a short head, of probe microscopes, and of images, built by hand.
+
+use gfmd_topography::Topography;
+
+use crate::instruments::{Expected, check, check_at, edited, read, refusal};
+use crate::made::{grids, probes};
+
+const GRID: Expected =
+    Expected { format: "", channel: "", lengths: [2.5, 1.0], unit: "µm", scale: 1.0, undefined: true };
+
+/// Checks a map whose heights begin at `lowest`, where those of the other files begin at zero.
+fn check_above(lowest: f64, bytes: Vec<u8>, expected: &Expected) {
+    let mut map = read(bytes);
+    map.heights.mapv_inplace(|height| height + lowest);
+    check_at(&map, expected, |point| point);
+}
+
+#[test]
+fn grids_of_profilometers_have_their_scale_size_and_missing_points() {
+    for comment in ["a comment", ""] {
+        check(grids::tmd(comment), &Expected { format: "TrueMap", unit: "mm", ..GRID });
+    }
+    for has_intensity in [true, false] {
+        let expected = Expected { format: "NanoFocus", scale: 0.125, undefined: has_intensity, ..GRID };
+        let map = check(grids::nms(has_intensity), &expected);
+        assert_eq!(map.details, [("date".to_owned(), "2024-02-29".to_owned())]);
+    }
+    for has_date in [true, false] {
+        check(grids::os3d(has_date), &Expected { format: "OmniSurf3D", ..GRID });
+    }
+    check_above(-18.75, grids::zmg(), &Expected { format: "Zeta", scale: 0.125, undefined: false, ..GRID });
+    for has_images in [false, true] {
+        let channel = if has_images { "Topography" } else { "" };
+        let expected = Expected { format: "FRT MicroProf", channel, unit: "m", scale: 0.125, ..GRID };
+        check(grids::frt(has_images), &expected);
+    }
+}
+
+#[test]
+fn bcr_has_integers_or_floats_behind_a_head_in_either_encoding() {
+    for (is_integer, scale) in [(true, 0.125e-3), (false, 1e-3)] {
+        for is_wide in [false, true] {
+            let map = check(grids::bcr(is_integer, is_wide), &Expected { format: "BCR", scale, ..GRID });
+            assert_eq!(map.notes[0], "the length along y converted from nm to µm, 1000 nm = 1 µm");
+        }
+    }
+    let unit = refusal(edited(grids::bcr(true, false), "% a comment", "zunit = V  "));
+    assert_eq!(unit, "the unit of the heights is V; it must be a unit of length: m, mm, µm, nm, ...");
+    let scale = refusal(edited(grids::bcr(true, false), "bit2nm = 0.125", "bit2nm = 0.000"));
+    assert_eq!(scale, "bit2nm is 0; it must be finite and not zero");
+}
+
+#[test]
+fn grids_of_surfer_have_no_unit_and_begin_with_the_bottom_line() {
+    for version in [6, 7] {
+        let mut map = read(grids::surfer(version));
+        assert_eq!(map.unit.take(), None);
+        map.unit = Some(String::new());
+        check_at(&map, &Expected { format: "Surfer", unit: "", ..GRID }, |point| point);
+    }
+}
+
+#[test]
+fn probe_microscopes_turn_their_lines_and_scale_their_heights() {
+    for is_integer in [true, false] {
+        let expected = Expected { format: "WSxM", channel: "Topography", scale: 0.125e-3, undefined: false, ..GRID };
+        check(probes::wsxm(is_integer), &expected);
+    }
+    for is_down in [true, false] {
+        let expected = Expected { format: "Nanonis SXM", channel: "Z forward", unit: "m", ..GRID };
+        check(probes::sxm(is_down), &expected);
+        let backward = Topography::from_bytes("scan", probes::sxm(is_down), Some("1")).unwrap();
+        check_at(&backward, &Expected { channel: "Z backward", ..expected }, |point| point);
+    }
+    let expected = Expected { format: "NT-MDT", channel: "Height (Heigh)", scale: 0.125e-3, undefined: false, ..GRID };
+    check(probes::mdt(), &expected);
+    check(probes::mda(), &Expected { channel: "Height", scale: 0.125, ..expected });
+}
+
+#[test]
+fn probe_microscopes_say_what_is_wrong() {
+    let wsxm = |from: &str, to: &str| refusal(edited(probes::wsxm(true), from, to));
+    assert_eq!(
+        wsxm("Amplitude: 128 nm", "Amplitude: 128  V"),
+        "Topography is in \"V\"; it must be in a unit of length"
+    );
+    assert_eq!(
+        wsxm("um: 1000", "um:  -24"),
+        "Minimum and Maximum are both -24; integers have heights only if they differ"
+    );
+    assert_eq!(
+        wsxm("SxM Image", "SxM Curve"),
+        "the second line is not \"SxM Image file\"; the file must hold an image"
+    );
+    let sxm = |from: &str, to: &str| refusal(edited(probes::sxm(true), from, to));
+    assert_eq!(sxm("\tm\t", "\tV\t"), "the channels are Current in A, Z in V; one must be Z in a unit of length");
+    assert_eq!(
+        sxm("5  4", "5 44"),
+        "a block of 880 bytes starts at byte 268; it must lie within the 508 bytes of the file"
+    );
+    let mut mdt = probes::mdt();
+    let at = mdt.len() - 40 - 9 - 30 - 8 - 9 - 6 - 2;
+    mdt[at..at + 2].copy_from_slice(&3_i16.to_le_bytes());
+    let found = refusal(mdt);
+    assert_eq!(
+        found,
+        "the frames are type 3, DFL without a unit of length, Height without a unit of length; one must be a \
+         map in a unit of length"
+    );
+}
+
+#[test]
+fn a_file_that_ends_early_is_refused_with_both_numbers() {
+    for (mut bytes, needed) in [
+        (grids::tmd(""), "the heights of 5 by 4 points have 79 bytes; they must have 80"),
+        (grids::zmg(), "the heights of 5 by 4 points have 39 bytes; they must have 40"),
+        (grids::bcr(false, false), "the heights of 5 by 4 points have 79 bytes; they must have 80"),
+        (grids::surfer(6), "the heights of 5 by 4 points have 79 bytes; they must have 80"),
+        (grids::surfer(7), "the heights of 5 by 4 points have 159 bytes; they must have 160"),
+        (probes::wsxm(true), "the heights of 5 by 4 points have 39 bytes; they must have 40"),
+    ] {
+        bytes.pop();
+        assert_eq!(refusal(bytes), needed);
+    }
+    for mut bytes in [grids::nms(true), grids::nms(false), grids::frt(true), probes::sxm(true), probes::mda()] {
+        bytes.pop();
+        assert!(refusal(bytes).contains("it must lie within the"));
+    }
+}
