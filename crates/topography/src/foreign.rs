@@ -10,15 +10,8 @@ const AS_ARRAY: &str = "write the heights with numpy.save as .npy, or as text";
 const UNPACK: &str = "unpack it and give the file inside";
 
 /// First bytes of a file, name of the format, and advice.
-const FIRST_BYTES: [(&[u8], &str, &str); 38] = [
+const FIRST_BYTES: [(&[u8], &str, &str); 31] = [
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.mnt of MountainsMap, .xls, .oif)", AS_SURFACE),
-    (b"VK3_", "Keyence VK3", "export the heights as CSV from its program"),
-    (b"VK4_", "Keyence VK4", "export the heights as CSV from its program"),
-    (b"VK6", "Keyence VK6", "export the heights as CSV from its program"),
-    (b"VK7", "Keyence VK7", "export the heights as CSV from its program"),
-    (b"KPK", "Keyence ZON", "export the heights as CSV from its program"),
-    (b"II*\0", "TIFF (also .tiff of Park, .jpk, .lext)", AS_SURFACE),
-    (b"MM\0*", "TIFF (also .tiff of Park, .jpk, .lext)", AS_SURFACE),
     (b"II+\0", "BigTIFF", AS_SURFACE),
     (b"MM\0+", "BigTIFF", AS_SURFACE),
     (b"\x89PNG\r\n\x1a\n", "PNG image", AS_ARRAY),
@@ -53,12 +46,15 @@ const FIRST_BYTES: [(&[u8], &str, &str); 38] = [
 
 /// Beginning or end of a member's name in a zip archive, name of the format, and advice.
 #[cfg(feature = "zip")]
-const MEMBERS: [(&str, &str, &str); 9] = [
+const MEMBERS: [(&str, &str, &str); 8] = [
     ("xl/", "Excel workbook (.xlsx)", "save the sheet of the heights as CSV"),
     ("content.xml", "OpenDocument table (.ods)", "save the sheet of the heights as CSV"),
     ("word/", "Word document", AS_ARRAY),
-    ("Vk4File", "Keyence VK6 or VK7", "export the heights as CSV from its program"),
-    ("header.properties", "JPK force map (.jpk-qi-image, .jpk-force)", "export the heights as text from its program"),
+    (
+        "header.properties",
+        "JPK force map (.jpk-force-map, .jpk-qi-data)",
+        "export the heights as text from its program",
+    ),
     (".vk4", "Keyence CAG", "export the heights as CSV from its program"),
     (".vk6", "Keyence CAG", "export the heights as CSV from its program"),
     (".oir", "Olympus POIR", AS_SURFACE),

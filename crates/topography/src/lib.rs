@@ -67,14 +67,20 @@ pub mod stored;
 mod sur;
 mod surfer;
 mod sxm;
+#[cfg(all(feature = "zip", feature = "zlib"))]
+mod tiff;
 mod tmd;
 pub mod unit;
+#[cfg(feature = "zip")]
+mod vk;
 mod wsxm;
 #[cfg(feature = "zip")]
 mod x3p;
 #[cfg(feature = "zip")]
 mod zipped;
 mod zmg;
+#[cfg(feature = "zip")]
+mod zon;
 
 #[cfg(all(test, feature = "hdf5", feature = "zip", feature = "zlib"))]
 mod tests;
@@ -124,6 +130,18 @@ static FORMATS: &[Format] = &[
     plu::FORMAT,
     ibw::FORMAT,
     sdf::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::park::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::jpk::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::lext::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::plain::FORMAT,
+    #[cfg(feature = "zip")]
+    vk::FORMAT,
+    #[cfg(feature = "zip")]
+    zon::FORMAT,
     tmd::FORMAT,
     nms::FORMAT,
     os3d::FORMAT,

@@ -81,7 +81,11 @@ impl<'a> Row<'a> {
                 "forward" => &["forward"],
                 "backward" => &["backward"],
                 other => {
-                    return Err(format!("the direction of {} is {:?}; it must be both or one", clip(name), clip(other)));
+                    return Err(format!(
+                        "the direction of {} is {:?}; it must be both or one",
+                        clip(name),
+                        clip(other)
+                    ));
                 }
             };
             Ok(Self { name, unit, directions })

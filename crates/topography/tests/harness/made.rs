@@ -4,8 +4,12 @@
 
 #[path = "made/grids.rs"]
 pub(crate) mod grids;
+#[path = "made/keyence.rs"]
+pub(crate) mod keyence;
 #[path = "made/probes.rs"]
 pub(crate) mod probes;
+#[path = "made/tiff.rs"]
+pub(crate) mod tiff;
 
 use std::io::{Cursor, Write};
 use std::path::Path;

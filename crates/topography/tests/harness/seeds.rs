@@ -7,7 +7,7 @@ use gfmd_topography::Listing;
 use zip::ZipArchive;
 
 use super::Seed;
-use super::made::{self, grids, probes};
+use super::made::{self, grids, keyence, probes, tiff};
 
 /// Returns the formats with their valid files. `folder` takes files that a library must write to the disk.
 pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
@@ -41,6 +41,15 @@ pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
         ("Surfer", bytes(vec![grids::surfer(6), grids::surfer(7)])),
         ("WSxM", bytes(vec![probes::wsxm(true), probes::wsxm(false)])),
         ("Nanonis SXM", bytes(vec![probes::sxm(true), probes::sxm(false)])),
+        ("JPK", bytes(vec![tiff::jpk(true, false), tiff::jpk(false, true)])),
+        ("Park", bytes(vec![tiff::park(false, "um"), tiff::park(true, "")])),
+        ("Olympus LEXT", bytes(vec![tiff::lext()])),
+        (
+            "TIFF",
+            bytes(vec![tiff::deflated_strips(), tiff::float_tiles(), tiff::imagej(true), tiff::ome(), tiff::ground(1)]),
+        ),
+        ("Keyence VK", bytes(vec![keyence::vk(3), keyence::vk(4), keyence::vk_archive(6), keyence::vk_archive(7)])),
+        ("Keyence ZON", bytes(vec![keyence::zon()])),
         ("NT-MDT", bytes(vec![probes::mdt(), probes::mda()])),
     ];
     let data = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")).unwrap();

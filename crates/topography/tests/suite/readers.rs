@@ -3,7 +3,7 @@
 use gfmd_topography::Topography;
 
 use crate::instruments::{Expected, check, check_at, edited, read, refusal};
-use crate::made::{grids, probes};
+use crate::made::{grids, keyence, probes, tiff};
 
 const GRID: Expected =
     Expected { format: "", channel: "", lengths: [2.5, 1.0], unit: "µm", scale: 1.0, undefined: true };
@@ -126,4 +126,105 @@ fn a_file_that_ends_early_is_refused_with_both_numbers() {
         bytes.pop();
         assert!(refusal(bytes).contains("it must lie within the"));
     }
+}
+
+#[test]
+fn keyence_has_the_size_of_a_pixel_and_marks_points_not_measured() {
+    let expected = Expected { format: "Keyence VK", channel: "Height 1", scale: 0.125, undefined: false, ..GRID };
+    for bytes in [keyence::vk(3), keyence::vk(4), keyence::vk_archive(7)] {
+        check_above(-18.75, bytes, &expected);
+    }
+    check_above(-18.75, keyence::vk_archive(6), &Expected { undefined: true, ..expected });
+    let second = Topography::from_bytes("scan", keyence::vk(4), Some("Height 2")).unwrap();
+    assert_eq!(second.heights[[4, 0]], 2.0 * 0.125 * 421.0);
+    let zon = Expected { format: "Keyence ZON", lengths: [2.5, 2.0], unit: "m", scale: 0.125, ..GRID };
+    let map = check(keyence::zon(), &zon);
+    assert_eq!(map.notes, ["1 points with other marks keep their heights; some programs leave them out"]);
+    let mut bytes = keyence::vk(4);
+    bytes[12 + 4 * 18 + 4 * 44..][..4].fill(0);
+    assert_eq!(refusal(bytes), "the height of a count is 0; it must be finite and not zero");
+    let mut bytes = keyence::vk(4);
+    bytes[12 + 4 * 18 + 180..][..4].fill(0x7f);
+    assert_eq!(refusal(bytes), "the heights have 80 bytes; 2139062143 by 4 points need 34224994288");
+    assert!(refusal(edited(keyence::zon(), "KPK0", "KPK1")).contains("Zstandard (KPK1), which is not read; "));
+}
+
+#[test]
+fn jpk_and_park_scale_by_their_tags_and_begin_with_the_bottom_line() {
+    for [is_big, is_reflected] in [[true, false], [false, false], [false, true]] {
+        let bytes = tiff::jpk(is_big, is_reflected);
+        let expected = Expected { format: "JPK", channel: "Height", unit: "m", scale: 0.125, undefined: false, ..GRID };
+        let map = check(bytes.clone(), &expected);
+        assert_eq!(
+            (map.channels, map.notes.len()),
+            (vec!["Height".into(), "Height (retrace)".into()], usize::from(is_reflected))
+        );
+        let retrace = Topography::from_bytes("scan", bytes, Some("1")).unwrap();
+        check_at(&retrace, &Expected { channel: "Height (retrace)", scale: 0.25, ..expected }, |point| point);
+    }
+    for (is_second, unit, notes) in [(false, "um", 0), (true, "", 1)] {
+        let expected = Expected { format: "Park", channel: "Topography", scale: 0.125, undefined: false, ..GRID };
+        assert_eq!(check(tiff::park(is_second, unit), &expected).notes.len(), notes);
+    }
+    assert_eq!(refusal(tiff::park(false, "nN")), "Topography is in \"nN\"; it must be in a unit of length");
+    let mut jpk = tiff::jpk(true, false);
+    while let Some(at) = jpk.windows(6).position(|word| word == b"Linear") {
+        jpk[at..at + 6].copy_from_slice(b"Square");
+    }
+    let scale = refusal(jpk);
+    assert_eq!(scale, "the scale of calibrated is \"SquareScaling\"; it must be LinearScaling");
+}
+
+#[test]
+fn lext_leaves_out_points_of_its_mask() {
+    let expected = Expected { format: "Olympus LEXT", channel: "HEIGHT", scale: 0.125, ..GRID };
+    check_above(-18.75, tiff::lext(), &expected);
+}
+
+/// Checks an image without a unit.
+fn check_plain(bytes: Vec<u8>, lengths: Option<[f64; 2]>) -> Topography {
+    let mut map = read(bytes);
+    assert_eq!((map.unit.take(), map.lengths), (None, lengths));
+    map.unit = Some(String::new());
+    map.lengths = Some(GRID.lengths);
+    check_at(&map, &Expected { format: "TIFF", unit: "", undefined: false, ..GRID }, |point| point);
+    map
+}
+
+#[test]
+fn images_have_a_size_only_if_a_program_says_so() {
+    assert!(check_plain(tiff::deflated_strips(), None).warnings.is_empty());
+    check_plain(tiff::float_tiles(), None);
+    for bytes in [tiff::imagej(false), tiff::ome()] {
+        let warnings = check_plain(bytes, Some(GRID.lengths)).warnings;
+        assert_eq!(warnings, ["the lengths are in µm, and the heights have no unit; both are given without one"]);
+    }
+    check(tiff::imagej(true), &Expected { format: "TIFF", scale: 0.125e-3, undefined: false, ..GRID });
+    let map = check(tiff::ground(1), &Expected { format: "TIFF", unit: "m", scale: 0.125, ..GRID });
+    assert_eq!(map.warnings, ["the file names no unit of the heights; the unit along the ground is assumed"]);
+}
+
+#[test]
+fn pictures_and_degrees_are_no_heights() {
+    let changed = |tag: u8, from: u8, to: u8| {
+        let mut bytes = tiff::deflated_strips();
+        let entry = [1, tag, 0, 3, 0, 0, 0, 1, 0, from];
+        let at = bytes.windows(entry.len()).position(|found| found == entry).unwrap();
+        bytes[at + 9] = to;
+        bytes
+    };
+    for (bytes, says) in [
+        (changed(2, 16, 8), "the image has 8 bits a pixel, as pictures have; save the heights with 16 or 32 bits"),
+        (changed(21, 1, 3), "the image has 3 numbers a pixel, as colours have; "),
+        (changed(3, 8, 5), "the image is compressed by LZW, which is not read; "),
+        (changed(3, 8, 7), "the compression has number 7; "),
+        (tiff::ground(2), "the coordinates are degrees, which are no lengths; "),
+    ] {
+        let found = refusal(bytes);
+        assert!(found.starts_with(says), "{found}");
+    }
+    let mut short = tiff::float_tiles();
+    let at = short.windows(4).position(|tag| tag == [0x44, 1, 4, 0]).unwrap();
+    short[at + 4] = 1;
+    assert_eq!(refusal(short), "the image has 1 parts for 5 by 4 points; it must have more");
 }
