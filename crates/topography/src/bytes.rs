@@ -40,6 +40,11 @@ impl<'a> Bytes<'a> {
         Self { all, at: 0, order }
     }
 
+    /// Returns the order of the bytes of a number.
+    pub(crate) fn order(&self) -> Order {
+        self.order
+    }
+
     /// Returns the number of bytes before the position.
     pub(crate) fn at(&self) -> usize {
         self.at

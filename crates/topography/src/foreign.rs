@@ -10,25 +10,20 @@ const AS_ARRAY: &str = "write the heights with numpy.save as .npy, or as text";
 const UNPACK: &str = "unpack it and give the file inside";
 
 /// First bytes of a file, name of the format, and advice.
-const FIRST_BYTES: [(&[u8], &str, &str); 31] = [
+const FIRST_BYTES: [(&[u8], &str, &str); 26] = [
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.mnt of MountainsMap, .xls, .oif)", AS_SURFACE),
     (b"II+\0", "BigTIFF", AS_SURFACE),
     (b"MM\0+", "BigTIFF", AS_SURFACE),
-    (b"\x89PNG\r\n\x1a\n", "PNG image", AS_ARRAY),
     (b"\xff\xd8\xff", "JPEG image", AS_ARRAY),
     (b"GIF8", "GIF image", AS_ARRAY),
     (b"STiMage", "RHK SM4", "export the heights from Gwyddion as .gsf or text"),
     (b"ONTMATRX", "Omicron MATRIX", "export the heights from Gwyddion as .gsf or text"),
     (b"OLYMPUSRAWFORMAT", "Olympus OIR", AS_SURFACE),
-    (b"'ISO 5436", "ISO 5436-2 (.smd)", "write its numbers as text, a column x and a column z"),
     (b"Zygo ASCII Data File", "Zygo ASCII", "export it from MetroPro as .dat, or as Zygo XYZ"),
-    (b"ply\n", "PLY mesh", "write its vertices as text, the columns x y z"),
-    (b"ply\r", "PLY mesh", "write its vertices as text, the columns x y z"),
     (b"OFF\n", "OFF mesh", "write its vertices as text, the columns x y z"),
     (b"OFF\r", "OFF mesh", "write its vertices as text, the columns x y z"),
     (b"# vtk DataFile", "VTK", "write the points as text, the columns x y z"),
     (b"$MeshFormat", "Gmsh mesh", "write its nodes as text, the columns x y z"),
-    (b"\x1f\x8b", "gzip archive", UNPACK),
     (b"BZh", "bzip2 archive", UNPACK),
     (b"\xfd7zXZ\0", "xz archive", UNPACK),
     (b"\x28\xb5\x2f\xfd", "Zstandard archive", UNPACK),
@@ -80,17 +75,11 @@ fn first_bytes(head: &[u8]) -> Option<(&'static str, &'static str)> {
 fn deeper(head: &[u8], length: u64) -> Option<(&'static str, &'static str)> {
     let at = |from: usize, mark: &[u8]| head.get(from..from + mark.len()) == Some(mark);
     let number = |from: usize| Some(u32::from_le_bytes(head.get(from..from + 4)?.try_into().ok()?));
-    let mesh = ("STL mesh", "write its vertices as text, the columns x y z");
     if at(128, b"DICM") {
         return Some(("DICOM image", AS_ARRAY));
     }
     if at(0, b"BM") && number(2).is_some_and(|size| u64::from(size) == length) {
         return Some(("BMP image", AS_ARRAY));
-    }
-    let is_binary = number(80).is_some_and(|count| count > 0 && 84 + 50 * u64::from(count) == length);
-    let text = head.starts_with(b"solid") && head.windows(5).take(1 << 12).any(|word| word == b"facet");
-    if is_binary || text {
-        return Some(mesh);
     }
     // RHK has its mark in 16-bit characters after a size.
     at(2, b"S\0T\0i\0M\0a\0g\0e\0").then_some(("RHK SM4", "export the heights from Gwyddion as .gsf or text"))

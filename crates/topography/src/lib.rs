@@ -35,6 +35,8 @@ mod foreign;
 mod format;
 mod frt;
 mod gwyddion;
+#[cfg(feature = "zlib")]
+mod gzip;
 mod ibw;
 pub mod input;
 pub mod legible;
@@ -42,6 +44,7 @@ pub mod legible;
 mod matlab;
 mod matrix;
 mod mdt;
+mod mesh;
 mod metropro;
 mod mi;
 mod nanoscope;
@@ -56,10 +59,13 @@ mod packing;
 mod plu;
 #[cfg(feature = "zip")]
 mod plux;
+#[cfg(feature = "zlib")]
+mod png;
 #[cfg(feature = "hdf5")]
 mod records;
 mod sdf;
 mod sentinel;
+mod smd;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod stored;
@@ -142,6 +148,13 @@ static FORMATS: &[Format] = &[
     vk::FORMAT,
     #[cfg(feature = "zip")]
     zon::FORMAT,
+    #[cfg(feature = "zlib")]
+    gzip::FORMAT,
+    #[cfg(feature = "zlib")]
+    png::FORMAT,
+    mesh::STL,
+    mesh::PLY,
+    smd::FORMAT,
     tmd::FORMAT,
     nms::FORMAT,
     os3d::FORMAT,

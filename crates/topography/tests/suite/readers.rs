@@ -3,7 +3,7 @@
 use gfmd_topography::Topography;
 
 use crate::instruments::{Expected, check, check_at, edited, read, refusal};
-use crate::made::{grids, keyence, probes, tiff};
+use crate::made::{grids, keyence, others, probes, tiff};
 
 const GRID: Expected =
     Expected { format: "", channel: "", lengths: [2.5, 1.0], unit: "µm", scale: 1.0, undefined: true };
@@ -53,10 +53,7 @@ fn bcr_has_integers_or_floats_behind_a_head_in_either_encoding() {
 #[test]
 fn grids_of_surfer_have_no_unit_and_begin_with_the_bottom_line() {
     for version in [6, 7] {
-        let mut map = read(grids::surfer(version));
-        assert_eq!(map.unit.take(), None);
-        map.unit = Some(String::new());
-        check_at(&map, &Expected { format: "Surfer", unit: "", ..GRID }, |point| point);
+        assert_eq!(check_bare("Surfer", read(grids::surfer(version)), Some(GRID.lengths)).undefined, 1);
     }
 }
 
@@ -181,14 +178,19 @@ fn lext_leaves_out_points_of_its_mask() {
     check_above(-18.75, tiff::lext(), &expected);
 }
 
-/// Checks an image without a unit.
-fn check_plain(bytes: Vec<u8>, lengths: Option<[f64; 2]>) -> Topography {
-    let mut map = read(bytes);
+/// Checks a map without a unit.
+fn check_bare(format: &'static str, mut map: Topography, lengths: Option<[f64; 2]>) -> Topography {
     assert_eq!((map.unit.take(), map.lengths), (None, lengths));
     map.unit = Some(String::new());
     map.lengths = Some(GRID.lengths);
-    check_at(&map, &Expected { format: "TIFF", unit: "", undefined: false, ..GRID }, |point| point);
+    let undefined = map.undefined > 0;
+    check_at(&map, &Expected { format, unit: "", undefined, ..GRID }, |point| point);
     map
+}
+
+/// Checks an image without a unit.
+fn check_plain(bytes: Vec<u8>, lengths: Option<[f64; 2]>) -> Topography {
+    check_bare("TIFF", read(bytes), lengths)
 }
 
 #[test]
@@ -227,4 +229,54 @@ fn pictures_and_degrees_are_no_heights() {
     let at = short.windows(4).position(|tag| tag == [0x44, 1, 4, 0]).unwrap();
     short[at + 4] = 1;
     assert_eq!(refusal(short), "the image has 1 parts for 5 by 4 points; it must have more");
+}
+
+#[test]
+fn meshes_on_a_lattice_are_maps_and_closed_bodies_are_not() {
+    let meshes = ["ascii", "binary_little_endian", "binary_big_endian"].map(|format| ("PLY", others::ply(format)));
+    for (format, bytes) in
+        meshes.into_iter().chain([("STL", others::stl(true, false)), ("STL", others::stl(false, false))])
+    {
+        assert_eq!(check_bare(format, read(bytes), Some(GRID.lengths)).undefined, 1);
+    }
+    let closed = refusal(others::stl(true, true));
+    assert!(closed.starts_with("the 60 vertices have two heights at one point, as a closed body has; "), "{closed}");
+    let uneven = refusal(
+        b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                           end_header\n0 0 1\n1 0 2\n3 1 4\n"
+            .to_vec(),
+    );
+    assert!(uneven.starts_with("the 3 vertices have no lattice; "), "{uneven}");
+}
+
+#[test]
+fn images_of_grey_with_16_bits_are_maps_and_gwyddion_gives_their_size() {
+    let mut plain = read(others::png(false));
+    plain.heights.mapv_inplace(|height| height - 150.0);
+    check_bare("PNG", plain, None);
+    let expected = Expected { format: "PNG", scale: 0.125e-3, undefined: false, ..GRID };
+    let mut map = read(others::png(true));
+    map.heights.mapv_inplace(|height| (8e3 * height).round() / 8e3 - 150.0 / 8e3);
+    assert_eq!((map.unit.as_deref(), map.lengths, map.notes.len()), (Some("µm"), Some(expected.lengths), 1));
+    let error = map
+        .heights
+        .indexed_iter()
+        .map(|((x, y), height)| (height - expected.scale * f64::from(crate::made::height(x, 3 - y))).abs());
+    assert!(error.fold(0.0, f64::max) < 1e-15);
+}
+
+#[test]
+fn softgauges_and_archives_are_read() {
+    let profile = read(others::smd());
+    assert_eq!((profile.format, profile.unit.as_deref()), ("ISO 5436-2", Some("mm")));
+    assert_eq!((profile.lengths, profile.heights.dim()), (Some([2e-3, 1.0]), (4, 1)));
+    assert_eq!(
+        profile.heights.mapv(|height| (1e3 * height * 8.0).round() / 8.0).column(0).to_vec(),
+        [1.0, -2.0, 3.0, 0.0]
+    );
+    assert_eq!(refusal(edited(others::smd(), "'PRF'", "'SUR'")), "the file holds no profile (PRF); it must hold one");
+    let map = check(others::gzip(), &Expected { format: "gzip", lengths: [2500.0, 1000.0], unit: "nm", ..GRID });
+    assert_eq!(map.notes, ["the file inside has the format text"]);
+    let nested = refusal(others::gzipped(&others::gzip()));
+    assert_eq!(nested, "the file inside is an archive; unpack it and give the file inside");
 }
