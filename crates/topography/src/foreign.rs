@@ -10,7 +10,7 @@ const AS_ARRAY: &str = "write the heights with numpy.save as .npy, or as text";
 const UNPACK: &str = "unpack it and give the file inside";
 
 /// First bytes of a file, name of the format, and advice.
-const FIRST_BYTES: [(&[u8], &str, &str); 26] = [
+const FIRST_BYTES: [(&[u8], &str, &str); 25] = [
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.mnt of MountainsMap, .xls, .oif)", AS_SURFACE),
     (b"II+\0", "BigTIFF", AS_SURFACE),
     (b"MM\0+", "BigTIFF", AS_SURFACE),
@@ -18,7 +18,6 @@ const FIRST_BYTES: [(&[u8], &str, &str); 26] = [
     (b"GIF8", "GIF image", AS_ARRAY),
     (b"STiMage", "RHK SM4", "export the heights from Gwyddion as .gsf or text"),
     (b"ONTMATRX", "Omicron MATRIX", "export the heights from Gwyddion as .gsf or text"),
-    (b"OLYMPUSRAWFORMAT", "Olympus OIR", AS_SURFACE),
     (b"Zygo ASCII Data File", "Zygo ASCII", "export it from MetroPro as .dat, or as Zygo XYZ"),
     (b"OFF\n", "OFF mesh", "write its vertices as text, the columns x y z"),
     (b"OFF\r", "OFF mesh", "write its vertices as text, the columns x y z"),
@@ -41,7 +40,7 @@ const FIRST_BYTES: [(&[u8], &str, &str); 26] = [
 
 /// Beginning or end of a member's name in a zip archive, name of the format, and advice.
 #[cfg(feature = "zip")]
-const MEMBERS: [(&str, &str, &str); 8] = [
+const MEMBERS: [(&str, &str, &str); 7] = [
     ("xl/", "Excel workbook (.xlsx)", "save the sheet of the heights as CSV"),
     ("content.xml", "OpenDocument table (.ods)", "save the sheet of the heights as CSV"),
     ("word/", "Word document", AS_ARRAY),
@@ -52,7 +51,6 @@ const MEMBERS: [(&str, &str, &str); 8] = [
     ),
     (".vk4", "Keyence CAG", "export the heights as CSV from its program"),
     (".vk6", "Keyence CAG", "export the heights as CSV from its program"),
-    (".oir", "Olympus POIR", AS_SURFACE),
     (".lext", "Olympus LEXT", AS_SURFACE),
 ];
 

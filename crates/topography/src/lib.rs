@@ -52,6 +52,8 @@ mod nanosurf;
 mod netcdf;
 mod nms;
 pub mod npy;
+#[cfg(feature = "zip")]
+mod oir;
 mod opd;
 mod opdx;
 mod os3d;
@@ -155,6 +157,8 @@ static FORMATS: &[Format] = &[
     mesh::STL,
     mesh::PLY,
     smd::FORMAT,
+    #[cfg(feature = "zip")]
+    oir::FORMAT,
     tmd::FORMAT,
     nms::FORMAT,
     os3d::FORMAT,

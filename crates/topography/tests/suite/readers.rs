@@ -3,7 +3,7 @@
 use gfmd_topography::Topography;
 
 use crate::instruments::{Expected, check, check_at, edited, read, refusal};
-use crate::made::{grids, keyence, others, probes, tiff};
+use crate::made::{grids, keyence, olympus, others, probes, tiff};
 
 const GRID: Expected =
     Expected { format: "", channel: "", lengths: [2.5, 1.0], unit: "µm", scale: 1.0, undefined: true };
@@ -276,7 +276,26 @@ fn softgauges_and_archives_are_read() {
     );
     assert_eq!(refusal(edited(others::smd(), "'PRF'", "'SUR'")), "the file holds no profile (PRF); it must hold one");
     let map = check(others::gzip(), &Expected { format: "gzip", lengths: [2500.0, 1000.0], unit: "nm", ..GRID });
-    assert_eq!(map.notes, ["the file inside has the format text"]);
+    assert_eq!(map.notes[0], "the file inside has the format text");
     let nested = refusal(others::gzipped(&others::gzip()));
     assert_eq!(nested, "the file inside is an archive; unpack it and give the file inside");
+}
+
+#[test]
+fn olympus_finds_its_heights_by_the_properties() {
+    for bytes in [olympus::oir(), olympus::poir()] {
+        let mut map = read(bytes);
+        assert_eq!(map.notes, ["the channel INVALID is not applied, as no other program does"]);
+        map.heights.mapv_inplace(|height| height - 18.75);
+        check_at(
+            &map,
+            &Expected { format: "Olympus OIR", channel: "HEIGHT", scale: 0.125, undefined: false, ..GRID },
+            |point| point,
+        );
+    }
+    let none = refusal(edited(olympus::oir(), ">HEIGHT<", ">COLOUR<"));
+    assert_eq!(none, "the file has no channel of the type HEIGHT; it must have one");
+    let edits = (0..2).fold(olympus::oir(), |bytes, _| edited(bytes, "<z>um</z>", "<z>pc</z>"));
+    let unit = refusal(edits);
+    assert_eq!(unit, "the unit of z is \"pc\"; it must be a unit of length");
 }
