@@ -5,8 +5,8 @@
 //! lengths.
 //!
 //! Formats that need other crates are features, all enabled by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
-//! Rust), `zip` for X3P, plux, containers and NumPy archives, `zlib` for MATLAB and Digital Surf. Files of disabled
-//! formats are not recognised.
+//! Rust), `zip` for X3P, plux, containers, NumPy archives, Keyence and Olympus OIR, `zlib` for MATLAB, Digital Surf, PNG
+//! and gzip, both of them for TIFF, JPK, Park and LEXT. Files of disabled formats are not recognised.
 //!
 //! A format is a file in this folder with a constant `FORMAT`, and a line in `FORMATS`.
 
