@@ -11,7 +11,7 @@ const UNPACK: &str = "unpack it and give the file inside";
 
 /// First bytes of a file, name of the format, and advice.
 const FIRST_BYTES: [(&[u8], &str, &str); 25] = [
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.mnt of MountainsMap, .xls, .oif)", AS_SURFACE),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.xls, .oif)", AS_SURFACE),
     (b"II+\0", "BigTIFF", AS_SURFACE),
     (b"MM\0+", "BigTIFF", AS_SURFACE),
     (b"\xff\xd8\xff", "JPEG image", AS_ARRAY),

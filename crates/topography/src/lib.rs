@@ -5,7 +5,7 @@
 //! lengths.
 //!
 //! Formats that need other crates are features, all enabled by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
-//! Rust), `zip` for X3P, plux, containers, NumPy archives, Keyence and Olympus OIR, `zlib` for MATLAB, Digital Surf, PNG
+//! Rust), `zip` for X3P, plux, containers, NumPy archives, Keyence and Olympus OIR, `zlib` for MATLAB, Digital Surf, MountainsMap, PNG
 //! and gzip, both of them for TIFF, JPK, Park and LEXT. Files of disabled formats are not recognised.
 //!
 //! A format is a file in this folder with a constant `FORMAT`, and a line in `FORMATS`.
@@ -47,6 +47,8 @@ mod mdt;
 mod mesh;
 mod metropro;
 mod mi;
+#[cfg(feature = "zlib")]
+mod mnt;
 mod nanoscope;
 mod nanosurf;
 mod netcdf;
@@ -159,6 +161,8 @@ static FORMATS: &[Format] = &[
     smd::FORMAT,
     #[cfg(feature = "zip")]
     oir::FORMAT,
+    #[cfg(feature = "zlib")]
+    mnt::FORMAT,
     tmd::FORMAT,
     nms::FORMAT,
     os3d::FORMAT,

@@ -28,7 +28,7 @@ fn sniff(file: &File) -> bool {
 }
 
 /// Opens the image.
-fn reader<'a>(file: &'a File) -> Result<Reader<Cursor<&'a [u8]>>, String> {
+fn reader(file: &File) -> Result<Reader<Cursor<&[u8]>>, String> {
     let all = file.bytes()?;
     let limits = Limits { bytes: all.len().saturating_add(MOST_OTHER) };
     let mut decoder = Decoder::new_with_limits(Cursor::new(all), limits);

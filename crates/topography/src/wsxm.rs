@@ -56,7 +56,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let all = file.bytes()?;
     let end = find(all, END).ok_or("the header has no line [Header end]; it must end with one")?;
     let head = text(&all[..end]);
-    if !lines(&head).nth(1).is_some_and(|line| line.trim() == "SxM Image file") {
+    if lines(&head).nth(1).is_none_or(|line| line.trim() != "SxM Image file") {
         return Err("the second line is not \"SxM Image file\"; the file must hold an image".into());
     }
     let header = Header::of(&head);

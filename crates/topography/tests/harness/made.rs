@@ -6,6 +6,8 @@
 pub(crate) mod grids;
 #[path = "made/keyence.rs"]
 pub(crate) mod keyence;
+#[path = "made/mnt.rs"]
+pub(crate) mod mnt;
 #[path = "made/olympus.rs"]
 pub(crate) mod olympus;
 #[path = "made/others.rs"]

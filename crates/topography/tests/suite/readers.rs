@@ -3,7 +3,7 @@
 use gfmd_topography::Topography;
 
 use crate::instruments::{Expected, check, check_at, edited, read, refusal};
-use crate::made::{grids, keyence, olympus, others, probes, tiff};
+use crate::made::{grids, keyence, mnt, olympus, others, probes, tiff};
 
 const GRID: Expected =
     Expected { format: "", channel: "", lengths: [2.5, 1.0], unit: "µm", scale: 1.0, undefined: true };
@@ -298,4 +298,18 @@ fn olympus_finds_its_heights_by_the_properties() {
     let edits = (0..2).fold(olympus::oir(), |bytes, _| edited(bytes, "<z>um</z>", "<z>pc</z>"));
     let unit = refusal(edits);
     assert_eq!(unit, "the unit of z is \"pc\"; it must be a unit of length");
+}
+
+#[test]
+fn mountains_map_has_measured_surfaces_in_blocks_of_any_order() {
+    let map = check(mnt::mnt(), &Expected { format: "MountainsMap", channel: "Plate", scale: 0.125, ..GRID });
+    assert_eq!(map.channels, ["Plate"]);
+    let mut none = mnt::mnt();
+    let at = none.windows(4).position(|class| class == 9012_i32.to_le_bytes()).unwrap();
+    none[at] = 0;
+    assert_eq!(refusal(none), "the document has no measured surface; export the surface from MountainsMap as .sur");
+    let mut other = mnt::mnt();
+    let at = other.windows(6).position(|name| name == b"S\0c\0o\0").unwrap();
+    other[at] = b's';
+    assert!(refusal(other).starts_with("the format is OLE compound file (.xls, .oif), which is not read; "));
 }
