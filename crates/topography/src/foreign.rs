@@ -40,8 +40,7 @@ const FIRST_BYTES: [(&[u8], &str, &str); 25] = [
 
 /// Beginning or end of a member's name in a zip archive, name of the format, and advice.
 #[cfg(feature = "zip")]
-const MEMBERS: [(&str, &str, &str); 7] = [
-    ("xl/", "Excel workbook (.xlsx)", "save the sheet of the heights as CSV"),
+const MEMBERS: [(&str, &str, &str); 6] = [
     ("content.xml", "OpenDocument table (.ods)", "save the sheet of the heights as CSV"),
     ("word/", "Word document", AS_ARRAY),
     (

@@ -5,8 +5,9 @@
 //! lengths.
 //!
 //! Formats that need other crates are features, all enabled by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
-//! Rust), `zip` for X3P, plux, containers, NumPy archives, Keyence and Olympus OIR, `zlib` for MATLAB, Digital Surf, MountainsMap, PNG
-//! and gzip, both of them for TIFF, JPK, Park and LEXT. Files of disabled formats are not recognised.
+//! Rust), `zip` for X3P, plux, containers, NumPy archives, Keyence, Olympus OIR and Excel, `zlib` for MATLAB, Digital
+//! Surf, MountainsMap, PNG and gzip, both of them for TIFF, JPK, Park and LEXT. Files of disabled formats are not
+//! recognised.
 //!
 //! A format is a file in this folder with a constant `FORMAT`, and a line in `FORMATS`.
 
@@ -87,6 +88,8 @@ mod wsxm;
 #[cfg(feature = "zip")]
 mod x3p;
 #[cfg(feature = "zip")]
+mod xlsx;
+#[cfg(feature = "zip")]
 mod zipped;
 mod zmg;
 #[cfg(feature = "zip")]
@@ -163,6 +166,8 @@ static FORMATS: &[Format] = &[
     oir::FORMAT,
     #[cfg(feature = "zlib")]
     mnt::FORMAT,
+    #[cfg(feature = "zip")]
+    xlsx::FORMAT,
     tmd::FORMAT,
     nms::FORMAT,
     os3d::FORMAT,

@@ -16,6 +16,8 @@ pub(crate) mod others;
 pub(crate) mod probes;
 #[path = "made/tiff.rs"]
 pub(crate) mod tiff;
+#[path = "made/xlsx.rs"]
+pub(crate) mod xlsx;
 
 use std::io::{Cursor, Write};
 use std::path::Path;

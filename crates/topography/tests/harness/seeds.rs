@@ -7,7 +7,7 @@ use gfmd_topography::Listing;
 use zip::ZipArchive;
 
 use super::Seed;
-use super::made::{self, grids, keyence, mnt, olympus, others, probes, tiff};
+use super::made::{self, grids, keyence, mnt, olympus, others, probes, tiff, xlsx};
 
 /// Returns the formats with their valid files. `folder` takes files that a library must write to the disk.
 pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
@@ -52,6 +52,7 @@ pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
         ("Keyence ZON", bytes(vec![keyence::zon()])),
         ("Olympus OIR", bytes(vec![olympus::oir(), olympus::poir()])),
         ("MountainsMap", bytes(vec![mnt::mnt()])),
+        ("Excel", [zip(xlsx::xlsx()), zip(xlsx::mitutoyo())].into_iter().flatten().collect()),
         ("STL", bytes(vec![others::stl(true, false), others::stl(false, false)])),
         ("PLY", bytes(["ascii", "binary_little_endian", "binary_big_endian"].map(others::ply).to_vec())),
         ("PNG", bytes(vec![others::png(true), others::png(false)])),

@@ -3,7 +3,7 @@
 use gfmd_topography::Topography;
 
 use crate::instruments::{Expected, check, check_at, edited, read, refusal};
-use crate::made::{grids, keyence, mnt, olympus, others, probes, tiff};
+use crate::made::{self, grids, keyence, mnt, olympus, others, probes, tiff, xlsx};
 
 const GRID: Expected =
     Expected { format: "", channel: "", lengths: [2.5, 1.0], unit: "µm", scale: 1.0, undefined: true };
@@ -261,7 +261,7 @@ fn images_of_grey_with_16_bits_are_maps_and_gwyddion_gives_their_size() {
     let error = map
         .heights
         .indexed_iter()
-        .map(|((x, y), height)| (height - expected.scale * f64::from(crate::made::height(x, 3 - y))).abs());
+        .map(|((x, y), height)| (height - expected.scale * f64::from(made::height(x, 3 - y))).abs());
     assert!(error.fold(0.0, f64::max) < 1e-15);
 }
 
@@ -312,4 +312,38 @@ fn mountains_map_has_measured_surfaces_in_blocks_of_any_order() {
     let at = other.windows(6).position(|name| name == b"S\0c\0o\0").unwrap();
     other[at] = b's';
     assert!(refusal(other).starts_with("the format is OLE compound file (.xls, .oif), which is not read; "));
+}
+
+fn packed(entries: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    made::zipped(entries, zip::CompressionMethod::Deflated)
+}
+
+#[test]
+fn sheets_are_read_as_text_is_and_empty_cells_are_missing_points() {
+    let bytes = packed(&xlsx::xlsx());
+    let map = read(bytes.clone());
+    assert_eq!((map.format, map.channel.as_deref(), map.channels.len()), ("Excel", Some("Map"), 2));
+    assert_eq!((map.undefined, map.lengths, map.unit), (1, None, None));
+    for ((x, y), height) in map.heights.indexed_iter().filter(|(_, height)| height.is_finite()) {
+        assert_eq!(*height, f64::from(made::height(x, 3 - y)).powi(2));
+    }
+    let list = Topography::from_bytes("scan", bytes, Some("List")).unwrap();
+    check_at(&list, &Expected { format: "Excel", channel: "List", scale: 1e-3, ..GRID }, |at| at);
+    let mut words = xlsx::xlsx();
+    words[4].1 = edited(words[4].1.clone(), "<v>62500</v>", "<v>upper</v>");
+    let [warning] = &read(packed(&words)).warnings[..] else { panic!("one sheet is left out") };
+    assert!(warning.starts_with("the sheet Map is left out: ") && warning.contains("\"upper\""), "{warning}");
+}
+
+#[test]
+fn workbooks_of_mitutoyo_hold_a_profile() {
+    let profile = read(packed(&xlsx::mitutoyo()));
+    assert_eq!((profile.heights.dim(), profile.unit.as_deref()), ((4, 1), Some("mm")));
+    assert!((profile.lengths.unwrap()[0] / 2e-3 - 1.0).abs() < 1e-12);
+    let micrometres: Vec<f64> = profile.heights.iter().map(|height| (8e3 * height).round() / 8.0).collect();
+    assert_eq!(micrometres, [1, 2, 3, 4].map(|k| 0.125 * f64::from(made::height(k, 0))));
+    assert_eq!(profile.details, [("date".to_owned(), "29-Feb-2024".to_owned())]);
+    let mut uneven = xlsx::mitutoyo();
+    uneven[4].1 = edited(uneven[4].1.clone(), "<v>0.001</v>", "<v>0.002</v>");
+    assert!(refusal(packed(&uneven)).starts_with("a step of the coordinates in column E is "));
 }
