@@ -31,10 +31,18 @@ fn sniff(file: &File) -> bool {
     value.is_some_and(|value| value.trim_start().starts_with("bcr"))
 }
 
-/// Decodes UTF-16 with its mark, else Latin-1.
+/// Returns true if the header has 16-bit characters, with a mark or without one.
+fn is_wide(bytes: &[u8]) -> bool {
+    bytes.starts_with(UTF_16) || bytes.starts_with(b"f\0i\0")
+}
+
+/// Decodes UTF-16, else Latin-1.
 fn decode(bytes: &[u8]) -> String {
-    let Some(units) = bytes.strip_prefix(UTF_16) else { return text(bytes) };
-    let units = units.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
+    if !is_wide(bytes) {
+        return text(bytes);
+    }
+    let units = bytes.strip_prefix(UTF_16).unwrap_or(bytes).chunks_exact(2);
+    let units = units.map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
     char::decode_utf16(units).map(|found| found.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
@@ -65,7 +73,7 @@ impl Header {
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
     let all = file.bytes()?;
-    let width = if all.starts_with(UTF_16) { 2 } else { 1 };
+    let width = if is_wide(all) { 2 } else { 1 };
     // The size of the header stands in it.
     let first = Header::of(&decode(&all[..all.len().min(width * HEADER)]));
     let characters: usize = first.number("headersize")?.unwrap_or(HEADER);

@@ -23,9 +23,10 @@ const STREAM: &str = "ScopedContents";
 /// Number of a part with the inherited parts of an object.
 const BASE: u16 = 0xffff;
 
-/// Path of the objects of a document, and class of a measured surface.
+/// Path of the objects of a document, and classes of a measured surface and of a mask.
 const OBJECTS: [u16; 4] = [1, 0x2bd, 2, 1];
 const MEASURED: u32 = 9012;
+const MASK: u32 = 9056;
 
 /// Mark of a point that was measured.
 const IS_MEASURED: f64 = 9.0;
@@ -157,6 +158,8 @@ impl<'a> Surface<'a> {
         let points = |axis: u16| whole(grid, &[axis, BASE, 1], "number of points");
         let points = [count("the number of columns", points(1)?)?, count("the number of lines", points(2)?)?];
         let axis = |axis: u16| Axis::read(grid, &[axis, BASE, BASE], "lateral axis");
+        // A surface without a mask has a part of another class.
+        let mask = part(grid, &[3]).filter(|mask| whole(mask, &[1, 1], "class").is_ok_and(|class| class == MASK));
         let marks = |body| Array::read(needed(body, &[2, 5], "mask")?, [points[0] + 2, points[1] + 2]);
         Ok(Self {
             name: text(grid, &[BASE, BASE, 1]),
@@ -164,7 +167,7 @@ impl<'a> Surface<'a> {
             axes: [axis(1)?, axis(2)?],
             z: Axis::read(body, &[2, BASE], "axis of the heights")?,
             counts: Array::read(needed(body, &[1], "array of heights")?, points)?,
-            mask: part(grid, &[3]).map(marks).transpose()?,
+            mask: mask.map(marks).transpose()?,
         })
     }
 

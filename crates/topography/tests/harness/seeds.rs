@@ -51,7 +51,7 @@ pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
         ("Keyence VK", bytes(vec![keyence::vk(3), keyence::vk(4), keyence::vk_archive(6), keyence::vk_archive(7)])),
         ("Keyence ZON", bytes(vec![keyence::zon()])),
         ("Olympus OIR", bytes(vec![olympus::oir(), olympus::poir()])),
-        ("MountainsMap", bytes(vec![mnt::mnt()])),
+        ("MountainsMap", bytes(vec![mnt::mnt(true), mnt::mnt(false)])),
         ("Excel", [zip(xlsx::xlsx()), zip(xlsx::mitutoyo())].into_iter().flatten().collect()),
         ("STL", bytes(vec![others::stl(true, false), others::stl(false, false)])),
         ("PLY", bytes(["ascii", "binary_little_endian", "binary_big_endian"].map(others::ply).to_vec())),

@@ -44,6 +44,10 @@ fn bcr_has_integers_or_floats_behind_a_head_in_either_encoding() {
             assert_eq!(map.notes[0], "the length along y converted from nm to µm, 1000 nm = 1 µm");
         }
     }
+    // MountainsMap writes no mark of UTF-16.
+    let marked = grids::bcr(false, true);
+    let bare = [&marked[2..800], &[b' ', 0], &marked[800..]].concat();
+    assert_eq!(read(bare).heights.len(), 20);
     let unit = refusal(edited(grids::bcr(true, false), "% a comment", "zunit = V  "));
     assert_eq!(unit, "the unit of the heights is V; it must be a unit of length: m, mm, µm, nm, ...");
     let scale = refusal(edited(grids::bcr(true, false), "bit2nm = 0.125", "bit2nm = 0.000"));
@@ -302,13 +306,15 @@ fn olympus_finds_its_heights_by_the_properties() {
 
 #[test]
 fn mountains_map_has_measured_surfaces_in_blocks_of_any_order() {
-    let map = check(mnt::mnt(), &Expected { format: "MountainsMap", channel: "Plate", scale: 0.125, ..GRID });
-    assert_eq!(map.channels, ["Plate"]);
-    let mut none = mnt::mnt();
+    for undefined in [true, false] {
+        let expected = Expected { format: "MountainsMap", channel: "Plate", scale: 0.125, undefined, ..GRID };
+        assert_eq!(check(mnt::mnt(undefined), &expected).channels, ["Plate"]);
+    }
+    let mut none = mnt::mnt(true);
     let at = none.windows(4).position(|class| class == 9012_i32.to_le_bytes()).unwrap();
     none[at] = 0;
     assert_eq!(refusal(none), "the document has no measured surface; export the surface from MountainsMap as .sur");
-    let mut other = mnt::mnt();
+    let mut other = mnt::mnt(true);
     let at = other.windows(6).position(|name| name == b"S\0c\0o\0").unwrap();
     other[at] = b's';
     assert!(refusal(other).starts_with("the format is OLE compound file (.xls, .oif), which is not read; "));

@@ -42,8 +42,8 @@ fn array(kind: i32, elements: &[u8], size: usize) -> Vec<u8> {
     [class(kind), part(2, &[whole(1, count as i32), part(2, &[data])])].concat()
 }
 
-/// MountainsMap: pixels of 0.5 and 0.25 µm, heights of 125 nm per count, shown in µm; a point was not measured.
-pub(crate) fn mnt() -> Vec<u8> {
+/// MountainsMap: pixels of 0.5 and 0.25 µm, heights of 125 nm per count, shown in µm; a point was not measured if it has a mask.
+pub(crate) fn mnt(has_mask: bool) -> Vec<u8> {
     let [nx, ny] = POINTS;
     let axis = |number: u16, step: f64, unit: &str| {
         let body = [double(1, step), text(2, unit), text(3, "\u{b5}m"), double(5, 0.0)];
@@ -56,7 +56,10 @@ pub(crate) fn mnt() -> Vec<u8> {
     for index in (0..nx * ny).filter(|index| is_undefined(*index)) {
         mask[(index / nx + 1) * (nx + 2) + index % nx + 1] = 22;
     }
-    let mask = part(3, &[class(9056), part(2, &[part(5, &[array(9048, &mask, 1)])])]);
+    let mask = match has_mask {
+        true => part(3, &[class(9056), part(2, &[part(5, &[array(9048, &mask, 1)])])]),
+        false => part(3, &[class(0)]),
+    };
     let name = part(BASE, &[part(BASE, &[text(1, "Plate")])]);
     let grid = part(BASE, &[name, lateral(1, 0.5, nx), lateral(2, 0.25, ny), mask]);
     let counts = joined(lines().map(|height| i32::from(height).to_le_bytes()));
