@@ -2,8 +2,8 @@
 //!
 //! Tags `:NAME:` with lines of values, up to the bytes 1A 04; then big-endian 32-bit floats, in the order of the table
 //! `DATA_INFO`, the forward image of a channel before its backward image. The numbers are heights in m; the calibration
-//! of the table is not applied. A scan downwards begins with the top line, and lines of backward images with their right
-//! end. Points that were not reached are NaN.
+//! of the table is not applied. A scan downwards begins with the top line, and lines of backward images with their
+//! right end. Points that were not reached are NaN.
 
 use super::bytes::{Bytes, Grid, MOST_CHANNELS, Order, Sample, clip, count, find, lines, positive, text};
 use super::file::File;

@@ -1,8 +1,8 @@
 //! TrueMap data files (`.tmd`) of TrueMap and of GelSight. Numbers are little-endian.
 //!
 //! A line with the version, a comment that ends with a zero byte, the numbers of columns and lines, the size, the
-//! origin, and 32-bit floats line by line from the top. Sizes and heights are in mm, as GelSight's own programs read and
-//! write them. Undefined points are NaN.
+//! origin, and 32-bit floats line by line from the top. Sizes and heights are in mm, as GelSight's own programs read
+//! and write them. Undefined points are NaN.
 
 use super::bytes::{Bytes, Grid, Order, Sample, clip, count, positive, text};
 use super::file::File;

@@ -1,7 +1,7 @@
 //! Workbooks of Excel (`.xlsx`): sheets of numbers, and profiles of Mitutoyo.
 //!
-//! A sheet is read as the text reader reads its rows, with tabs between the cells: a matrix or a list of points, with or
-//! without titles. Empty cells between numbers are undefined points. Each sheet that is a height map is a channel. A
+//! A sheet is read as the text reader reads its rows, with tabs between the cells: a matrix or a list of points, with
+//! or without titles. Empty cells between numbers are undefined points. Each sheet that is a height map is a channel. A
 //! workbook of Mitutoyo has the positions and heights of a profile in two columns of `DATA`, and the unit of the
 //! positions in `Certificate`.
 

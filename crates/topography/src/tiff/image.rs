@@ -150,14 +150,14 @@ impl<'a> Image<'a> {
         let (start, length) = (start as usize, length as usize);
         let data = start.checked_add(length).and_then(|end| all.get(start..end)).ok_or_else(|| {
             let all = all.len();
-            format!("a part of the image has {length} bytes from byte {start} on; they must lie within the {all} bytes of the file")
+            format!("a part has {length} bytes from byte {start} on; they must lie within the {all} bytes of the file")
         })?;
         let needed = self.row(points[0]) as u64 * points[1] as u64;
         let most = if self.is_compressed { length as u64 * LARGEST_RATIO } else { length as u64 };
         if needed > most {
             let [nx, ny] = points;
             return Err(format!(
-                "a part of the image of {nx} by {ny} points has {length} bytes, which hold at most {most}; it needs {needed}"
+                "a part of {nx} by {ny} points has {length} bytes, which hold at most {most}; it needs {needed}"
             ));
         }
         Ok(Part { at, points, data })

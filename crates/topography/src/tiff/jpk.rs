@@ -37,7 +37,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let length = |tag| positive("the length of an axis", pages[0].number(tag)?.unwrap_or(0.0));
     let lengths = [length(LENGTHS[0])?, length(LENGTHS[1])?];
     let date = pages[0].text(DATE)?;
-    let (mut channels, mut others) = (Vec::new(), Vec::new());
+    let (mut channels, mut ranks, mut others) = (Vec::new(), Vec::new(), Vec::new());
     for page in &pages[1..] {
         let name = page.text(NAME)?;
         let is_height = name.to_lowercase().contains("height") || name == "contact-point";
@@ -54,13 +54,17 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
             details: details([("date", date.clone())]),
             ..Map::default()
         };
+        let is_trace = page.whole(RETRACE, 0)? == 0;
+        // The height of the trace comes before other heights.
+        ranks.push((!is_trace, name != "height"));
         channels.push(channel(page, &name, slot, map, pages[0].whole(REFLECTED, 0)? != 0)?);
     }
     if channels.is_empty() {
         others.truncate(20);
         return Err(format!("the channels are {}; one must be a height in a unit of length", others.join(", ")));
     }
-    Ok(channels.into())
+    let default = (0..channels.len()).min_by_key(|number| ranks[*number]);
+    Ok(Contents { default, ..channels.into() })
 }
 
 /// Creates the channel of a page.

@@ -1,7 +1,7 @@
 //! Images as TIFF, with the size of a pixel from ImageJ, OME or GeoTIFF.
 //!
-//! Numbers of a plain image are heights without a unit, and the image has no size: the resolution of a plain TIFF is the
-//! size of a print. ImageJ and OME give the size of a pixel and its unit, but mostly no unit of the numbers.
+//! Numbers of a plain image are heights without a unit, and the image has no size: the resolution of a plain TIFF is
+//! the size of a print. ImageJ and OME give the size of a pixel and its unit, but mostly no unit of the numbers.
 
 use super::geo::{Ground, is_ground};
 use super::image::Image;

@@ -45,8 +45,8 @@ pub(crate) fn vk_archive(version: u8) -> Vec<u8> {
 /// ZON: pixels of 0.5 m, heights of 0.125 m, lines padded to 24 bytes; a point was not measured, another has a mark.
 pub(crate) fn zon() -> Vec<u8> {
     let [nx, ny] = POINTS.map(|n| n as i32);
-    let calibration = "\u{feff}<Calibration><XYCalibration><MeterPerPixel>0.5</MeterPerPixel></XYCalibration><ZCalibration>\
-                       <MeterPerUnit>0.125</MeterPerUnit></ZCalibration></Calibration>";
+    let calibration = "\u{feff}<Calibration><XYCalibration><MeterPerPixel>0.5</MeterPerPixel></XYCalibration>\
+                       <ZCalibration><MeterPerUnit>0.125</MeterPerUnit></ZCalibration></Calibration>";
     let heights: Vec<i32> = lines().map(i32::from).collect();
     let heights = heights.chunks(5).flat_map(|line| [line, &[-590_000]].concat()).map(i32::to_le_bytes);
     let marks: Vec<u8> =

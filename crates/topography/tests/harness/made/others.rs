@@ -37,8 +37,8 @@ pub(crate) fn stl(is_text: bool, is_closed: bool) -> Vec<u8> {
 pub(crate) fn ply(format: &str) -> Vec<u8> {
     let count = vertices().len();
     let head = format!(
-        "ply\nformat {format} 1.0\nelement face 1\nproperty list uchar short of\nelement vertex {count}\nproperty double z\n\
-         property uchar red\nproperty float x\nproperty float y\nend_header\n"
+        "ply\nformat {format} 1.0\nelement face 1\nproperty list uchar short of\nelement vertex {count}\n\
+         property double z\nproperty uchar red\nproperty float x\nproperty float y\nend_header\n"
     );
     let vertex = |[x, y, z]: [f32; 3]| match format {
         "ascii" => format!("{z} 7 {x} {y}\n").into_bytes(),

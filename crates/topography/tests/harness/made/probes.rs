@@ -6,10 +6,10 @@ use super::{Bytes, POINTS, UNDEFINED, height, joined, lines_upwards};
 pub(crate) fn wsxm(is_integer: bool) -> Vec<u8> {
     let kind = if is_integer { "short" } else { "double" };
     let mut bytes: Vec<u8> = format!(
-        "WSxM file copyright UAM\r\nSxM Image file\r\nImage header size: 9\r\n[Control]\r\n    X Amplitude: 2.5 \u{b5}m\r\n    \
-         Y Amplitude: 1 \u{b5}m\r\n[General Info]\r\n    Acquisition channel: Topography\r\n    Image Data Type: {kind}\r\n    \
-         Number of columns: 5\r\n    Number of rows: 4\r\n    Z Amplitude: 128 nm\r\n[Miscellaneous]\r\n    Maximum: 1000\r\n    \
-         Minimum: -24\r\n[Palette]\r\n    Maximum: 9\r\n    Minimum: 0\r\n[Header end]\r\n"
+        "WSxM file copyright UAM\r\nSxM Image file\r\nImage header size: 9\r\n[Control]\r\n    X Amplitude: 2.5 \u{b5}m\r\n\
+         Y Amplitude: 1 \u{b5}m\r\n[General Info]\r\n    Acquisition channel: Topography\r\n\
+         Image Data Type: {kind}\r\nNumber of columns: 5\r\n    Number of rows: 4\r\n    Z Amplitude: 128 nm\r\n\
+         [Miscellaneous]\r\n    Maximum: 1000\r\n    Minimum: -24\r\n[Palette]\r\n    Maximum: 9\r\n    Minimum: 0\r\n[Header end]\r\n"
     )
     .chars()
     .map(|character| character as u8)
@@ -27,8 +27,8 @@ pub(crate) fn wsxm(is_integer: bool) -> Vec<u8> {
 pub(crate) fn sxm(is_down: bool) -> Vec<u8> {
     let direction = if is_down { "down" } else { "up" };
     let head = format!(
-        ":NANONIS_VERSION:\n2\n:SCANIT_TYPE:\n  FLOAT  MSBFIRST\n:REC_DATE:\n 29.02.2024\n:SCAN_PIXELS:\n  5  4\n:SCAN_RANGE:\n  \
-         2.5E+0  1.0E+0\n:SCAN_DIR:\n{direction}\n:DATA_INFO:\n\tChannel\tName\tUnit\tDirection\tCalibration\tOffset\n\
+        ":NANONIS_VERSION:\n2\n:SCANIT_TYPE:\n  FLOAT  MSBFIRST\n:REC_DATE:\n 29.02.2024\n:SCAN_PIXELS:\n  5  4\n\
+         :SCAN_RANGE:\n  2.5E+0  1.0E+0\n:SCAN_DIR:\n{direction}\n:DATA_INFO:\n\tChannel\tName\tUnit\tDirection\tCalibration\tOffset\n\
          \t0\tCurrent\tA\tforward\t1E-9\t0\n\t14\tZ\tm\tboth\t9E-9\t0\n\n:SCANIT_END:\n\n\n\x1a\x04"
     );
     let [nx, ny] = POINTS;

@@ -24,8 +24,8 @@ fn book(sheets: &[(&str, String)], strings: &[&str]) -> Vec<(&'static str, Vec<u
     members
 }
 
-/// Two sheets: a matrix of the squares of the heights, and points x y z in µm and nm with titles and spacings of 0.5 and 0.25 µm, the bottom line
-/// first; the point without a height is an empty cell.
+/// Two sheets: a matrix of the squares of the heights, and points x y z in µm and nm with titles and spacings of 0.5
+/// and 0.25 µm, the bottom line first; the point without a height is an empty cell.
 pub(crate) fn xlsx() -> Vec<(&'static str, Vec<u8>)> {
     let [nx, ny] = POINTS;
     let value = |x: usize, y: usize, power: u32| {
