@@ -42,8 +42,8 @@ fn array(kind: i32, elements: &[u8], size: usize) -> Vec<u8> {
     [class(kind), part(2, &[whole(1, count as i32), part(2, &[data])])].concat()
 }
 
-/// MountainsMap: pixels of 0.5 and 0.25 µm, heights of 125 nm per count, shown in µm; a point was not measured if it has
-/// a mask.
+/// MountainsMap: pixels of 0.5 and 0.25 µm, heights of 125 nm per count, shown in µm; a point was not measured if it
+/// has a mask.
 pub(crate) fn mnt(has_mask: bool) -> Vec<u8> {
     let [nx, ny] = POINTS;
     let axis = |number: u16, step: f64, unit: &str| {

@@ -7,17 +7,22 @@ use super::{Bytes, joined, lines, zipped};
 /// OIR: pixels of 0.5 and 0.25 µm, heights of 0.125 µm per count above 150.
 pub(crate) fn oir() -> Vec<u8> {
     let channel = |id: &str, kind: &str| {
-        format!(
-            "<p:channel id=\"{id}\"><length><x>0.5</x><y>0.5</y><z>0.125</z></length>\
-             <pixelUnit><x>um</x><y>um</y><z>um</z></pixelUnit><imageDefinition><imageType>{kind}</imageType><depth>2</depth></imageDefinition></p:channel>"
-        )
+        [
+            &format!("<p:channel id=\"{id}\">"),
+            "<length><x>0.5</x><y>0.5</y><z>0.125</z></length>",
+            "<pixelUnit><x>um</x><y>um</y><z>um</z></pixelUnit>",
+            &format!("<imageDefinition><imageType>{kind}</imageType><depth>2</depth></imageDefinition></p:channel>"),
+        ]
+        .concat()
     };
     let channels = [channel("a-1", "INTENSITY"), channel("a-2", "HEIGHT"), channel("a-3", "INVALID")].concat();
-    let properties = format!(
-        "<?xml version=\"1.0\"?><p:imageProperties xmlns:p=\"u\"><general>\
-         <creationDateTime>2024</creationDateTime></general><imageInfo><width>5</width><height>4</height><phase><group>{channels}</group>\
-         </phase></imageInfo><acquisition><pixelCalibration><x>1</x><y>0.5</y></pixelCalibration></acquisition></p:imageProperties>"
-    );
+    let properties = [
+        "<?xml version=\"1.0\"?><p:imageProperties xmlns:p=\"u\">",
+        "<general><creationDateTime>2024</creationDateTime></general><imageInfo><width>5</width><height>4</height>",
+        &format!("<phase><group>{channels}</group></phase></imageInfo>"),
+        "<acquisition><pixelCalibration><x>1</x><y>0.5</y></pixelCalibration></acquisition></p:imageProperties>",
+    ]
+    .concat();
     let block = Bytes::default().ints(&[2]).zeros(32).ints(&[properties.len() as i32]).add(&properties).0;
     let chunk = |kind: i32, content: &[u8]| Bytes::default().ints(&[content.len() as i32, kind]).add(content).0;
     let image = |id: &str, lowest: i16| {

@@ -5,15 +5,29 @@ use super::{Bytes, POINTS, UNDEFINED, height, joined, lines_upwards};
 /// WSxM: 2.5 by 1 µm, heights in nm, of 0.125 nm for an integer.
 pub(crate) fn wsxm(is_integer: bool) -> Vec<u8> {
     let kind = if is_integer { "short" } else { "double" };
-    let mut bytes: Vec<u8> = format!(
-        "WSxM file copyright UAM\r\nSxM Image file\r\nImage header size: 9\r\n[Control]\r\n    X Amplitude: 2.5 \u{b5}m\r\n\
-         Y Amplitude: 1 \u{b5}m\r\n[General Info]\r\n    Acquisition channel: Topography\r\n\
-         Image Data Type: {kind}\r\nNumber of columns: 5\r\n    Number of rows: 4\r\n    Z Amplitude: 128 nm\r\n\
-         [Miscellaneous]\r\n    Maximum: 1000\r\n    Minimum: -24\r\n[Palette]\r\n    Maximum: 9\r\n    Minimum: 0\r\n[Header end]\r\n"
-    )
-    .chars()
-    .map(|character| character as u8)
-    .collect();
+    let head = [
+        "WSxM file copyright UAM",
+        "SxM Image file",
+        "Image header size: 9",
+        "[Control]",
+        "    X Amplitude: 2.5 \u{b5}m",
+        "    Y Amplitude: 1 \u{b5}m",
+        "[General Info]",
+        "    Acquisition channel: Topography",
+        &format!("    Image Data Type: {kind}"),
+        "    Number of columns: 5",
+        "    Number of rows: 4",
+        "    Z Amplitude: 128 nm",
+        "[Miscellaneous]",
+        "    Maximum: 1000",
+        "    Minimum: -24",
+        "[Palette]",
+        "    Maximum: 9",
+        "    Minimum: 0",
+        "[Header end]",
+        "",
+    ];
+    let mut bytes: Vec<u8> = head.join("\r\n").chars().map(|character| character as u8).collect();
     let [nx, ny] = POINTS;
     let turned = (0..ny).rev().flat_map(|y| (0..nx).rev().map(move |x| height(x, y)));
     match is_integer {
@@ -26,11 +40,30 @@ pub(crate) fn wsxm(is_integer: bool) -> Vec<u8> {
 /// Nanonis: 2.5 by 1 m, heights in m, both ways.
 pub(crate) fn sxm(is_down: bool) -> Vec<u8> {
     let direction = if is_down { "down" } else { "up" };
-    let head = format!(
-        ":NANONIS_VERSION:\n2\n:SCANIT_TYPE:\n  FLOAT  MSBFIRST\n:REC_DATE:\n 29.02.2024\n:SCAN_PIXELS:\n  5  4\n\
-         :SCAN_RANGE:\n  2.5E+0  1.0E+0\n:SCAN_DIR:\n{direction}\n:DATA_INFO:\n\tChannel\tName\tUnit\tDirection\tCalibration\tOffset\n\
-         \t0\tCurrent\tA\tforward\t1E-9\t0\n\t14\tZ\tm\tboth\t9E-9\t0\n\n:SCANIT_END:\n\n\n\x1a\x04"
-    );
+    let head = [
+        ":NANONIS_VERSION:",
+        "2",
+        ":SCANIT_TYPE:",
+        "  FLOAT  MSBFIRST",
+        ":REC_DATE:",
+        " 29.02.2024",
+        ":SCAN_PIXELS:",
+        "  5  4",
+        ":SCAN_RANGE:",
+        "  2.5E+0  1.0E+0",
+        ":SCAN_DIR:",
+        direction,
+        ":DATA_INFO:",
+        "\tChannel\tName\tUnit\tDirection\tCalibration\tOffset",
+        "\t0\tCurrent\tA\tforward\t1E-9\t0",
+        "\t14\tZ\tm\tboth\t9E-9\t0",
+        "",
+        ":SCANIT_END:",
+        "",
+        "",
+        "\x1a\x04",
+    ]
+    .join("\n");
     let [nx, ny] = POINTS;
     let heights = |is_backward: bool| -> Vec<u8> {
         let points = (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y)));
