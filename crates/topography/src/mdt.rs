@@ -70,7 +70,7 @@ type Found<'a> = Result<Channel<'a>, String>;
 /// Reads the axis of a scan: offset, step and unit.
 fn axis(bytes: &mut Bytes) -> Result<(f64, f64, Option<&'static str>), String> {
     let (offset, step, unit) = (bytes.f32()?, bytes.f32()?, bytes.i16()?);
-    let unit = usize::try_from(unit + 5).ok().and_then(|index| UNITS.get(index));
+    let unit = usize::try_from(i32::from(unit) + 5).ok().and_then(|index| UNITS.get(index));
     Ok((offset.into(), step.into(), unit.copied()))
 }
 
@@ -136,7 +136,7 @@ impl Calibration {
         let start = bytes.at();
         let total = bytes.u32()? as usize;
         let length = bytes.u32()? as usize;
-        let texts = bytes.at() + length;
+        let texts = bytes.at().saturating_add(length);
         let lengths = [bytes.u32()? as usize, bytes.u32()? as usize, bytes.u32()? as usize];
         let code = bytes.u64()?;
         bytes.skip(16)?;
@@ -189,7 +189,7 @@ fn dimensions<'a>(frame: &'a [u8], all: &'a [u8]) -> Result<Found<'a>, String> {
         *length = bytes.u32()? as usize;
     }
     let [data_start, data_length] = [bytes.u32()? as usize, bytes.u32()? as usize];
-    bytes.seek(HEAD + head)?;
+    bytes.seek(HEAD.saturating_add(head))?;
     let name = cyrillic(bytes.take(lengths[0])?);
     for length in &lengths[1..5] {
         bytes.skip(*length)?;

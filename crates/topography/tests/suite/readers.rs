@@ -101,7 +101,7 @@ fn probe_microscopes_say_what_is_wrong() {
     );
     let mut mdt = probes::mdt();
     let at = mdt.len() - 40 - 9 - 30 - 8 - 9 - 6 - 2;
-    mdt[at..at + 2].copy_from_slice(&3_i16.to_le_bytes());
+    mdt[at..at + 2].copy_from_slice(&i16::MAX.to_le_bytes());
     let found = refusal(mdt);
     assert_eq!(
         found,
