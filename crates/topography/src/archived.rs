@@ -50,6 +50,12 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         if OF_PLACES.contains(&own) || (own == "mask" && reader.contains(&format!("{group}/heights"))) {
             continue;
         }
+        // Errors and amplitudes of JPK are lengths, too, and each channel has a small picture.
+        if let Ok(quantity) = reader.text(group, "channel.name")
+            && (own == "thumbnail" || !quantity.to_lowercase().contains("height"))
+        {
+            continue;
+        }
         let unit = unit_of(&reader, &name);
         if let Some((frames, places)) = Places::of(&reader, group, &shape, &places)? {
             for frame in 0..frames {

@@ -40,6 +40,11 @@ impl<'a> Bytes<'a> {
         Self { all, at: 0, order }
     }
 
+    /// Returns the order of the bytes of a number.
+    pub(crate) fn order(&self) -> Order {
+        self.order
+    }
+
     /// Returns the number of bytes before the position.
     pub(crate) fn at(&self) -> usize {
         self.at
@@ -167,6 +172,11 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
+    /// Creates a grid of lines from left to right, in the order of the lines of the map.
+    pub(crate) fn lines(points: [usize; 2], sample: Sample, order: Order) -> Self {
+        Self { points, sample, order, layout: Layout::Lines, backwards: [false; 2] }
+    }
+
     /// Returns the number of bytes of all numbers.
     pub(crate) fn bytes(&self) -> Result<usize, String> {
         let [nx, ny] = self.points;
@@ -272,6 +282,20 @@ pub(crate) fn positive(name: &str, value: f64) -> Result<f64, String> {
     } else {
         Err(format!("{name} is {value}; it must be positive and finite"))
     }
+}
+
+/// Returns `value` if it is finite and not zero, otherwise an error with its name.
+pub(crate) fn factor(name: &str, value: f64) -> Result<f64, String> {
+    if value != 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{name} is {value}; it must be finite and not zero"))
+    }
+}
+
+/// Returns the position of `mark` in `bytes`.
+pub(crate) fn find(bytes: &[u8], mark: &[u8]) -> Option<usize> {
+    bytes.windows(mark.len()).position(|window| window == mark)
 }
 
 /// Returns `value` as the number of points along a side of a grid if it is positive, otherwise an error with its name.

@@ -10,43 +10,19 @@ const AS_ARRAY: &str = "write the heights with numpy.save as .npy, or as text";
 const UNPACK: &str = "unpack it and give the file inside";
 
 /// First bytes of a file, name of the format, and advice.
-const FIRST_BYTES: [(&[u8], &str, &str); 49] = [
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.mnt of MountainsMap, .xls, .oif)", AS_SURFACE),
-    (b"VK3_", "Keyence VK3", "export the heights as CSV from its program"),
-    (b"VK4_", "Keyence VK4", "export the heights as CSV from its program"),
-    (b"VK6", "Keyence VK6", "export the heights as CSV from its program"),
-    (b"VK7", "Keyence VK7", "export the heights as CSV from its program"),
-    (b"KPK", "Keyence ZON", "export the heights as CSV from its program"),
-    (b"II*\0", "TIFF (also .tiff of Park, .jpk, .lext)", AS_SURFACE),
-    (b"MM\0*", "TIFF (also .tiff of Park, .jpk, .lext)", AS_SURFACE),
+const FIRST_BYTES: [(&[u8], &str, &str); 25] = [
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "OLE compound file (.xls, .oif)", AS_SURFACE),
     (b"II+\0", "BigTIFF", AS_SURFACE),
     (b"MM\0+", "BigTIFF", AS_SURFACE),
-    (b"\x89PNG\r\n\x1a\n", "PNG image", AS_ARRAY),
     (b"\xff\xd8\xff", "JPEG image", AS_ARRAY),
     (b"GIF8", "GIF image", AS_ARRAY),
-    (b":NANONIS_VERSION:", "Nanonis SXM", "export the heights from Gwyddion as .gsf or text"),
-    (b"\x01\xb0\x93\xff", "NT-MDT", "export the heights from Gwyddion as .gsf or text"),
-    (b"WSxM file copyright", "WSxM", "export the heights from WSxM as text"),
     (b"STiMage", "RHK SM4", "export the heights from Gwyddion as .gsf or text"),
     (b"ONTMATRX", "Omicron MATRIX", "export the heights from Gwyddion as .gsf or text"),
-    (b"OLYMPUSRAWFORMAT", "Olympus OIR", AS_SURFACE),
-    (b"FRTM_GLIDER", "FRT MicroProf", AS_SURFACE),
-    (b"Binary TrueMap Data File", "TrueMap or GelSight TMD", AS_SURFACE),
-    (b"OmniSurf3D", "OmniSurf3D", AS_SURFACE),
-    (b"Zeta-Instruments", "Zeta ZMG", AS_SURFACE),
-    (b"fileformat = bcr", "BCR (.bcr, .bcrf)", "export the heights as .sdf, .gsf or text"),
-    (b"\xff\xfef\0i\0l\0e\0f\0o\0r\0m\0a\0t\0", "BCR (.bcr, .bcrf)", "export the heights as .sdf, .gsf or text"),
-    (b"DSBB", "binary grid of Surfer 6", "export it from Surfer as an ASCII grid (DSAA)"),
-    (b"DSRB", "binary grid of Surfer 7", "export it from Surfer as an ASCII grid (DSAA)"),
-    (b"'ISO 5436", "ISO 5436-2 (.smd)", "write its numbers as text, a column x and a column z"),
     (b"Zygo ASCII Data File", "Zygo ASCII", "export it from MetroPro as .dat, or as Zygo XYZ"),
-    (b"ply\n", "PLY mesh", "write its vertices as text, the columns x y z"),
-    (b"ply\r", "PLY mesh", "write its vertices as text, the columns x y z"),
     (b"OFF\n", "OFF mesh", "write its vertices as text, the columns x y z"),
     (b"OFF\r", "OFF mesh", "write its vertices as text, the columns x y z"),
     (b"# vtk DataFile", "VTK", "write the points as text, the columns x y z"),
     (b"$MeshFormat", "Gmsh mesh", "write its nodes as text, the columns x y z"),
-    (b"\x1f\x8b", "gzip archive", UNPACK),
     (b"BZh", "bzip2 archive", UNPACK),
     (b"\xfd7zXZ\0", "xz archive", UNPACK),
     (b"\x28\xb5\x2f\xfd", "Zstandard archive", UNPACK),
@@ -64,15 +40,16 @@ const FIRST_BYTES: [(&[u8], &str, &str); 49] = [
 
 /// Beginning or end of a member's name in a zip archive, name of the format, and advice.
 #[cfg(feature = "zip")]
-const MEMBERS: [(&str, &str, &str); 9] = [
-    ("xl/", "Excel workbook (.xlsx)", "save the sheet of the heights as CSV"),
+const MEMBERS: [(&str, &str, &str); 6] = [
     ("content.xml", "OpenDocument table (.ods)", "save the sheet of the heights as CSV"),
     ("word/", "Word document", AS_ARRAY),
-    ("Vk4File", "Keyence VK6 or VK7", "export the heights as CSV from its program"),
-    ("header.properties", "JPK force map (.jpk-qi-image, .jpk-force)", "export the heights as text from its program"),
+    (
+        "header.properties",
+        "JPK force map (.jpk-force-map, .jpk-qi-data)",
+        "export the heights as text from its program",
+    ),
     (".vk4", "Keyence CAG", "export the heights as CSV from its program"),
     (".vk6", "Keyence CAG", "export the heights as CSV from its program"),
-    (".oir", "Olympus POIR", AS_SURFACE),
     (".lext", "Olympus LEXT", AS_SURFACE),
 ];
 
@@ -95,20 +72,11 @@ fn first_bytes(head: &[u8]) -> Option<(&'static str, &'static str)> {
 fn deeper(head: &[u8], length: u64) -> Option<(&'static str, &'static str)> {
     let at = |from: usize, mark: &[u8]| head.get(from..from + mark.len()) == Some(mark);
     let number = |from: usize| Some(u32::from_le_bytes(head.get(from..from + 4)?.try_into().ok()?));
-    let mesh = ("STL mesh", "write its vertices as text, the columns x y z");
-    if at(32, b"OM_MS_2.0") {
-        return Some(("NanoFocus NMS", AS_SURFACE));
-    }
     if at(128, b"DICM") {
         return Some(("DICOM image", AS_ARRAY));
     }
     if at(0, b"BM") && number(2).is_some_and(|size| u64::from(size) == length) {
         return Some(("BMP image", AS_ARRAY));
-    }
-    let is_binary = number(80).is_some_and(|count| count > 0 && 84 + 50 * u64::from(count) == length);
-    let text = head.starts_with(b"solid") && head.windows(5).take(1 << 12).any(|word| word == b"facet");
-    if is_binary || text {
-        return Some(mesh);
     }
     // RHK has its mark in 16-bit characters after a size.
     at(2, b"S\0T\0i\0M\0a\0g\0e\0").then_some(("RHK SM4", "export the heights from Gwyddion as .gsf or text"))

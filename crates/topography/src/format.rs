@@ -2,6 +2,7 @@
 
 use ndarray::{Array2, Axis};
 
+use super::bytes::Grid;
 use super::file::File;
 use super::unit;
 
@@ -67,6 +68,41 @@ pub(crate) struct Channel<'a> {
     pub points: [usize; 2],
     /// Decodes the heights. The reader has checked that the file holds their bytes before memory is allocated.
     pub read: Box<dyn FnOnce() -> Result<Map, String> + 'a>,
+}
+
+impl<'a> Channel<'a> {
+    /// Creates a channel of the numbers of a grid at the start of `data`, each converted by `height`. `map` has all but
+    /// the heights.
+    ///
+    /// # Errors
+    /// Data that are shorter than the grid.
+    pub(crate) fn of_grid(
+        name: impl Into<String>,
+        grid: Grid,
+        data: impl AsRef<[u8]> + 'a,
+        map: Map,
+        height: impl Fn(f64) -> f64 + 'a,
+    ) -> Result<Self, String> {
+        let (needed, found, [nx, ny]) = (grid.bytes()?, data.as_ref().len(), grid.points);
+        if needed > found {
+            return Err(format!("the heights of {nx} by {ny} points have {found} bytes; they must have {needed}"));
+        }
+        let unit = map.height_unit.clone();
+        let read = move || Ok(Map { heights: grid.read(data.as_ref(), height)?, ..map });
+        Ok(Self { name: name.into(), unit, points: grid.points, read: Box::new(read) })
+    }
+}
+
+/// Returns the size of a field of points at this spacing, 1 along y for a profile.
+pub(crate) fn size(points: [usize; 2], spacing: [f64; 2]) -> [f64; 2] {
+    let [nx, ny] = points;
+    [spacing[0] * nx as f64, if ny == 1 { 1.0 } else { spacing[1] * ny as f64 }]
+}
+
+/// Returns the details that are not empty.
+pub(crate) fn details<const N: usize>(entries: [(&str, String); N]) -> Vec<(String, String)> {
+    let filled = entries.into_iter().filter(|(_, value)| !value.is_empty());
+    filled.map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// Returns the first of the channels `among` in a unit of length, else the first without a unit, else the first.

@@ -5,8 +5,9 @@
 //! lengths.
 //!
 //! Formats that need other crates are features, all enabled by default: `hdf5` for HDF5, NetCDF-4 and datx (read in
-//! Rust), `zip` for X3P, plux, containers and NumPy archives, `zlib` for MATLAB and Digital Surf. Files of disabled
-//! formats are not recognised.
+//! Rust), `zip` for X3P, plux, containers, NumPy archives, Keyence, Olympus OIR and Excel, `zlib` for MATLAB, Digital
+//! Surf, MountainsMap, PNG and gzip, both of them for TIFF, JPK, Park and LEXT. Files of disabled formats are not
+//! recognised.
 //!
 //! A format is a file in this folder with a constant `FORMAT`, and a line in `FORMATS`.
 
@@ -22,6 +23,7 @@ mod archived;
 mod array;
 #[cfg(feature = "zip")]
 mod arrays;
+mod bcr;
 mod bytes;
 mod checksum;
 #[cfg(feature = "zip")]
@@ -32,39 +34,66 @@ mod datx;
 mod file;
 mod foreign;
 mod format;
+mod frt;
 mod gwyddion;
+#[cfg(feature = "zlib")]
+mod gzip;
 mod ibw;
 pub mod input;
 pub mod legible;
 #[cfg(feature = "zlib")]
 mod matlab;
 mod matrix;
+mod mdt;
+mod mesh;
 mod metropro;
 mod mi;
+#[cfg(feature = "zlib")]
+mod mnt;
 mod nanoscope;
 mod nanosurf;
 mod netcdf;
+mod nms;
 pub mod npy;
+#[cfg(feature = "zip")]
+mod oir;
 mod opd;
 mod opdx;
+mod os3d;
 mod packing;
 mod plu;
 #[cfg(feature = "zip")]
 mod plux;
+#[cfg(feature = "zlib")]
+mod png;
 #[cfg(feature = "hdf5")]
 mod records;
 mod sdf;
 mod sentinel;
+mod smd;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod stored;
 #[cfg(feature = "zlib")]
 mod sur;
+mod surfer;
+mod sxm;
+#[cfg(all(feature = "zip", feature = "zlib"))]
+mod tiff;
+mod tmd;
 pub mod unit;
+#[cfg(feature = "zip")]
+mod vk;
+mod wsxm;
 #[cfg(feature = "zip")]
 mod x3p;
 #[cfg(feature = "zip")]
+mod xlsx;
+#[cfg(feature = "zip")]
 mod zipped;
+mod zmg;
+#[cfg(feature = "zip")]
+mod zon;
 
 #[cfg(all(test, feature = "hdf5", feature = "zip", feature = "zlib"))]
 mod tests;
@@ -114,6 +143,41 @@ static FORMATS: &[Format] = &[
     plu::FORMAT,
     ibw::FORMAT,
     sdf::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::park::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::jpk::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::lext::FORMAT,
+    #[cfg(all(feature = "zip", feature = "zlib"))]
+    tiff::plain::FORMAT,
+    #[cfg(feature = "zip")]
+    vk::FORMAT,
+    #[cfg(feature = "zip")]
+    zon::FORMAT,
+    #[cfg(feature = "zlib")]
+    gzip::FORMAT,
+    #[cfg(feature = "zlib")]
+    png::FORMAT,
+    mesh::STL,
+    mesh::PLY,
+    smd::FORMAT,
+    #[cfg(feature = "zip")]
+    oir::FORMAT,
+    #[cfg(feature = "zlib")]
+    mnt::FORMAT,
+    #[cfg(feature = "zip")]
+    xlsx::FORMAT,
+    tmd::FORMAT,
+    nms::FORMAT,
+    os3d::FORMAT,
+    zmg::FORMAT,
+    bcr::FORMAT,
+    frt::FORMAT,
+    wsxm::FORMAT,
+    sxm::FORMAT,
+    mdt::FORMAT,
+    surfer::FORMAT,
     matrix::FORMAT,
 ];
 

@@ -35,7 +35,11 @@ pub(crate) struct Zip<'a>(ZipArchive<Cursor<&'a [u8]>>, usize);
 
 impl<'a> Zip<'a> {
     pub(crate) fn open(file: &'a File) -> Result<Self, String> {
-        let bytes = file.bytes()?;
+        Self::of(file.bytes()?)
+    }
+
+    /// Opens the archive at the end of `bytes`.
+    pub(crate) fn of(bytes: &'a [u8]) -> Result<Self, String> {
         let archive = ZipArchive::new(Cursor::new(bytes));
         archive
             .map(|archive| Self(archive, bytes.len()))

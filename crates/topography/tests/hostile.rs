@@ -74,6 +74,13 @@ fn many_small_parts() {
     streams.extend(many(&[0; 8], 200_000));
     refused("streams of Digital Surf", &streams);
 
+    // Pages of TIFF that lead to each other.
+    let page = [&b"II*\0\x08\0\0\0\x01\0"[..], &[0; 12], b"\x08\0\0\0"].concat();
+    refused("pages of TIFF", &[page, many(&[0; 12], 100_000)].concat());
+
+    refused("zeros in gzip", &made::others::gzipped(&many(b"0 ", 4_000_000)));
+    refused("closed STL", &made::others::stl(false, true));
+
     let names: Vec<String> = (0..20_000).map(|number| number.to_string()).collect();
     let entries: Vec<(&str, Vec<u8>)> = names.iter().map(|name| (name.as_str(), vec![])).collect();
     refused("entries of zip", &made::zipped(&entries, CompressionMethod::Stored));

@@ -2,6 +2,23 @@
 //!
 //! The heights of every map are given by [`height`], in the unit named by the file, unless stated otherwise.
 
+#[path = "made/grids.rs"]
+pub(crate) mod grids;
+#[path = "made/keyence.rs"]
+pub(crate) mod keyence;
+#[path = "made/mnt.rs"]
+pub(crate) mod mnt;
+#[path = "made/olympus.rs"]
+pub(crate) mod olympus;
+#[path = "made/others.rs"]
+pub(crate) mod others;
+#[path = "made/probes.rs"]
+pub(crate) mod probes;
+#[path = "made/tiff.rs"]
+pub(crate) mod tiff;
+#[path = "made/xlsx.rs"]
+pub(crate) mod xlsx;
+
 use std::io::{Cursor, Write};
 use std::path::Path;
 
@@ -71,6 +88,10 @@ impl Bytes {
     }
 
     fn floats(self, values: &[f32]) -> Self {
+        self.add(joined(values.iter().map(|value| value.to_le_bytes())))
+    }
+
+    fn doubles(self, values: &[f64]) -> Self {
         self.add(joined(values.iter().map(|value| value.to_le_bytes())))
     }
 }

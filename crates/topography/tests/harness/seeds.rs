@@ -7,7 +7,7 @@ use gfmd_topography::Listing;
 use zip::ZipArchive;
 
 use super::Seed;
-use super::made;
+use super::made::{self, grids, keyence, mnt, olympus, others, probes, tiff, xlsx};
 
 /// Returns the formats with their valid files. `folder` takes files that a library must write to the disk.
 pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
@@ -32,6 +32,33 @@ pub(crate) fn seeds(folder: &Path) -> Vec<(&'static str, Vec<Seed>)> {
         ("Sensofar PLu", bytes(vec![made::plu()])),
         ("Molecular Imaging", bytes(vec![made::mi(16), made::mi(32)])),
         ("Nanosurf", bytes(vec![made::nanosurf()])),
+        ("TrueMap", bytes(vec![grids::tmd("a comment"), grids::tmd("")])),
+        ("NanoFocus", bytes(vec![grids::nms(true), grids::nms(false)])),
+        ("OmniSurf3D", bytes(vec![grids::os3d(true), grids::os3d(false)])),
+        ("Zeta", bytes(vec![grids::zmg()])),
+        ("BCR", bytes(vec![grids::bcr(true, false), grids::bcr(false, true)])),
+        ("FRT MicroProf", bytes(vec![grids::frt(true), grids::frt(false)])),
+        ("Surfer", bytes(vec![grids::surfer(6), grids::surfer(7)])),
+        ("WSxM", bytes(vec![probes::wsxm(true), probes::wsxm(false)])),
+        ("Nanonis SXM", bytes(vec![probes::sxm(true), probes::sxm(false)])),
+        ("JPK", bytes(vec![tiff::jpk(true, false), tiff::jpk(false, true)])),
+        ("Park", bytes(vec![tiff::park(false, "um"), tiff::park(true, "")])),
+        ("Olympus LEXT", bytes(vec![tiff::lext()])),
+        (
+            "TIFF",
+            bytes(vec![tiff::deflated_strips(), tiff::float_tiles(), tiff::imagej(true), tiff::ome(), tiff::ground(1)]),
+        ),
+        ("Keyence VK", bytes(vec![keyence::vk(3), keyence::vk(4), keyence::vk_archive(6), keyence::vk_archive(7)])),
+        ("Keyence ZON", bytes(vec![keyence::zon()])),
+        ("Olympus OIR", bytes(vec![olympus::oir(), olympus::poir()])),
+        ("MountainsMap", bytes(vec![mnt::mnt(true), mnt::mnt(false)])),
+        ("Excel", [zip(xlsx::xlsx()), zip(xlsx::mitutoyo())].into_iter().flatten().collect()),
+        ("STL", bytes(vec![others::stl(true, false), others::stl(false, false)])),
+        ("PLY", bytes(["ascii", "binary_little_endian", "binary_big_endian"].map(others::ply).to_vec())),
+        ("PNG", bytes(vec![others::png(true), others::png(false)])),
+        ("ISO 5436-2", bytes(vec![others::smd()])),
+        ("gzip", bytes(vec![others::gzip()])),
+        ("NT-MDT", bytes(vec![probes::mdt(), probes::mda()])),
     ];
     let data = std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")).unwrap();
     let mut written: Vec<Vec<u8>> = data.filter_map(|entry| std::fs::read(entry.unwrap().path()).ok()).collect();

@@ -7,26 +7,26 @@ use zip::CompressionMethod;
 use crate::made::{self, POINTS, UNDEFINED, height};
 
 /// Content of a file besides the heights of [`height`] times a scale.
-struct Expected {
-    format: &'static str,
-    channel: &'static str,
-    lengths: [f64; 2],
-    unit: &'static str,
-    scale: f64,
-    undefined: bool,
+pub(crate) struct Expected {
+    pub(crate) format: &'static str,
+    pub(crate) channel: &'static str,
+    pub(crate) lengths: [f64; 2],
+    pub(crate) unit: &'static str,
+    pub(crate) scale: f64,
+    pub(crate) undefined: bool,
 }
 
-fn read(bytes: Vec<u8>) -> Topography {
+pub(crate) fn read(bytes: Vec<u8>) -> Topography {
     Topography::from_bytes("scan", bytes, None).unwrap()
 }
 
-fn refusal(bytes: Vec<u8>) -> String {
+pub(crate) fn refusal(bytes: Vec<u8>) -> String {
     Topography::from_bytes("scan", bytes, None).unwrap_err().reason
 }
 
 /// Checks a map at all points. `at` returns the point for a place in the picture, with lines counted from the top. In
 /// the map, y points up.
-fn check_at(map: &Topography, expected: &Expected, at: impl Fn([usize; 2]) -> [usize; 2]) {
+pub(crate) fn check_at(map: &Topography, expected: &Expected, at: impl Fn([usize; 2]) -> [usize; 2]) {
     let &Expected { format, channel, lengths, unit, scale, undefined } = expected;
     assert_eq!((map.format, map.channel.as_deref().unwrap_or("")), (format, channel));
     assert_eq!(map.unit.as_deref(), Some(unit), "{format}");
@@ -48,7 +48,7 @@ fn check_at(map: &Topography, expected: &Expected, at: impl Fn([usize; 2]) -> [u
     }
 }
 
-fn check(bytes: Vec<u8>, expected: &Expected) -> Topography {
+pub(crate) fn check(bytes: Vec<u8>, expected: &Expected) -> Topography {
     let map = read(bytes);
     check_at(&map, expected, |point| point);
     map
@@ -147,7 +147,7 @@ fn nanoscope_multiplies_by_the_sensitivity_and_turns_the_image() {
 }
 
 /// Returns the file with a text replaced by one of the same length.
-fn edited(bytes: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
+pub(crate) fn edited(bytes: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
     assert_eq!(from.len(), to.len());
     let at = bytes.windows(from.len()).position(|window| window == from.as_bytes()).unwrap();
     [&bytes[..at], to.as_bytes(), &bytes[at + to.len()..]].concat()

@@ -6,4 +6,5 @@ mod formats;
 mod instruments;
 #[path = "../harness/made.rs"]
 mod made;
+mod readers;
 mod text;
