@@ -24,7 +24,7 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     p_star: Vec<Entry>,
-    /// Forces on the whole surface, stress * length^2, such as 5N: the mean pressures times the area of the cell or patch
+    /// Forces on the whole surface, stress * length^2, such as 5N: mean pressures times the area of the cell or patch
     #[arg(long, value_delimiter = ',', value_name = "F1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::FORCE)]
@@ -98,16 +98,13 @@ impl LoadArgs {
         Ok(())
     }
 
-    /// Returns the values, mean pressures in place of reduced pressures and forces, and the function from a value to its
-    /// load.
+    /// Returns the values, with mean pressures in place of reduced pressures and forces.
     ///
     /// # Errors
     /// Returns an error for a force on a profile.
-    pub(crate) fn values(&self, prepared: &Prepared) -> Result<(Vec<f64>, fn(f64) -> Load), Failure> {
-        let option = self.option();
-        let unit = prepared.unit_of_load(option)?;
-        let load = if self.is_approach() { Load::Approach } else { Load::MeanPressure };
-        Ok((self.given_values().into_iter().map(|value| value * unit).collect(), load))
+    pub(crate) fn values(&self, prepared: &Prepared) -> Result<Vec<f64>, Failure> {
+        let unit = prepared.unit_of_load(self.option())?;
+        Ok(self.given_values().into_iter().map(|value| value * unit).collect())
     }
 
     /// Returns the loads.
@@ -115,7 +112,11 @@ impl LoadArgs {
     /// # Errors
     /// Returns an error as [`values`](Self::values).
     pub(crate) fn loads(&self, prepared: &Prepared) -> Result<impl Iterator<Item = Load>, Failure> {
-        let (values, load) = self.values(prepared)?;
-        Ok(values.into_iter().map(load))
+        Ok(self.values(prepared)?.into_iter().map(self.kind()))
+    }
+
+    /// Returns the function from a value to its load.
+    pub(crate) fn kind(&self) -> fn(f64) -> Load {
+        if self.is_approach() { Load::Approach } else { Load::MeanPressure }
     }
 }

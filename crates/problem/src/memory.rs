@@ -91,7 +91,7 @@ impl MemoryNeed {
 }
 
 impl Facts {
-    /// Returns the memory that the problem needs with this solver, which is less for `only` one load without statistics.
+    /// Returns the memory that the problem needs with this solver; less for `only` one load without statistics.
     pub fn memory_need(&self, solver: Solver, only: bool) -> MemoryNeed {
         let flow = match self.task {
             _ if !self.flow => MemoryNeed(0),

@@ -116,8 +116,8 @@ impl Facts {
         self.boundary == Boundary::Periodic || !self.line || !is_open
     }
 
-    /// Returns true if the solver moves all components of the displacement by damped dynamics, as the source does. Other
-    /// solvers find the pressure, which gives the lateral displacement.
+    /// Returns true if the solver moves all components of the displacement by damped dynamics, as the source does.
+    /// Other solvers find the pressure, which gives the lateral displacement.
     pub fn moves_all_by(&self, solver: Solver) -> bool {
         let is_dynamic = solver != Solver::Auto && FullContact::SOLVERS.contains(&solver);
         let is_wall = !self.has_law() && !self.hardness && self.boundary == Boundary::Periodic;

@@ -56,7 +56,7 @@ impl WaypointArgs {
     pub(super) fn drives(&self, steps: u32, prepared: &Prepared, sign: Sign) -> Result<(Vec<Drive>, Places), Failure> {
         let option = self.given();
         self.loads.check(sign)?;
-        let (values, load) = self.loads.values(prepared)?;
+        let (values, load) = (self.loads.values(prepared)?, self.loads.kind());
         let all = self.lateral.iter().map(|value| ("lateral", value)).chain([("direction", &self.direction)]);
         let all = all.chain(self.lateral_y.iter().map(|value| ("lateral_y", value)));
         if let Some((option, bad)) = all.into_iter().find(|(_, value)| !value.is_finite()) {

@@ -143,8 +143,8 @@ def slide(
         body: a viscoelastic body, `Body(prony=...)`; with `friction` also an elastic body.
         velocity: velocities of the surface relative to the body, a number or a sequence; length divided by the time
             unit of relaxation times and diffusivity.
-        pressure, p_star, force, approach: loads by one of the four (stress, 1, stress * length^2, length), a number or a
-            sequence. All may be strings with a unit, such as "1MPa", if the surface has one.
+        pressure, p_star, force, approach: loads by one of the four (stress, 1, stress * length^2, length), a number or
+            a sequence. All may be strings with a unit, such as "1MPa", if the surface has one.
         direction: direction of the velocity, degrees from x.
         heat: conductivity and diffusivity of the body, then of the surface if it shares the heat: two or four numbers,
             or strings with a unit, such as ("0.2W/(m K)", "1e-7m^2/s").

@@ -193,8 +193,8 @@ def contact(
         pressure: mean pressure over the whole surface, stress (with free boundaries, force divided by area), or a
             string with a unit, such as "1MPa", if the surface has one; or
         p_star: mean pressure divided by E* and by the rms gradient; or
-        force: force on the whole surface, stress * length^2, or a string with a unit, such as "5N"; for a surface, not a
-            profile; or
+        force: force on the whole surface, stress * length^2, or a string with a unit, such as "5N"; not for a profile;
+            or
         approach: rigid approach beyond first touch, length, or a string with a unit. A sequence of loads returns
             `Contacts`, as `contacts` does, each started from the last.
         boundary: "periodic" (default) or "free": the surface is a patch on an unbounded half-space, slab or stack of
@@ -304,7 +304,8 @@ def contacts(
 
     Args:
         surface, body: as in `contact`.
-        pressure, p_star, force, approach: the loads, one of the four, a sequence (stress, 1, stress * length^2, length).
+        pressure, p_star, force, approach: the loads, one of the four, a sequence (stress, 1, stress * length^2,
+            length).
         options: further arguments of `contact`; `start` and `range_continuation` apply to the first load.
 
     Raises:

@@ -217,8 +217,8 @@ impl Prepared {
         self.body.contact_modulus() * self.surface.rms_gradient()
     }
 
-    /// Returns the load or approach of the value 1 of the option `control`: the factor from a reduced pressure or a force
-    /// to the mean pressure, 1 for a pressure and an approach.
+    /// Returns the load or approach of the value 1 of the option `control`: the factor from a reduced pressure or a
+    /// force to the mean pressure, 1 for a pressure and an approach.
     ///
     /// # Errors
     /// Returns an error for a force on a profile.

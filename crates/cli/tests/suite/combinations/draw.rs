@@ -464,7 +464,7 @@ impl Case {
         let is_steep = !is_path && ((!is_free && (7..14).contains(&kind)) || wild(dice, 0.2));
         let components = match kind {
             // A patch of a profile has no lateral level.
-            14..19 if !is_path && !(is_free && is_line) => Components::All,
+            14..19 if !(is_path || is_free && is_line) => Components::All,
             19..24 if !is_free && !is_path => Components::Held,
             _ if wild(dice, 0.3) => dice.of(&[Components::All, Components::Held]),
             _ if has_lower && dice.chance(0.3) => Components::Held,
