@@ -13,7 +13,7 @@ use gfmd_relax::Why;
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
-use crate::posed::{ContactKind, NoStiffness, of_fields, other_fields};
+use crate::posed::{AnyState, ContactKind, NoStiffness, of_fields, other_fields};
 
 /// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
@@ -52,6 +52,10 @@ impl ContactKind for Contact {
         Contact::certify(self, stored.pressure, Load::Approach(approach))
     }
 
+    fn adopt(&self, state: &AnyState) -> Option<Solution> {
+        Some(state.get::<FullSolution>()?.normal.clone())
+    }
+
     fn stiffness(&self, state: &Solution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         Contact::stiffness(self, state, tolerance).map_err(inexact)
     }
@@ -74,6 +78,11 @@ impl ContactKind for FullContact {
     fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<FullSolution, Refusal> {
         let mean = stored.pressure.mean().unwrap_or(f64::NAN);
         FullContact::certify(self, stored.pressure, Load::MeanPressure(mean))
+    }
+
+    fn adopt(&self, state: &AnyState) -> Option<FullSolution> {
+        let Solution { pressure, .. } = state.get()?;
+        FullContact::certify(self, pressure, Load::MeanPressure(pressure.mean()?)).ok()
     }
 
     fn stiffness(&self, _: &FullSolution, _: f64) -> Result<Stiffness, NoStiffness> {

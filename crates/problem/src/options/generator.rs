@@ -55,8 +55,8 @@ pub struct GeneratorArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<usize>,
     /// A shape from its closed form, with its top in the middle of the cell: sphere:R=, paraboloid:R= (or Rx=,Ry=),
-    /// ellipsoid:a=,b=,c=, cylinder:R=[,axis=x|y], cone:slope=, wedge:slope=[,axis=x|y], flat-punch:a=,R=[,depth=],
-    /// wave:A=[,Lx=][,Ly=]. It is smooth, unless --hurst, --rms-gradient or --rms-height adds roughness
+    /// ellipsoid:a=,b=,c=, cylinder:R= (,axis=y), cone:slope=, wedge:slope= (,axis=y), flat-punch:a=,R= (,depth=),
+    /// wave:A= (,Lx=,Ly=). It is smooth, unless --hurst, --rms-gradient or --rms-height adds roughness
     #[arg(long, value_name = "KIND:KEY=VALUE,..", value_parser = Shape::from_str)]
     #[serde(with = "shape", skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::SHAPE)]
