@@ -87,8 +87,8 @@ struct Page<'a> {
 }
 
 impl<'a> Page<'a> {
-    /// Reads the page at a position, and the position of the next page. `left` is the number of entries that the file
-    /// can hold beside those of other pages.
+    /// Reads the page at a position, and the position of the next page. `left` is the number of entries that still fit
+    /// into the file after the pages before.
     fn read(all: &'a [u8], order: Order, at: u32, left: &mut usize) -> Result<(Self, u32), String> {
         let mut bytes = Bytes::new(all, order);
         bytes.seek(at as usize)?;

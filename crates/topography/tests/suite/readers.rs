@@ -8,7 +8,7 @@ use crate::made::{self, grids, keyence, mnt, olympus, others, probes, tiff, xlsx
 const GRID: Expected =
     Expected { format: "", channel: "", lengths: [2.5, 1.0], unit: "µm", scale: 1.0, undefined: true };
 
-/// Checks a map whose heights begin at `lowest`, where those of the other files begin at zero.
+/// Checks a map whose heights begin at `lowest`; heights of the other files begin at zero.
 fn check_above(lowest: f64, bytes: Vec<u8>, expected: &Expected) {
     let mut map = read(bytes);
     map.heights.mapv_inplace(|height| height + lowest);
