@@ -84,6 +84,14 @@ pub(crate) fn flow(facts: &Facts) -> bool {
     facts.flow
 }
 
+pub(crate) fn conducts(facts: &Facts) -> bool {
+    facts.conducts
+}
+
+pub(crate) fn leak(facts: &Facts) -> bool {
+    facts.leak
+}
+
 /// Returns true if states follow a law; on a path also for a periodic hard wall.
 pub(crate) fn of_a_law(facts: &Facts) -> bool {
     facts.solves_a_law()

@@ -187,7 +187,7 @@ impl Sample {
     /// Measures a state; `at` has its numbers.
     fn of(state: &AnyState, boundary: Boundary, at: StateContext) -> Self {
         // The samples need neither statistics nor flow.
-        let plain = Facts { statistics: false, flow: false, ..*at.facts };
+        let plain = Facts { statistics: false, flow: false, leak: false, conducts: false, ..*at.facts };
         let record = Record::of(&StateContext { facts: &plain, ..at });
         let mut conducting = state.pressure().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);

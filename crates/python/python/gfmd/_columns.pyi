@@ -888,6 +888,12 @@ class Steps(Record):
         """
 
     @property
+    def leak(self) -> Array:
+        """Length^3/time [step, 2]: volume of fluid per time through the gap of the cell, driven by the pressure
+        drop. With `viscosity` only.
+        """
+
+    @property
     def lower(self) -> Array:
         """Stress [step, 2]: mean pressure over the whole lower surface. With `lower_surface` only."""
 
@@ -1040,6 +1046,20 @@ class Steps(Record):
     @property
     def flow_yy_grid_error(self) -> Array:
         """Without unit [step]: grid error of flow_yy: |flow_yy - limit| + limit_error. With `flow` only."""
+
+    @property
+    def leak_limit(self) -> Array:
+        """Length^3/time [step, 2]: estimate of leak_x on an infinitely fine grid under the same mean pressure. With
+        `viscosity` only.
+        """
+
+    @property
+    def leak_limit_error(self) -> Array:
+        """Length^3/time [step, 2]: 95 % of the errors of leak_x_limit are smaller. With `viscosity` only."""
+
+    @property
+    def leak_grid_error(self) -> Array:
+        """Length^3/time [step, 2]: grid error of leak_x: |leak_x - limit| + limit_error. With `viscosity` only."""
 
 class StepFields(Record):
     """The fields of a path."""
