@@ -390,7 +390,6 @@ pub const RULES: &[Rule] = {
         rule(Table, Yield, "left out", "the strain below the surface needs moduli"),
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Approach, NoLevel, "left out", "the approach has no reference level"),
-        rule(FlowThreshold, Law, "left out", "the bisection needs compressive loads"),
         rule(Flow, Line, "left out", "a profile has no flow"),
         rule(FlowThreshold, Line, "left out", "a profile has no flow"),
         rule(Refine, Several, "none or estimate", ONLY_PERIODIC_WALLS_IN_PARALLEL),

@@ -100,6 +100,11 @@ impl Finer {
         self.last.is_some()
     }
 
+    /// Forgets the last state, so that the next search starts from the undeformed surface.
+    pub fn forget(&mut self) {
+        self.last = None;
+    }
+
     /// Visits the last state, from which the next search starts.
     pub fn keep(&mut self, visitor: &mut dyn Visit) {
         visitor.flag(&mut self.last.is_some());
