@@ -73,7 +73,7 @@ pub(crate) fn friction(facts: &Facts) -> bool {
 }
 
 pub(crate) fn free(facts: &Facts) -> bool {
-    loads(facts) && facts.boundary == Boundary::Free
+    facts.boundary == Boundary::Free
 }
 
 pub(crate) fn statistics(facts: &Facts) -> bool {

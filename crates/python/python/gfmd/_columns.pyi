@@ -126,6 +126,10 @@ class Numbers(Record):
         """Without unit: reduced pressure p/(E* g)."""
 
     @property
+    def force(self) -> float:
+        """Stress * length^2: force, of a line per length across it (stress*length). With `boundary="free"` only."""
+
+    @property
     def approach(self) -> float:
         """Length: rigid approach beyond first touch. With `lower_surface`: approach of the two rigid surfaces beyond
         the distance at which both touch the undeformed slab.
@@ -257,10 +261,6 @@ class Numbers(Record):
         """Seconds: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without finer
         grids.
         """
-
-    @property
-    def force(self) -> float:
-        """Stress * length^2: force, of a line per length across it (stress*length). With `boundary="free"` only."""
 
     @property
     def plastic_fraction(self) -> float:
@@ -536,6 +536,12 @@ class Steps(Record):
     @property
     def p_star(self) -> Array:
         """Without unit [step]: reduced pressure p/(E* g)."""
+
+    @property
+    def force(self) -> Array:
+        """Stress * length^2 [step]: force, of a line per length across it (stress*length). With `boundary="free"`
+        only.
+        """
 
     @property
     def approach(self) -> Array:
