@@ -319,8 +319,8 @@ macro_rules! limits {
         ]
     };
 }
-/// Returns the limit of a leak along an axis, which is proportional to the conductivity and to the cube of the mean gap;
-/// their relative errors add up.
+/// Returns the limit of a leak along an axis, which is proportional to the conductivity and to the cube of the mean
+/// gap; their relative errors add up.
 fn leaked(limits: &GridLimits, at: &StateContext, value: f64, axis: usize) -> Result<GridLimit, NoLimit> {
     let conductivity = at.measured.flow.map_or(f64::NAN, |flow| flow.conductivity[axis][axis]);
     let (flow, gap) = (limits.flow(conductivity)?, limits.mean_gap());
