@@ -319,6 +319,7 @@ macro_rules! limits {
         ]
     };
 }
+
 /// Returns the limit of a leak along an axis, which is proportional to the conductivity and to the cube of the mean
 /// gap; their relative errors add up.
 fn leaked(limits: &GridLimits, at: &StateContext, value: f64, axis: usize) -> Result<GridLimit, NoLimit> {
