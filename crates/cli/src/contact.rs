@@ -41,6 +41,7 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, SceneFields, parse_prefix};
 use gfmd_run::accuracy;
+use gfmd_run::flow::FluidArgs;
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, ContactArgs, Finer, Head, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile,
@@ -97,10 +98,26 @@ pub struct Args {
     #[serde(skip_serializing_if = "is_infinite", with = "height")]
     #[option(kinds = Kinds::LENGTH)]
     conductor_height: Height,
+    /// Thermal conductivities of both conductors, such as 50W/(m*K),0.2W/(m*K); with --statistics for the contact
+    /// conductance per area
+    #[arg(
+        long,
+        value_delimiter = ',',
+        num_args = 1,
+        value_name = "K1,K2",
+        allow_negative_numbers = true,
+        help_heading = "Measurements"
+    )]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[option(kinds = Kinds::CONDUCTIVITY)]
+    conductivity: Vec<f64>,
     /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    fluid: FluidArgs,
     /// Find the loads between the lowest and the highest one at which the gap closes for a flow along x and along y
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -218,7 +235,7 @@ impl Loads {
             threshold::check(args)?;
         }
         let once = count <= 1 && !args.statistics && !args.flow;
-        let prepared = Prepared::new(&Asked { once, ..args.problem.asked()? }, |line| args.facts(line), session)?;
+        let prepared = Prepared::new(&Asked { once, ..args.asked()? }, |line| args.facts(line), session)?;
         let Prepared { facts, surface, body, .. } = &prepared;
         args.check_fields(facts)?;
         args.trace.tracer(&surface.grid, args.axes(surface))?;
@@ -254,7 +271,7 @@ impl Loads {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let Self { prepared, drives, output, .. } = self;
-        let contact = prepared.pose_with_warnings(&args.problem.asked()?, session)?;
+        let contact = prepared.pose_with_warnings(&args.asked()?, session)?;
         prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.search.tolerance)?;
         prepared.warn_about_drives(drives, args.control.option(), session);
         let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
@@ -318,7 +335,7 @@ impl Loads {
         let is_kept = outcome.is_kept(kept.as_deref());
         let SeriesOutcome { records, failure, not_converged, .. } = outcome;
         let mut report = Report {
-            head: Head::new(&args.problem.asked()?, prepared, contact.surface()),
+            head: Head::new(&args.asked()?, prepared, contact.surface()),
             accuracy: None,
             loads: records,
             history: trace,

@@ -56,11 +56,7 @@ const INSTEAD: &[(&[&str], &[&str], &str)] = &[
         &["contact", "path", "slide"],
         "write a law and its parameters: --law exponential --param gamma=0.05J/m^2,range=5nm",
     ),
-    (
-        &["viscosity", "pressure-drop", "leak", "leakage"],
-        &["contact", "path"],
-        "write --flow; rates in m^3/s are in Python: result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")",
-    ),
+    (&["leak", "leakage", "leak-rate"], &["contact", "path"], "write --flow --viscosity 1mPa*s --pressure-drop 1bar"),
 ];
 
 /// Returns true if an option has this long name, or had it once.

@@ -160,6 +160,7 @@ impl Args {
             wear: self.wear.wear()?,
             prony: self.prony.series()?,
             boundary: self.around.boundary,
+            fluid: self.around.fluid()?,
             ..Asked::new(&self.source, Cow::Owned(body), self.steps.search.budget())
         })
     }

@@ -10,6 +10,7 @@
 mod cells;
 mod elimination;
 mod flow;
+mod fluid;
 mod graph;
 mod halved;
 mod numbering;
@@ -24,6 +25,7 @@ mod tree;
 const PART: usize = 1 << 12;
 
 pub use flow::{Flow, FlowError, Path, flow};
+pub use fluid::Fluid;
 pub use gfmd_field::Grid;
 pub use gfmd_measure::Boundary;
 pub use ndarray;

@@ -54,6 +54,10 @@ pub struct Facts {
     pub statistics: bool,
     /// True if the flow through the gap is computed.
     pub flow: bool,
+    /// True if the leak of a fluid is computed from the flow.
+    pub leak: bool,
+    /// True if the conductance is computed for two given conductivities.
+    pub conducts: bool,
     /// True if the loads at which the flow stops are computed.
     pub flow_threshold: bool,
     /// Method to find the grid error.
@@ -89,6 +93,8 @@ impl Default for Facts {
             lateral: false,
             statistics: false,
             flow: false,
+            leak: false,
+            conducts: false,
             flow_threshold: false,
             grid_error: GridError::Estimate,
             history: false,
@@ -272,6 +278,8 @@ parts! {
     Statistics: |_| (key("statistics"), "given", key("statistics")), |f| f.statistics;
     /// Flow through the gap.
     Flow: |_| (key("flow"), "given", key("flow")), |f| f.flow;
+    /// Leak of a fluid.
+    Leak: |_| (key("viscosity"), "given", key("viscosity")), |f| f.leak;
     /// Loads at which the flow stops.
     FlowThreshold: |_| (key("flow_threshold"), "given", key("flow_threshold")), |f| f.flow_threshold;
     /// Second solution on a finer grid.
@@ -382,7 +390,6 @@ pub const RULES: &[Rule] = {
         rule(Table, Yield, "left out", "the strain below the surface needs moduli"),
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Approach, NoLevel, "left out", "the approach has no reference level"),
-        rule(FlowThreshold, Law, "left out", "the bisection needs compressive loads"),
         rule(Flow, Line, "left out", "a profile has no flow"),
         rule(FlowThreshold, Line, "left out", "a profile has no flow"),
         rule(Refine, Several, "none or estimate", ONLY_PERIODIC_WALLS_IN_PARALLEL),

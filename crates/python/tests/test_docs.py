@@ -141,8 +141,19 @@ def test_results_have_the_attributes_that_are_documented(words):
     )
     slab = gfmd.self_affine(n=16)
     rubber = gfmd.Body(prony=[(0.1, 0.3)])
-    creeping = gfmd.path(slab, rubber, p_star=0.05, time=[0, 1], steps=1, flow=True, grid_error="refine")
+    creeping = gfmd.path(
+        slab,
+        rubber,
+        p_star=0.05,
+        time=[0, 1],
+        steps=1,
+        flow=True,
+        grid_error="refine",
+        viscosity=1e-3,
+        pressure_drop=1e5,
+    )
     pulled = gfmd.path(slab, gfmd.Body(), approach=[0.001, 0.002], hardness=0.05, steps=1)
+    patch = gfmd.path(slab, gfmd.Body(), p_star=0.01, boundary="free", steps=1)
     law = gfmd.law("exponential", gamma=1e-4, range=5e-3)
     sticking = gfmd.path(slab, gfmd.Body(), approach=0.001, lateral=0.001, law=law, steps=1)
     worn = gfmd.wear(slab, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], approach=0.005, steps=1, flow=True)
@@ -179,7 +190,7 @@ def test_results_have_the_attributes_that_are_documented(words):
             [
                 result.steps
                 for result in (
-                    *(words["loop"], rubbed, indented, creeping, pulled, sticking),
+                    *(words["loop"], rubbed, indented, creeping, pulled, patch, sticking),
                     *(worn, composed, between, *dented),
                 )
             ],

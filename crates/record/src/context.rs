@@ -3,7 +3,7 @@ use std::cell::OnceCell;
 
 use gfmd_contact::{Effort, Fields as _, Stiffness};
 use gfmd_field::Grid;
-use gfmd_flow::Flow;
+use gfmd_flow::{Flow, Fluid};
 use gfmd_interface::{Quasistatic as _, Reading, Step};
 use gfmd_measure::{Patches, Peak, Scales, Summary};
 use gfmd_problem::{AnyState, Facts, Posed};
@@ -60,6 +60,10 @@ pub struct StateContext<'a> {
     pub stiffness: Result<Stiffness, Cow<'static, str>>,
     /// Measurements of the contact and its gap.
     pub measured: Measured<'a>,
+    /// Conductivity of both conductors in series, 1/(1/k1 + 1/k2), if it is given.
+    pub conductivity: Option<f64>,
+    /// Fluid that flows through the gap, if its leak is computed.
+    pub fluid: Option<Fluid>,
     /// Step of a path that led to the state, with the forces and energies of the state.
     pub step: Option<(&'a Step, Reading)>,
 }
@@ -141,6 +145,8 @@ impl<'a> StateContext<'a> {
             seconds: f64::NAN,
             stiffness: Err(NOT_SOLVED.into()),
             measured: Measured::default(),
+            conductivity: None,
+            fluid: None,
             step: None,
         }
     }

@@ -73,7 +73,7 @@ pub(crate) fn friction(facts: &Facts) -> bool {
 }
 
 pub(crate) fn free(facts: &Facts) -> bool {
-    loads(facts) && facts.boundary == Boundary::Free
+    facts.boundary == Boundary::Free
 }
 
 pub(crate) fn statistics(facts: &Facts) -> bool {
@@ -82,6 +82,14 @@ pub(crate) fn statistics(facts: &Facts) -> bool {
 
 pub(crate) fn flow(facts: &Facts) -> bool {
     facts.flow
+}
+
+pub(crate) fn conducts(facts: &Facts) -> bool {
+    facts.conducts
+}
+
+pub(crate) fn leak(facts: &Facts) -> bool {
+    facts.leak
 }
 
 /// Returns true if states follow a law; on a path also for a periodic hard wall.

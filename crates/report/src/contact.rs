@@ -52,7 +52,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         });
         page.answer.push(html! {
             p {
-                "Mean pressure " (shown("mean_pressure", 1.0)) ", approach " (shown("approach", 1.0)) ", mean gap "
+                @if loads.has("force") { "Force " (shown("force", 1.0)) ", mean pressure " } @else { "Mean pressure " }
+                (shown("mean_pressure", 1.0)) ", approach " (shown("approach", 1.0)) ", mean gap "
                 (shown("mean_gap", 1.0)) ", largest pressure " (shown("max_pressure", 1.0)) ". "
                 @if kappa[last].is_finite() {
                     "κ = " i { "a" } sub { "r" } "/" i { "p" } "* = " (shown("kappa", 1.0)) ". "
@@ -141,9 +142,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
 
 /// Returns the name of the prescribed quantity of a configuration.
 fn controlled(table: &toml::Table) -> &'static str {
-    match ["approach", "p_star"].map(|name| table.contains_key(name)) {
-        [true, _] => "prescribed approach",
-        [_, true] => "prescribed reduced pressure",
+    match ["approach", "p_star", "force"].map(|name| table.contains_key(name)) {
+        [true, ..] => "prescribed approach",
+        [_, true, _] => "prescribed reduced pressure",
+        [.., true] => "prescribed force",
         _ => "prescribed mean pressure",
     }
 }

@@ -147,6 +147,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let of_waypoints = [
         ("pressure", Kinds::STRESS),
         ("p_star", Kinds::NUMBER),
+        ("force", Kinds::FORCE),
         ("approach", Kinds::LENGTH),
         ("lateral", Kinds::LENGTH),
         ("lateral_y", Kinds::LENGTH),

@@ -165,6 +165,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         ("velocities", "velocity", Kinds::VELOCITY),
         ("pressures", "pressure", Kinds::STRESS),
         ("reduced pressures", "p_star", Kinds::NUMBER),
+        ("forces", "force", Kinds::FORCE),
         ("direction of sliding, degrees", "direction", Kinds::NUMBER),
         ("conductivity and diffusivity", "heat", Kinds::HEAT),
         ("friction of the interface", "friction", Kinds::NUMBER),

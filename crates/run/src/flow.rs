@@ -1,10 +1,58 @@
 //! Flow of a fluid through the gap of a contact, by Reynolds' equation.
 
-use gfmd_flow::{Flow, FlowError, Wanted, flow};
+use clap::Args;
+use gfmd_flow::{Flow, FlowError, Fluid, Wanted, flow};
+use gfmd_problem::options::{Kinds, Options};
+use gfmd_problem::{SIZES, key, words};
 use ndarray::{Array2, ArrayView2, Zip};
+use serde::{Deserialize, Serialize};
 
 use gfmd_input::failure::Failure;
 use gfmd_input::source::Surface;
+
+/// Options of the fluid whose leak is computed from the flow.
+#[derive(Args, Options, Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(default)]
+#[command(next_help_heading = "Measurements")]
+pub struct FluidArgs {
+    /// Viscosity of the fluid, stress * time, such as 1mPa*s; with --flow and --pressure-drop for the leak along x and
+    /// along y, volume per time
+    #[arg(long, value_name = "ETA", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::VISCOSITY)]
+    pub viscosity: Option<f64>,
+    /// Pressure drop over the length of the cell along the flow, stress, such as 1bar
+    #[arg(long, value_name = "P", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::STRESS)]
+    pub pressure_drop: Option<f64>,
+}
+
+impl FluidArgs {
+    /// Returns the fluid; `None` without one. `flow` is true if the flow is computed.
+    ///
+    /// # Errors
+    /// Returns an error for one number without the other, without the flow, and for numbers that are not positive.
+    pub fn fluid(self, flow: bool) -> Result<Option<Fluid>, Failure> {
+        let given = [("viscosity", self.viscosity), ("pressure_drop", self.pressure_drop)];
+        if let (false, Some((option, _))) = (flow, given.iter().find(|(_, value)| value.is_some())) {
+            return Err(Failure::value(key(option), "given", words!["left out without ", key("flow")]));
+        }
+        match (self.viscosity, self.pressure_drop) {
+            (None, None) => Ok(None),
+            (Some(_), None) => Err(Failure::missing("pressure_drop", words!["it is needed with ", key("viscosity")])),
+            (None, Some(_)) => Err(Failure::missing("viscosity", words!["it is needed with ", key("pressure_drop")])),
+            (Some(viscosity), Some(pressure_drop)) => {
+                for (option, value) in [("viscosity", viscosity), ("pressure_drop", pressure_drop)] {
+                    if !SIZES.contains(&value) {
+                        return Err(Failure::value(key(option), value, words!["positive and finite"]));
+                    }
+                }
+                Ok(Some(Fluid { viscosity, pressure_drop }))
+            }
+        }
+    }
+}
 
 /// Computes the flow through the gap, relative to a uniform gap equal to the mean gap; points with a positive
 /// `pressure` are closed. Soft surfaces may overlap so far that their mean gap is not positive. The flow is then

@@ -73,6 +73,7 @@ impl Dimension {
             (0, 2, -1, 0) => ("a diffusivity", "m^2/s"),
             (0, 0, 0, 1) => ("a temperature", "K"),
             (1, 2, -1, -1) => ("a thermal conductivity", "W/(m K)"),
+            (1, 1, -1, -1) => ("a thermal conductance per area", "W/(m^2 K)"),
             _ => ("another quantity", ""),
         }
     }

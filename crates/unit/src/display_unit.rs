@@ -59,17 +59,18 @@ pub(crate) fn of(dimension: Dimension, size: f64, largest: f64) -> Option<Displa
             return Some(DisplayUnit { factor: size, name: name.into() });
         }
     }
-    if dimension.temperature != 0 {
-        return None;
-    }
     // Symbol that takes the prefix, its power, the rest of the name, and the size of the rest in SI.
     let (symbol, power, behind, over) = match (dimension.stress, dimension.length, dimension.time) {
+        (1, 1, -1) if dimension.temperature == -1 => ("W", 1, "/(m² K)", 1.0),
+        _ if dimension.temperature != 0 => return None,
         (0, power, 0) if power != 0 => ("m", power, "", 1.0),
         (power @ (1..=2 | -1), 0, 0) => ("Pa", power, "", 1.0),
         (1, 1, 0) => ("J", 1, "/m²", 1.0),
         (1, 2, 0) => ("N", 1, "", 1.0),
         (1, 3, 0) => ("J", 1, "", 1.0),
         (0, 1, -1) => ("m", 1, "/s", 1.0),
+        // Leaks are read in ml/s.
+        (0, 3, -1) => ("l", 1, "/s", 1e-3),
         (1, 1, -1) => ("W", 1, "/m²", 1.0),
         // Stress per length is shown per µm, which is more common than per metre.
         (1, -1, 0) => ("Pa", 1, "/µm", 1e6),
@@ -121,6 +122,9 @@ mod tests {
             (si, "stress*length^2", 0.02, "20.000000", "mN"),
             (si, "stress/length", 3e14, "300.000000", "MPa/µm"),
             (si, "length^2", 4e-11, "40.000000", "µm²"),
+            (si, "stress*length/time*temperature", 5e4, "50.000000", "kW/(m² K)"),
+            (si, "length^3/time", 2.5e-6, "2.500000", "ml/s"),
+            (["µm", "Pa"], "length^3/time", 7e6, "7.000000", "nl/s"),
             (si, "1/length", 2e6, "2.000000", "1/µm"),
             (si, "1/stress", 3e-15, "0.003000", "1/TPa"),
             (si, "1/stress", 2e-10, "200.000000", "1/TPa"),

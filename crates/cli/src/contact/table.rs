@@ -11,8 +11,8 @@ use crate::session::list_files;
 use gfmd_input::hardness::GivenHardness;
 
 /// Legend of the conductance, with its conversion to device units.
-const CONDUCTANCE: &str = "conductance: per area, times the sum of both resistivities; in W/(m2 K) by Python: \
-                           result.conductance(\"50 W/(m K)\", \"0.2 W/(m K)\")";
+const CONDUCTANCE: &str = "conductance: per area, times the sum of both resistivities; contact conductance: per area, \
+                           with --conductivity K1,K2";
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

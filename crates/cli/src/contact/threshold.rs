@@ -170,11 +170,19 @@ impl Bisection<'_> {
                     break;
                 };
                 let (open, closed_load) = (&samples[closed - 1], &samples[closed]);
-                if closed_load.asked <= (1.0 + WIDTH) * open.asked {
+                // Loads of a law may be negative; around zero a thousandth of the range counts.
+                let is_narrow = match open.asked > 0.0 {
+                    true => closed_load.asked <= (1.0 + WIDTH) * open.asked,
+                    false => closed_load.asked - open.asked <= WIDTH * open.asked.abs().max(WIDTH * (high - low)),
+                };
+                if is_narrow {
                     *found = Some(Threshold::between(open, closed_load));
                     break;
                 }
-                let middle = (open.asked * closed_load.asked).sqrt();
+                let middle = match open.asked > 0.0 {
+                    true => (open.asked * closed_load.asked).sqrt(),
+                    false => 0.5 * (open.asked + closed_load.asked),
+                };
                 let sample = sample(middle)?;
                 samples.insert(closed, sample);
             }
@@ -187,9 +195,9 @@ impl Sample {
     /// Measures a state; `at` has its numbers.
     fn of(state: &AnyState, boundary: Boundary, at: StateContext) -> Self {
         // The samples need neither statistics nor flow.
-        let plain = Facts { statistics: false, flow: false, ..*at.facts };
+        let plain = Facts { statistics: false, flow: false, leak: false, conducts: false, ..*at.facts };
         let record = Record::of(&StateContext { facts: &plain, ..at });
-        let mut conducting = state.pressure().mapv(|p| p <= 0.0);
+        let mut conducting = state.repulsion().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
         Self { asked: f64::NAN, record, open: Patches::of(conducting.view(), boundary).percolate() }
     }
@@ -211,14 +219,16 @@ impl Loads {
             Load::MeanPressure(value) | Load::Approach(value) => value,
         };
         let values = self.drives.iter().map(asked);
-        let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let bisection = Bisection { range: [low, high], facts: *facts, session, progress };
         let warn = |text: String| session.warn("flow-threshold", text);
         let budget = args.problem.solver.search.budget();
         let mut last: Option<AnyState> = None;
         let reach = |load: Load, watch: &mut dyn Watch| {
             let press = contact.press(load).solver(args.problem.solver.solver).budget(budget);
-            let (state, stopped) = reached(press.starting_from(last.as_ref()).watch(watch).solve())?;
+            // Under a law, contacts that grow and contacts that shrink differ: all loads are reached by growing ones.
+            let start = last.as_ref().filter(|_| !facts.has_law());
+            let (state, stopped) = reached(press.starting_from(start).watch(watch).solve())?;
             if let Some(stopped) = stopped {
                 return Err(stopped);
             }
@@ -231,6 +241,9 @@ impl Loads {
         for finer in finer {
             let rises = self.prepared.rise.zip(finer.prepared.rise).map(|(rise, other)| [rise, other]);
             let reach = |load: Load, watch: &mut dyn Watch| {
+                if facts.has_law() {
+                    finer.forget();
+                }
                 let (state, surface, at) = finer.reach(load.into(), watch)?;
                 Ok(Sample::of(state, surface.boundary, at))
             };

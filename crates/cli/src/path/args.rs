@@ -4,9 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::Boundary;
+use gfmd_flow::Fluid;
+use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_problem::{Facts, GridError, Task};
+use gfmd_run::flow::FluidArgs;
 use gfmd_run::resume::ResumeArgs;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +43,9 @@ pub(super) struct PathOptions {
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow: bool,
+    #[command(flatten)]
+    #[serde(flatten)]
+    fluid: FluidArgs,
 }
 
 fn is_periodic(boundary: &Boundary) -> bool {
@@ -49,8 +55,13 @@ fn is_periodic(boundary: &Boundary) -> bool {
 impl PathOptions {
     /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
     pub(super) fn of(self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
-        let Self { boundary, grid_error, flow } = self;
-        Facts { task: Task::Path, boundary, flow, resume, grid_error, ..body }
+        let Self { boundary, grid_error, flow, fluid } = self;
+        Facts { task: Task::Path, boundary, flow, leak: fluid.viscosity.is_some(), resume, grid_error, ..body }
+    }
+
+    /// Returns the fluid whose leak is computed, if there is one.
+    pub(super) fn fluid(self) -> Result<Option<Fluid>, Failure> {
+        self.fluid.fluid(self.flow)
     }
 }
 

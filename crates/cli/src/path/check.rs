@@ -240,6 +240,13 @@ impl StepCheck<'_> {
         for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
             comparison.number(&format!("/path/{name}"), number(name), found.conductivity[row][column], 1e-3);
         }
+        if let Some(fluid) = self.args.around.fluid()? {
+            for (axis, name) in ["leak_x", "leak_y"].into_iter().enumerate() {
+                let through = if found.percolates[axis] { found.conductivity[axis][axis] } else { 0.0 };
+                let leak = fluid.leak(axis, through, mean_gap, surface.grid.lengths());
+                comparison.number(&format!("/path/{name}"), number(name), leak, 1e-3);
+            }
+        }
         Ok(())
     }
 

@@ -182,10 +182,10 @@ fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> f
     Ok(())
 }
 
-/// Legend of the flow, with its conversion to device units.
+/// Legend of the flow and the leak.
 pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the \
-                               mean gap; in ml/s by Python: \
-                               1e6 * result.leak_rate(viscosity=\"1 mPa*s\", pressure_drop=\"1 bar\")";
+                               mean gap; leak: volume per time through the cell, with --viscosity 1mPa*s and \
+                               --pressure-drop 1bar";
 
 /// Prints the table of the flow, one line per step, below the `title`, if there is one.
 fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units, title: &str) -> fmt::Result {

@@ -192,16 +192,23 @@ fn the_flow_stops_between_the_loads_of_the_threshold() {
         let output = gfmd(folder.path(), words);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
     }
-    // Open at all loads; one load; a law.
+    // A weak attraction hardly changes the threshold, a stronger one closes the gap earlier, and a strong one at once.
+    let at = |gamma: &str, least: f64| {
+        let law = format!("--law exponential --param gamma={gamma},range=8e-3");
+        let report = run(&format!("contact {surface} {law} --p-star={least},1.2 --flow-threshold"));
+        report["flow_threshold"][0]["p_star"][0].as_f64()
+    };
+    let wall = found["flow_threshold"][0]["p_star"][0].as_f64().unwrap();
+    let [weak, middle] = [("1e-9", 0.0), ("2e-5", -1e-3)].map(|(gamma, least)| at(gamma, least).unwrap());
+    assert!((weak / wall - 1.0).abs() < 2e-3 && middle < 0.9 * wall && middle > 0.0, "{wall} {weak} {middle}");
+    assert_eq!(at("1e-2", 0.0), None);
+    // Open at all loads; one load.
     let open = run(&format!("contact {surface} --p-star 0.01,0.02 --flow-threshold"));
     assert!(open["flow_threshold"][0].is_null() && open["flow_threshold"][1].is_null());
     let mut warnings = open["warnings"].as_array().unwrap().iter();
     assert!(warnings.any(|warning| warning["code"] == "flow-threshold"));
-    for more in ["--p-star 0.1,0.1", "--p-star 0.01,0.1 --law exponential --param gamma=1e-5,range=1e-3"] {
-        let words = format!("contact --n 64 --flow-threshold {more}");
-        let refused = gfmd(folder.path(), &words.split_whitespace().collect::<Vec<_>>());
-        assert_eq!(refused.status.code(), Some(2), "{more}");
-    }
+    let refused = gfmd(folder.path(), &["contact", "--n", "64", "--flow-threshold", "--p-star", "0.1,0.1"]);
+    assert_eq!(refused.status.code(), Some(2));
 }
 
 #[test]

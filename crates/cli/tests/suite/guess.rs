@@ -197,7 +197,7 @@ fn other_names_of_options_are_answered_with_theirs() {
         ("contact scan.npy --output a.h5", "write --out"),
         ("contact scan.npy --gamma 0.05", "--law exponential --param gamma="),
         ("contact scan.npy --velocity 1", "an option of gfmd slide"),
-        ("contact scan.npy --viscosity 1", "leak_rate"),
+        ("contact scan.npy --leak 1", "--flow --viscosity"),
         ("surface scan.npy --p-star 1", "an option of gfmd contact"),
         ("contact scan.npy --p-star 0.1 --law jkr", "exponential with gamma"),
         ("contact scan.npy --p-star 0.1 --law DMT", "exponential with gamma"),
@@ -262,10 +262,10 @@ fn tables_explain_flow_and_conductance_and_have_heads_of_one_meaning() {
     let folder = folder();
     let output = gfmd(folder.path(), &words("contact --n 32 --p-star 0.05 --statistics --flow -q"));
     let text = String::from_utf8(output.stdout).unwrap();
-    for word in ["patch spans x", "open along x", "ml/s", "leak_rate(", "W/(m2 K)", ".conductance("] {
+    for word in ["patch spans x", "open along x", "--viscosity 1mPa*s", "--conductivity K1,K2"] {
         assert_eq!(text.matches(word).count(), 1, "{word}: {text}");
     }
     assert!(!text.contains("through x"), "{text}");
     let output = gfmd(folder.path(), &words("path --n 32 --p-star 0.05 --steps 1 --flow -q"));
-    assert!(String::from_utf8(output.stdout).unwrap().contains("ml/s"));
+    assert!(String::from_utf8(output.stdout).unwrap().contains("--viscosity 1mPa*s"));
 }

@@ -310,3 +310,55 @@ fn a_force_is_the_mean_pressure_on_the_whole_surface() {
         assert!(text.contains(reason), "{flags}: {text}");
     }
 }
+
+/// Leak and contact conductance in SI and in the units of the surface, along a path too, and what they need.
+#[test]
+fn leaks_and_conductances_are_volumes_per_time_and_watts_per_area_and_kelvin() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let surface = "--n 48,36 --size 4,3 --eps-f-inv 4 --young 10MPa --p-star 0.05";
+    let fluid = "--flow --viscosity 1mPa*s --pressure-drop 1bar";
+    let measured = format!("--statistics --conductivity 50W/(m*K),0.2W/(m*K) {fluid}");
+    let run = |flags: &str| crate::common::json(folder, &flags.split_whitespace().collect::<Vec<_>>());
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let small = run(&format!("contact {surface} --unit um {measured} --out um.h5 --json"))["loads"][0].clone();
+    let [k1, k2]: [f64; 2] = [50.0, 0.2];
+    let conductance = number(&small["conductance"]) * 1e6 / (1.0 / k1 + 1.0 / k2);
+    // Pa µm/(s K) are 1e-6 W/(m² K).
+    assert!((number(&small["contact_conductance"]) * 1e-6 / conductance - 1.0).abs() < 1e-12);
+    assert!(number(&small["contact_conductance_limit"]) > 0.0);
+    let gap = number(&small["mean_gap"]) * 1e-6;
+    for (axis, ratio) in [3.0 / 4.0, 4.0 / 3.0].into_iter().enumerate() {
+        let expected = number(&small["flow"]["conductivity"][axis][axis]) * gap.powi(3) / 12.0 * 1e5 / 1e-3 * ratio;
+        let found = number(&small["leak"][axis]) * 1e-18;
+        assert!(found > 0.0 && (found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        let [limit, error] = ["leak_limit", "leak_limit_error"].map(|name| number(&small[name][axis]) * 1e-18);
+        assert!(limit > found && error > 0.0 && error < 0.5 * limit, "{limit} {error}");
+    }
+    let large = run(&format!("contact {surface} --unit mm {measured} --json"))["loads"][0].clone();
+    for name in ["leak", "contact_conductance"] {
+        let [of_um, of_mm] = [&small, &large].map(|load| if name == "leak" { &load[name][0] } else { &load[name] });
+        // Lengths, and the units of the numbers, are a thousand times as large.
+        let expected = if name == "leak" { 1.0 } else { 1e-6 };
+        assert!((number(of_mm) / number(of_um) / expected - 1.0).abs() < 1e-9, "{name}");
+    }
+    assert_eq!(run("check um.h5 --json")["differing"], 0);
+    let path = format!("path {surface} --unit um {fluid} --steps 1 --out path.h5 --json");
+    let step = run(&path)["steps"][0].clone();
+    assert!((number(&step["leak"][0]) / number(&small["leak"][0]) - 1.0).abs() < 1e-4);
+    assert_eq!(run("check path.h5 --json")["differing"], 0);
+    for (flags, message) in [
+        ("contact --n 16 --p-star 0.1 --viscosity 1", "--viscosity is given; it must be left out without --flow"),
+        ("path --n 16 --p-star 0.1 --pressure-drop 1", "--pressure-drop is given; it must be left out without --flow"),
+        ("contact --n 16 --p-star 0.1 --flow --viscosity 1", "--pressure-drop is missing; it is needed with --visc"),
+        ("contact --n 16 --p-star 0.1 --flow --viscosity 1Pa --pressure-drop 1", "it must be a viscosity"),
+        ("contact --n 16 --p-star 0.1 --flow --viscosity 0 --pressure-drop 1", "--viscosity is 0; it must be positive"),
+        ("contact --n 16 --p-star 0.1 --conductivity 1,2", "--conductivity is given; it must be left out without"),
+        ("contact --n 16 --p-star 0.1 --statistics --conductivity 1", "two numbers, of both conductors"),
+        ("contact --n 16 --p-star 0.1 --statistics --conductivity 1,-2", "it must be positive and finite"),
+    ] {
+        let output = crate::common::gfmd(folder, &flags.split_whitespace().collect::<Vec<_>>());
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && text.contains(message), "{flags}: {text}");
+    }
+}

@@ -58,6 +58,8 @@ impl Kinds {
     pub const STRESS: Self = Self::list(&[&["stress"]]);
     /// Forces.
     pub const FORCE: Self = Self::list(&[&["stress*length^2"]]);
+    /// A viscosity.
+    pub const VISCOSITY: Self = Self::list(&[&["stress*time"]]);
     /// Times.
     pub const TIME: Self = Self::list(&[&["time"]]);
     /// A wavenumber.
@@ -72,6 +74,8 @@ impl Kinds {
     pub const PRONY: Self = Self { rows: &[&["time", "1"]], form: Form::Rows };
     /// Thermal conductivities and diffusivities.
     pub const HEAT: Self = Self::list(&[&["stress*length^2/time*temperature", "length^2/time"]]);
+    /// Thermal conductivities.
+    pub const CONDUCTIVITY: Self = Self::list(&[&["stress*length^2/time*temperature"]]);
     /// Gaps and tractions of a law.
     pub const LAW_TABLE: Self = Self { rows: &[&["length", "stress"]], form: Form::Table(&[&["gap", "traction"]]) };
     /// Equivalent plastic strains and yield stresses of a hardening curve.

@@ -142,6 +142,8 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             moved_base: None,
             statistics: false,
             flow: false,
+            leak: false,
+            conducts: false,
             flow_threshold: false,
             grid_error: GridError::Estimate,
             history: false,

@@ -126,6 +126,10 @@ class Numbers(Record):
         """Without unit: reduced pressure p/(E* g)."""
 
     @property
+    def force(self) -> float:
+        """Stress * length^2: force, of a line per length across it (stress*length). With `boundary="free"` only."""
+
+    @property
     def approach(self) -> float:
         """Length: rigid approach beyond first touch. With `lower_surface`: approach of the two rigid surfaces beyond
         the distance at which both touch the undeformed slab.
@@ -257,10 +261,6 @@ class Numbers(Record):
         """Seconds: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without finer
         grids.
         """
-
-    @property
-    def force(self) -> float:
-        """Stress * length^2: force, of a line per length across it (stress*length). With `boundary="free"` only."""
 
     @property
     def plastic_fraction(self) -> float:
@@ -536,6 +536,12 @@ class Steps(Record):
     @property
     def p_star(self) -> Array:
         """Without unit [step]: reduced pressure p/(E* g)."""
+
+    @property
+    def force(self) -> Array:
+        """Stress * length^2 [step]: force, of a line per length across it (stress*length). With `boundary="free"`
+        only.
+        """
 
     @property
     def approach(self) -> Array:
@@ -888,6 +894,12 @@ class Steps(Record):
         """
 
     @property
+    def leak(self) -> Array:
+        """Length^3/time [step, 2]: volume of fluid per time through the gap of the cell, driven by the pressure
+        drop. With `viscosity` only.
+        """
+
+    @property
     def lower(self) -> Array:
         """Stress [step, 2]: mean pressure over the whole lower surface. With `lower_surface` only."""
 
@@ -1040,6 +1052,20 @@ class Steps(Record):
     @property
     def flow_yy_grid_error(self) -> Array:
         """Without unit [step]: grid error of flow_yy: |flow_yy - limit| + limit_error. With `flow` only."""
+
+    @property
+    def leak_limit(self) -> Array:
+        """Length^3/time [step, 2]: estimate of leak_x on an infinitely fine grid under the same mean pressure. With
+        `viscosity` only.
+        """
+
+    @property
+    def leak_limit_error(self) -> Array:
+        """Length^3/time [step, 2]: 95 % of the errors of leak_x_limit are smaller. With `viscosity` only."""
+
+    @property
+    def leak_grid_error(self) -> Array:
+        """Length^3/time [step, 2]: grid error of leak_x: |leak_x - limit| + limit_error. With `viscosity` only."""
 
 class StepFields(Record):
     """The fields of a path."""

@@ -73,6 +73,8 @@ class PathOptions(TypedDict, total=False):
     boundary: Optional[Literal["periodic", "free"]]
     grid_error: Optional[Literal["none", "estimate", "refine"]]
     flow: bool
+    viscosity: Optional[Quantity]
+    pressure_drop: Optional[Quantity]
     hardness: Optional[Quantity | npt.ArrayLike]
     time: Optional[Quantity | npt.ArrayLike]
     direction: Optional[float]

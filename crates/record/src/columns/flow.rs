@@ -2,7 +2,7 @@
 
 use super::{Column, undefined::flag};
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, flow};
+use crate::when::{any, flow, leak};
 use crate::{Cell, StateContext};
 
 /// Definition of a conductivity.
@@ -15,6 +15,13 @@ macro_rules! over_uniform {
             $gradient,
             ", over that of a uniform gap equal to the mean gap"
         )
+    };
+}
+
+/// Definition of a leak.
+macro_rules! leak_along {
+    ($axis:literal) => {
+        concat!("volume of fluid per time through the gap of the cell, driven by the pressure drop along ", $axis)
     };
 }
 
@@ -58,7 +65,29 @@ pub(super) const COLUMNS: &[Column] = &[
     .at("flow.residual")
     .with(flow)
     .by(Origin::Residual),
+    Column::new("leak_x", "length^3/time", &[(any, leak_along!("x"))], |at| leaked(at, 0)).at("leak.0").with(leak).on(
+        Table::Flow,
+        "leak x",
+        Form::Size,
+    ),
+    Column::new("leak_y", "length^3/time", &[(any, leak_along!("y"))], |at| leaked(at, 1)).at("leak.1").with(leak).on(
+        Table::Flow,
+        "leak y",
+        Form::Size,
+    ),
 ];
+
+/// Returns the leak along an axis; zero through a gap that is closed along it.
+fn leaked(at: &StateContext, axis: usize) -> Cell {
+    let (Some(flow), Some(fluid)) = (at.measured.flow, at.fluid) else { return f64::NAN.into() };
+    if !flow.percolates[axis] {
+        return 0.0.into();
+    }
+    match conductivity(at, [axis; 2]) {
+        Cell::Real(conductivity) => fluid.leak(axis, conductivity, at.summary.mean_gap, at.lengths).into(),
+        undefined => undefined,
+    }
+}
 
 /// Returns the conductivity along `row` due to a gradient along `column`.
 fn conductivity(at: &StateContext, [row, column]: [usize; 2]) -> Cell {

@@ -10,8 +10,8 @@ use super::undefined::lost;
 use super::{Column, measured::MEASURED};
 use crate::column::{LIMIT, Origin};
 use crate::when::{
-    any, approach_given, flow, friction, hardness, law, load_given, loads, of_a_law, path, relaxing, sheared,
-    statistics, steep, wears, yields,
+    any, approach_given, conducts, flow, friction, hardness, law, leak, load_given, loads, of_a_law, path, relaxing,
+    sheared, statistics, steep, wears, yields,
 };
 use crate::{Cell, StateContext};
 
@@ -62,13 +62,13 @@ pub const UNRESOLVED: f64 = 0.01;
 pub const FEWEST_WAVES: f64 = 8.0;
 
 /// Columns that hardly depend on waves shorter than four points.
-const ROBUST: [&str; 4] = ["mean_gap", "elastic_energy", "stiffness", "conductance"];
+const ROBUST: [&str; 5] = ["mean_gap", "elastic_energy", "stiffness", "conductance", "contact_conductance"];
 
 /// Columns with a known error only where errors average out.
-const AVERAGES: [&str; 3] = ["boundary_links", "flow_xx", "flow_yy"];
+const AVERAGES: [&str; 5] = ["boundary_links", "flow_xx", "flow_yy", "leak_x", "leak_y"];
 
 /// Columns of a patch that depend on the gap outside the contacts, or on a gradient by differences.
-const LEVELS: [&str; 5] = ["approach", "mean_gap", "kappa", "flow_xx", "flow_yy"];
+const LEVELS: [&str; 7] = ["approach", "mean_gap", "kappa", "flow_xx", "flow_yy", "leak_x", "leak_y"];
 
 /// Columns of a patch with errors from its compliance between points, which differs from the compliance of waves.
 const COMPLIANT: [&str; 4] = ["max_pressure", "pressure_deviation_in_contact", "pressure_moment_2", "elastic_energy"];
@@ -158,7 +158,7 @@ fn needs_two_grids(at: &StateContext, name: &str) -> bool {
     let of_patch = || {
         let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
         // The flow through the gap of a patch was not compared with finer grids.
-        !name.starts_with("flow_")
+        !(name.starts_with("flow_") || name.starts_with("leak_"))
             && (LEVELS.contains(&name) || !is_alike && COMPLIANT.contains(&name) || at.reaches_rim() != Some(false))
     };
     law(at.facts)
@@ -239,6 +239,7 @@ fn refined(
         let refined = Refined { value, own: own.as_ref().ok().copied(), fine, limit: GridLimit { limit, half_width } };
         Ok(match () {
             () if name.starts_with("flow_") => refined.flow(),
+            () if name.starts_with("leak_") => refined.by_difference(),
             () if not_calibrated(at.facts).is_none() && !at.facts.approach => refined.calibrated(),
             () => refined.by_difference(),
         })
@@ -318,6 +319,16 @@ macro_rules! limits {
         ]
     };
 }
+
+/// Returns the limit of a leak along an axis, which is proportional to the conductivity and to the cube of the mean
+/// gap; their relative errors add up.
+fn leaked(limits: &GridLimits, at: &StateContext, value: f64, axis: usize) -> Result<GridLimit, NoLimit> {
+    let conductivity = at.measured.flow.map_or(f64::NAN, |flow| flow.conductivity[axis][axis]);
+    let (flow, gap) = (limits.flow(conductivity)?, limits.mean_gap());
+    let limit = value * flow.limit / conductivity * (gap.limit / at.summary.mean_gap).powi(3);
+    Ok(GridLimit { limit, half_width: limit * (flow.half_width / flow.limit + 3.0 * gap.half_width / gap.limit) })
+}
+
 /// Refuses a limit from a single solution.
 fn two_grids(_: &GridLimits, _: &StateContext, _: f64) -> Result<GridLimit, NoLimit> {
     Err(NoLimit::OneGrid)
@@ -395,6 +406,20 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
     limits!("conductance", ["conductance", ""], "1/length", statistics, Some(1.4), |limits, at, value| {
         if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
     }),
+    limits!(
+        "contact_conductance",
+        ["contact_conductance", ""],
+        "stress*length/time*temperature",
+        conducts,
+        Some(1.4),
+        |limits, at, value| if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
+    ),
     limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
     limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
+    limits!("leak_x", ["leak", ".0"], "length^3/time", leak, Some(1.3), |limits, at, value| leaked(
+        limits, at, value, 0
+    )),
+    limits!("leak_y", ["leak", ".1"], "length^3/time", leak, Some(1.3), |limits, at, value| leaked(
+        limits, at, value, 1
+    )),
 ];

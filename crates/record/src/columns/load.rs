@@ -5,7 +5,7 @@ use super::{
     undefined::{level, reduced},
 };
 use crate::column::Form;
-use crate::when::{any, between, path, relaxing, steep, wears};
+use crate::when::{any, between, free, path, relaxing, steep, wears};
 use crate::{Cell, StateContext};
 
 /// Columns of the drive of a state, and of the loads that hold it.
@@ -22,6 +22,11 @@ pub(super) const COLUMNS: &[Column] = &[
     .head("pressure", Form::Size),
     Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| reduced(at, at.summary.p_star))
         .head("p*", Form::Size),
+    Column::new("force", "stress*length^2", &[(any, "force, of a line per length across it (stress*length)")], |at| {
+        (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into()
+    })
+    .with(free)
+    .head("force", Form::Size),
     Column::new(
         "approach",
         "length",

@@ -3,7 +3,7 @@
 use super::{Column, undefined::flag};
 use crate::Cell;
 use crate::column::{Form, Table};
-use crate::when::{any, statistics};
+use crate::when::{any, conducts, statistics};
 
 /// Columns of the patches.
 pub(super) const COLUMNS: &[Column] = &[
@@ -53,4 +53,16 @@ pub(super) const COLUMNS: &[Column] = &[
     )
     .with(statistics)
     .on(Table::Patches, "conductance", Form::Size),
+    Column::new(
+        "contact_conductance",
+        "stress*length/time*temperature",
+        &[(any, "contact conductance per area: conductance over the sum of the resistivities of both conductors")],
+        |at| match &at.measured.conductance {
+            Some(Ok(conductance)) => at.conductivity.map_or(f64::NAN, |series| conductance * series).into(),
+            Some(Err(reason)) => Cell::undefined(reason.clone()),
+            None => f64::NAN.into(),
+        },
+    )
+    .with(conducts)
+    .on(Table::Patches, "contact conductance", Form::Size),
 ];

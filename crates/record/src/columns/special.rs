@@ -4,15 +4,11 @@ use gfmd_plasticity::PlasticState;
 
 use super::Column;
 use crate::column::Form;
-use crate::when::{any, between, free, hardness, path, steep, yields};
+use crate::when::{any, between, hardness, path, steep, yields};
 use crate::{Cell, StateContext};
 
-/// Columns of the force on a patch, the plastic depth, the projected area and the plastic strain below the surface.
+/// Columns of the plastic depth, the projected area and the plastic strain below the surface.
 pub(super) const COLUMNS: &[Column] = &[
-    Column::new("force", "stress*length^2", &[(any, "force, of a line per length across it (stress*length)")], |at| {
-        (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into()
-    })
-    .with(free),
     Column::new(
         "plastic_fraction",
         "1",

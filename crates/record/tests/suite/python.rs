@@ -207,7 +207,10 @@ fn statistics(group: &str, shape: &str, name: impl Fn(&str) -> String) -> Vec<Pr
 #[test]
 fn the_classes_of_python_have_the_columns() {
     let all: Vec<Facts> = all_facts()
-        .flat_map(|facts| [facts, Facts { flow: facts.task == Task::Path, ..facts }])
+        .flat_map(|facts| {
+            let flow = facts.task == Task::Path;
+            [facts, Facts { flow, ..facts }, Facts { flow, leak: flow, ..facts }]
+        })
         .filter(|facts| facts.check().is_ok())
         .collect();
     let of = |task: Task| -> Vec<Facts> { all.iter().copied().filter(|facts| facts.task == task).collect() };

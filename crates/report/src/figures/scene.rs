@@ -267,7 +267,7 @@ impl Scene<'_> {
         let axis = || Axis::linear(&format!("*x* / {}", side.name)).over([0.0, (nx - 1) as f64 * dx * side.factor]);
         let known = if *unit == "length" { String::new() } else { format!(" {}", side.name) };
         let place = short(row as f64 * dy * side.factor);
-        let title = format!("row *y* = {place}{known}, that of the largest pressure");
+        let title = format!("row *y* = {place}{known}, through the largest pressure");
         let upper = Panel {
             title: if grid.is_line() { String::new() } else { title },
             x: axis(),

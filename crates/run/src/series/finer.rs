@@ -40,7 +40,8 @@ pub fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Fa
 /// Returns an error if no other grid of the problem is known, or if the problem does not fit into memory.
 pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepared, Posed)>, Failure> {
     let pose = |source: SourceArgs| {
-        let asked = Asked { source: &source, once: true, ..asked.clone() };
+        let Prepared { fluid, conductivity, .. } = *prepared;
+        let asked = Asked { source: &source, once: true, fluid, conductivity, ..asked.clone() };
         let finer = Prepared::new(&asked, |_| prepared.facts, &Session::silent())?;
         let contact = finer.pose(&source, &finer.law)?;
         Ok((finer, contact))
@@ -97,6 +98,11 @@ impl Finer {
     /// Returns true if a state was found before.
     pub fn has_started(&self) -> bool {
         self.last.is_some()
+    }
+
+    /// Forgets the last state, so that the next search starts from the undeformed surface.
+    pub fn forget(&mut self) {
+        self.last = None;
     }
 
     /// Visits the last state, from which the next search starts.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solver};
 use gfmd_field::Grid;
 use gfmd_files::Reader;
+use gfmd_flow::Fluid;
 use gfmd_green::Body;
 use gfmd_interface::{Shear, Wear};
 use gfmd_law::Law;
@@ -65,6 +66,10 @@ pub struct Asked<'a> {
     pub solver: Solver,
     /// Tolerance and largest number of iterations.
     pub budget: Budget,
+    /// Fluid whose leak is computed, if there is one.
+    pub fluid: Option<Fluid>,
+    /// Conductivity of both conductors in series, if it is given.
+    pub conductivity: Option<f64>,
     /// True if only one state at a time is in memory, and nothing is measured.
     pub once: bool,
 }
@@ -93,6 +98,10 @@ pub struct Prepared {
     pub prony: Option<Prony>,
     /// Wear of both surfaces together, if they wear.
     pub wear: Option<Wear>,
+    /// Fluid whose leak is computed, if there is one.
+    pub(crate) fluid: Option<Fluid>,
+    /// Conductivity of both conductors in series, if it is given.
+    pub(crate) conductivity: Option<f64>,
     dynamics: Dynamics,
     /// True if a dynamic solver moves all components.
     moves_all: bool,
@@ -182,6 +191,8 @@ impl Prepared {
             shear,
             prony,
             wear,
+            fluid: asked.fluid,
+            conductivity: asked.conductivity,
             dynamics,
             moves_all: facts.moves_all_by(asked.solver),
             rise,
@@ -254,6 +265,8 @@ impl Prepared {
             waves: self.waves(),
             slopes,
             rise: self.rise,
+            fluid: self.fluid,
+            conductivity: self.conductivity,
             process_zone: self.adhesion.map(|found| found.process_zone_points / found.process_zone_needed),
             ..at
         }
@@ -515,6 +528,8 @@ impl<'a> Asked<'a> {
             dynamics: Dynamics::default(),
             solver: Solver::Auto,
             budget,
+            fluid: None,
+            conductivity: None,
             once: false,
         }
     }

@@ -647,7 +647,6 @@ impl Case {
             && !is_line
             && hard_wall
             && !is_steep
-            && components == Components::Normal
             && hardness.is_none()
             && loads.len() > 1
             && dice.chance(0.15);
