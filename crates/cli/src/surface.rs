@@ -52,6 +52,8 @@ use listing::Listing;
   gfmd surface --surface scan.sur --list
   gfmd surface --surface scan.sur --channel 1 --detrend plane --fill harmonic --window hann --plots scan
   gfmd surface --surface scan.opd --fill nearest --out scan.x3p
+  gfmd surface --surface afm.spm --despike --descar --level rows:median --detrend quadratic --fill harmonic
+  gfmd surface --surface scan.sur --crop 10um:,:0.5mm --detrend cubic --filter s:2.5um,l:0.25mm --out h.h5
   gfmd surface --surface scan.opd --fill harmonic --detrend plane --unit um --report scan.html")]
 pub struct Args {
     #[command(flatten)]
@@ -466,11 +468,9 @@ impl Report {
             facts.push(("format", scan.format.to_owned()));
             facts.extend(scan.channel.iter().map(|channel| ("channel", channel.clone())));
             if scan.undefined > 0 {
-                let [nx, ny] = scan.n;
-                let share = 100.0 * scan.undefined as f64 / (nx * ny) as f64;
-                let fill = scan.fill.unwrap_or("none");
-                let text =
-                    format!("{} of {} ({share:.2} %), filled: {fill}; all numbers count them", scan.undefined, nx * ny);
+                let (undefined, points, fill) = (scan.undefined, scan.points, scan.fill.unwrap_or("none"));
+                let share = 100.0 * undefined as f64 / points as f64;
+                let text = format!("{undefined} of {points} ({share:.2} %), filled: {fill}; all numbers count them");
                 facts.push(("points without a height", text));
             }
             facts.extend(scan.conversion.iter().map(|text| ("conversion", text.clone())));

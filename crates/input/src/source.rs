@@ -1,8 +1,9 @@
 //! Rigid surface of a contact: read from a file ([`scan`]), or generated.
 
+pub mod preparation;
 pub mod scan;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use gfmd_contact::Boundary;
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, contiguous, split_dataset};
@@ -26,6 +27,8 @@ use gfmd_problem::options::{named, named_if, parse_choice};
 use gfmd_problem::{SIZES, check_size, key, setting, words};
 
 use gfmd_problem::options::{Kinds, Options};
+pub use preparation::Detrend;
+use preparation::{PreparationArgs, Preparing};
 use scan::{PeriodicScan, Scan};
 
 /// Flags that name or describe a surface.
@@ -93,8 +96,13 @@ pub struct SourceArgs {
     #[arg(skip)]
     #[serde(skip)]
     pub finer: Option<u64>,
-    /// Trend to subtract from the heights of a file
-    #[arg(long, value_enum, default_value_t = Detrend::None)]
+    /// Trend to subtract from the heights of a file: none, the least-squares plane, the plane of the mean slope (without
+    /// it opposite edges fit together on average), or a least-squares polynomial of degree 2 (quadratic), 3 (cubic) or D
+    #[arg(
+        long,
+        default_value_t = Detrend::None,
+        value_name = "none|plane|slope|quadratic|cubic|polynomial:D"
+    )]
     pub detrend: Detrend,
     /// Method to make the heights of a file periodic
     #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value_t = Periodisation::AsIs)]
@@ -122,6 +130,10 @@ pub struct SourceArgs {
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     #[option(kinds = Kinds::LENGTH)]
     pub shift: Vec<f64>,
+    /// The preparation of a scan.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub preparation: PreparationArgs,
     /// The generator.
     #[command(flatten)]
     #[serde(flatten)]
@@ -172,20 +184,6 @@ fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processe
     let given = length.iter().filter(|length| length.is_finite() && **length > 0.0);
     given.into_iter().try_for_each(|length| check_size("size", *length))?;
     Ok(generator.grid(length)?)
-}
-
-/// Trends that can be subtracted from measured heights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Detrend {
-    /// Nothing
-    None,
-    /// The least-squares plane
-    Plane,
-    /// The plane of the mean slope; without it opposite edges fit together on average
-    Slope,
-    /// The least-squares paraboloid
-    Quadratic,
 }
 
 /// Heights ready for a contact.
@@ -438,6 +436,10 @@ impl SourceArgs {
         if let (None, Some((option, _))) = (&self.surface, of_files.into_iter().find(|(_, given)| *given)) {
             return Err(Failure::value(key(option), "given", words!["left out without ", key("surface")]));
         }
+        let is_made = self.surface.is_none() && self.second_surface.is_none();
+        if let (true, Some(option)) = (is_made, self.preparation.of_scans()) {
+            return Err(Failure::value(key(option), "given", words!["left out without ", key("surface")]));
+        }
         if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
             return Err(Failure::value(
                 key("periodise"),
@@ -473,7 +475,7 @@ impl SourceArgs {
         let scans = scan.iter().chain(second.as_ref().map(|second| &second.second_scan));
         let unit = scans.into_iter().find_map(|scan| scan.unit.clone()).or_else(|| self.unit.clone());
         let stress_unit = self.stress_unit.clone();
-        let has_shape = self.surface.is_none() && self.generator.shape.is_some();
+        let has_shape = self.surface.is_none() && self.generator.shape.is_some() && self.preparation.filter.is_none();
         Ok(Surface {
             heights,
             grid,
@@ -495,7 +497,8 @@ impl SourceArgs {
     fn made(&self, boundary: Boundary, session: &Session) -> Result<LoadedHeights, Failure> {
         let Some(ranks) = session.ranks() else { return self.whole(boundary, session) };
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(self.name(), error));
-        if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() {
+        let is_filtered = self.preparation.filter.is_some();
+        if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() && !is_filtered {
             // Another machine may have less memory.
             let grid = session.agree(generated_grid(&self.generator, &self.size, session.processes()))?;
             self.generator.check_shape(&grid, boundary == Boundary::Periodic)?;
@@ -544,7 +547,12 @@ impl SourceArgs {
                     (Boundary::Free, Some(times)) => self.generator.heights_centred(&grid, times as usize)?,
                     _ => self.generator.heights(&grid)?,
                 };
-                (heights, grid, self.generator.to_string(), None, None)
+                let is_periodic = boundary == Boundary::Periodic && self.generator.is_periodic();
+                let mut preparing = Preparing::new(heights, grid, self.unit.as_deref());
+                preparing.after_fill(&self.preparation, is_periodic)?;
+                let Preparing { heights, words, warnings, .. } = preparing;
+                warnings.into_iter().for_each(|text| session.warn("filter", text));
+                (heights, grid, self.generator.to_string() + &words, None, None)
             }
         };
         let second = match &self.second_surface {

@@ -1,6 +1,7 @@
 //! Measured surface: the data of its file, and its preparation for a periodic cell.
 //!
-//! The order is: read, turn over, remove the trend of the defined points, fill the undefined ones, make periodic.
+//! The order is: read, turn over, take out points, crop, find spikes and scars, level, remove the trend of the defined
+//! points, fill the undefined ones, reduce the points, filter, make periodic.
 
 use std::fmt;
 
@@ -8,13 +9,15 @@ use gfmd_field::Grid;
 use gfmd_files::legible::line;
 use gfmd_files::{Archive, Topography};
 use gfmd_problem::{key, setting, words};
-use gfmd_surface::{Fill, Periodisation, Trend, fill, periodise, remove_from_defined};
+use gfmd_surface::{Fill, Periodisation, fill, periodise};
 use gfmd_unit::{Conversion, Units};
 use ndarray::Array2;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use serde_json::{Map, Value};
 
-use super::{Detrend, SourceArgs};
+use super::SourceArgs;
+use super::preparation::{Preparing, rms_gradient};
 use crate::failure::Failure;
 use crate::memory;
 use gfmd_problem::options::given::ArrayOption;
@@ -34,11 +37,20 @@ pub struct Scan {
     /// Longest and shortest wavelengths that the scan resolves: its (shorter) side and two (larger) spacings.
     pub resolves: [f64; 2],
     pub undefined: usize,
+    /// Number of points among which the undefined ones were.
+    #[serde(skip)]
+    pub points: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fill: Option<&'static str>,
     /// Statistics of the defined points alone, if some points are undefined.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub defined: Option<Defined>,
+    /// Steps of the preparation in their order, each with its numbers and the rms gradient before and after it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub preparation: Vec<Map<String, Value>>,
+    /// Band that the filters leave.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub band: Option<Map<String, Value>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conversion: Option<String>,
     #[serde(serialize_with = "as_map", skip_serializing_if = "Vec::is_empty")]
@@ -106,17 +118,7 @@ impl SourceArgs {
         let topography = topography.map_err(|error| Failure::refused(error.to_string()))?;
         let name = given.to_string();
         let file = name.as_str();
-        if topography.undefined > 0 && self.fill.is_none() {
-            let refused = topography.check_complete().map_or_else(|error| error.to_string(), |()| file.into());
-            return Err(Failure::refused(words![
-                refused,
-                ": ",
-                setting("fill", "harmonic"),
-                " or ",
-                setting("fill", "nearest"),
-                " gives them heights, and gfmd.read_heights of Python reads them as NaN, to cut the good part out",
-            ]));
-        }
+        let incomplete = topography.check_complete().err().map(|error| error.to_string());
         let mut heights = topography.heights;
         let [nx, ny] = heights.dim().into();
         if nx < 2 {
@@ -158,28 +160,44 @@ impl SourceArgs {
             heights.mapv_inplace(|h| -h);
             description += ", turned over";
         }
-        let trend = match self.detrend {
-            Detrend::None => None,
-            Detrend::Plane => Some((Trend::Plane, "least-squares plane removed")),
-            Detrend::Slope => Some((Trend::Slope, "mean slope removed")),
-            Detrend::Quadratic => Some((Trend::Quadratic, "least-squares paraboloid removed")),
-        };
-        if let Some((trend, words)) = trend {
-            heights = remove_from_defined(&heights, trend).map_err(|error| Failure::input(file, error))?;
-            description += &format!(", {words}");
+        let mut preparing = Preparing::new(heights, grid, unit.as_deref());
+        preparing.before_trend(&self.preparation)?;
+        preparing.trend(self.detrend, file)?;
+        let points = preparing.heights.len();
+        let undefined = preparing.heights.iter().filter(|height| height.is_nan()).count();
+        if undefined > 0 && self.fill.is_none() {
+            let (refused, way_out) = match (incomplete, preparing.steps.is_empty()) {
+                (Some(incomplete), true) => {
+                    (incomplete, "gfmd.read_heights of Python reads them as NaN, to cut".into())
+                }
+                _ => {
+                    let text = format!("{file}: {undefined} points are undefined after its preparation");
+                    (text + &preparing.words, words![key("crop"), " cuts"])
+                }
+            };
+            return Err(Failure::refused(words![
+                refused,
+                ": ",
+                setting("fill", "harmonic"),
+                " or ",
+                setting("fill", "nearest"),
+                " gives them heights, and ",
+                way_out,
+                " the good part out",
+            ]));
         }
-        let undefined = topography.undefined;
         let used = self.fill.filter(|_| undefined > 0);
         let mut defined = None;
         if let Some(how) = used {
-            defined = Some(Defined::of(&heights, &grid));
-            heights = fill(&heights, grid.spacing(), how).map_err(|error| Failure::input(file, error))?;
-            let way = match how {
-                Fill::Harmonic => "harmonically",
-                Fill::Nearest => "with the nearest heights",
-            };
-            description += &format!(", {undefined} undefined points filled {way}");
+            defined = Some(Defined::of(&preparing.heights, &preparing.grid));
+            let filled = fill(&preparing.heights, preparing.grid.spacing(), how);
+            preparing.filled(filled.map_err(|error| Failure::input(file, error))?, how, undefined);
         }
+        preparing.after_fill(&self.preparation, false)?;
+        let Preparing { heights, grid, steps, words, notes: made, warnings, .. } = preparing;
+        description += &words;
+        notes.extend(made);
+        let [nx, ny] = grid.points();
         if self.periodise == Periodisation::Mirror {
             description += ", mirrored to a periodic cell of twice the size";
         }
@@ -190,14 +208,17 @@ impl SourceArgs {
             n: [nx, ny],
             size: grid.lengths(),
             unit,
-            resolves: resolved(&grid),
+            resolves: self.band_left(&grid),
             undefined,
+            points,
             fill: used.map(Fill::name),
             defined,
+            preparation: steps,
+            band: self.preparation.filter.as_ref().map(|bands| bands.record()),
             conversion: topography.conversion,
             details: topography.details,
             notes,
-            warnings: topography.warnings,
+            warnings: topography.warnings.into_iter().chain(warnings).collect(),
         };
         let (heights, grid) =
             periodise(&heights, &grid, self.periodise).map_err(|error| Failure::input(file, error))?;
@@ -205,12 +226,16 @@ impl SourceArgs {
     }
 }
 
-/// Returns the longest and shortest wavelengths of a grid.
-fn resolved(grid: &Grid) -> [f64; 2] {
-    let sides = if grid.is_line() { 1 } else { 2 };
-    let (lengths, spacing) = (grid.lengths(), grid.spacing());
-    let longest = lengths[..sides].iter().copied().fold(f64::INFINITY, f64::min);
-    [longest, 2.0 * spacing[..sides].iter().copied().fold(0.0, f64::max)]
+impl SourceArgs {
+    /// Returns the longest and shortest wavelengths that the grid and the filters leave.
+    fn band_left(&self, grid: &Grid) -> [f64; 2] {
+        let sides = if grid.is_line() { 1 } else { 2 };
+        let (lengths, spacing) = (grid.lengths(), grid.spacing());
+        let longest = lengths[..sides].iter().copied().fold(f64::INFINITY, f64::min);
+        let shortest = 2.0 * spacing[..sides].iter().copied().fold(0.0, f64::max);
+        let (short, long) = self.preparation.filter.map_or((None, None), |bands| (bands.short, bands.long));
+        [long.map_or(longest, |long| long.min(longest)), short.map_or(shortest, |short| short.max(shortest))]
+    }
 }
 
 impl Defined {
@@ -219,21 +244,12 @@ impl Defined {
         let defined = || heights.iter().filter(|height| !height.is_nan());
         let count = defined().count() as f64;
         let mean = defined().sum::<f64>() / count;
-        let square = |step: [usize; 2], spacing: f64| {
-            let steps = heights.indexed_iter().filter_map(|((i, j), here)| {
-                let step = heights.get([i + step[0], j + step[1]])? - here;
-                (!step.is_nan()).then_some((step / spacing).powi(2))
-            });
-            let (count, sum) = steps.fold((0_usize, 0.0), |(count, sum), square| (count + 1, sum + square));
-            if count > 0 { sum / count as f64 } else { 0.0 }
-        };
-        let spacing = grid.spacing();
         Self {
             mean,
             rms_height: (defined().map(|height| (height - mean).powi(2)).sum::<f64>() / count).sqrt(),
             lowest: defined().copied().fold(f64::INFINITY, f64::min),
             highest: defined().copied().fold(f64::NEG_INFINITY, f64::max),
-            rms_gradient: (square([1, 0], spacing[0]) + square([0, 1], spacing[1])).sqrt(),
+            rms_gradient: rms_gradient(heights, grid),
         }
     }
 }
@@ -260,6 +276,16 @@ impl Scan {
                 archive.attribute(group, name, text.replace('\0', " ").as_str())?;
             }
         }
+        if !self.preparation.is_empty() {
+            let text =
+                serde_json::to_string(&self.preparation).map_err(|error| Failure::computation(error.to_string()))?;
+            archive.attribute(group, "preparation", text.as_str())?;
+        }
+        for (name, attribute) in [("s", "nesting_index_s"), ("l", "nesting_index_l")] {
+            if let Some(index) = self.band.as_ref().and_then(|band| band.get(name)?.as_f64()) {
+                archive.attribute(group, attribute, index)?;
+            }
+        }
         archive.attribute(group, "undefined_points", self.undefined as f64)?;
         archive.attribute(group, "longest_resolved_wavelength", self.resolves[0])?;
         archive.attribute(group, "shortest_resolved_wavelength", self.resolves[1])?;
@@ -275,7 +301,7 @@ const WIDEST: usize = 100;
 
 impl fmt::Display for Scan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ([nx, ny], [longest, shortest]) = (self.n, self.resolves);
+        let [longest, shortest] = self.resolves;
         let unit = self.unit.as_deref().unwrap_or("length");
         let known = Units::new(Some(unit), None);
         let read = |value: f64| known.shown("length", value).map(|shown| shown.text(value));
@@ -294,8 +320,8 @@ impl fmt::Display for Scan {
             (count, fill) => writeln!(
                 f,
                 "undefined points: {count} of {} ({:.2} %), fill {}",
-                nx * ny,
-                100.0 * count as f64 / (nx * ny) as f64,
+                self.points,
+                100.0 * count as f64 / self.points as f64,
                 fill.unwrap_or("none")
             )?,
         }

@@ -36,6 +36,8 @@ enum Form {
     Shape,
     /// A number, or the name of a file.
     NumberOrFile,
+    /// Numbers, words and names of files, with colons, commas and equals signs between.
+    Mixed,
 }
 
 impl Kinds {
@@ -49,6 +51,9 @@ impl Kinds {
 
     /// Shape, `KIND:KEY=LENGTH,..`.
     pub const SHAPE: Self = Self { rows: &[&["length"]], form: Form::Shape };
+
+    /// Lengths among words and file names, `X0:X1,Y0:Y1`, `below:Z` or `s:L,kind=gaussian`.
+    pub const LENGTHS_AMONG_WORDS: Self = Self { rows: &[&["length"]], form: Form::Mixed };
 
     /// Numbers without a unit.
     pub const NUMBER: Self = Self::list(&[&["1"]]);
@@ -193,7 +198,8 @@ fn number(
     take: &mut impl Take,
 ) -> Result<Option<f64>, Unusable> {
     // It may be a file name.
-    if kinds.form == Form::NumberOrFile && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
+    let may_be_file = matches!(kinds.form, Form::NumberOrFile | Form::Mixed);
+    if may_be_file && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
         return Ok(None);
     }
     match Quantity::parse(text) {
@@ -292,6 +298,7 @@ mod tests {
             "compliance" => Kinds::COMPLIANCE,
             "law_table" => Kinds::LAW_TABLE,
             "p_star" | "law" => Kinds::NUMBER,
+            "crop" | "filter" | "invalid" => Kinds::LENGTHS_AMONG_WORDS,
             _ => Kinds::LENGTH,
         }
     }
@@ -326,6 +333,11 @@ mod tests {
             ("compliance", "2/um:3nm/GPa", Some("2e-3:3e-9")),
             ("compliance", "2/um:0:3nm/GPa", Some("2e-3:0:3e-9")),
             ("law_table", "0nm:2MPa,1nm:1kPa,3:0", Some("0e0:2e6,1e0:1e3,3:0")),
+            ("crop", "1um:,:2um", Some("1e3:,:2e3")),
+            ("crop", "1:2,3:4", None),
+            ("filter", "s:2.5um,l:0.8mm,kind=robust,degree=2", Some("s:2.5e3,l:8e5,kind=robust,degree=2")),
+            ("invalid", "below:-3um", Some("below:-3e3")),
+            ("invalid", "2um.npy", None),
         ] {
             assert_eq!(texts(key, text), Ok(found.map(str::to_owned)), "{key} {text}");
         }
