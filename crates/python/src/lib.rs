@@ -22,7 +22,8 @@ mod _gfmd {
     use crate::files::{read_array, read_config, read_records, read_text, save};
     #[pymodule_export]
     use crate::surface::{
-        composite, detrend, fill, finer, periodise, psd, read, self_affine, statistics, surface_report, texture,
+        composite, detrend, fill, finer, periodise, prepared, psd, read, self_affine, statistics, surface_report,
+        texture,
     };
     #[pymodule_export]
     use crate::unit::{canonical, converted, in_units, kinds, law_kinds, readable, unit_name, with_limit};

@@ -11,6 +11,7 @@ use gfmd_input::json;
 use gfmd_input::memory;
 use gfmd_input::session::Session;
 use gfmd_input::source::composed;
+use gfmd_input::source::preparation::prepare_heights;
 use gfmd_problem::Spelling;
 use gfmd_problem::options::quantities::text_in_units;
 use gfmd_problem::options::{GeneratorArgs, Kinds, Method};
@@ -151,6 +152,34 @@ pub(crate) fn detrend<'py>(py: Python<'py>, heights: PyReadonlyArray2<'py, f64>,
     let heights = heights.as_array().to_owned();
     let rest = quick(py, || gfmd_surface::remove(&heights, trend))?.map_err(|error| refused(py, &error))?;
     Ok(rest.into_pyarray(py))
+}
+
+/// Heights, lengths, words and record of a step of the preparation.
+type Step<'py> = (Array<'py>, [f64; 2], String, String);
+
+/// Applies one step of the preparation; `given` is the unit of the heights, the option and its text, and whether the
+/// surface repeats.
+#[pyfunction]
+#[pyo3(signature = (heights, lengths, given, excluded=None))]
+pub(crate) fn prepared<'py>(
+    py: Python<'py>,
+    heights: PyReadonlyArray2<'py, f64>,
+    lengths: [f64; 2],
+    given: (Option<String>, String, String, bool),
+    excluded: Option<PyReadonlyArray2<'py, bool>>,
+) -> PyResult<Step<'py>> {
+    const OPTIONS: [&str; 9] =
+        ["crop", "invalid", "despike", "descar", "level", "detrend", "filter", "resample", "resample_spacing"];
+    let (unit, option, text, is_periodic) = given;
+    let option = OPTIONS.into_iter().find(|known| *known == option);
+    let option = option.ok_or_else(|| refused(py, &"the step is unknown"))?;
+    let heights = heights.as_array().to_owned();
+    let excluded = excluded.map(|excluded| excluded.as_array().to_owned());
+    let grid = grid(py, heights.dim().into(), lengths)?;
+    let step = || prepare_heights((heights, grid, unit.as_deref()), (option, &text), excluded, is_periodic);
+    let found = quick(py, step)?.map_err(|failure| failed(py, failure))?;
+    found.warnings.iter().for_each(|text| tracing::warn!("{text}"));
+    Ok((found.heights.into_pyarray(py), found.grid.lengths(), found.words, found.record))
 }
 
 /// Makes heights one period of a cell; returns them and its lengths.

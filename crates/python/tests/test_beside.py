@@ -88,12 +88,14 @@ def test_channels_of_a_file_are_read_by_name_and_number():
         gfmd.read(FILES / "two.npz", "no such channel")
     with pytest.raises(gfmd.InputError, match="channel is -1"):
         gfmd.read(FILES / "two.npz", -1)
-    with pytest.raises(gfmd.InputError, match="undefined points"):
-        gfmd.read(FILES / "holes.nc")
+    holed = gfmd.read(FILES / "holes.nc")
+    with pytest.raises(gfmd.InputError, match="undefined"):
+        gfmd.contact(holed, gfmd.Body(), p_star=0.1)
     heights, size, unit = gfmd.read_heights(FILES / "holes.nc")
     filled = gfmd.read(FILES / "holes.nc", fill="nearest")
     kept = np.isfinite(heights)
     assert (~kept).sum() == filled.undefined and np.array_equal(filled.heights[kept], heights[kept])
+    assert np.array_equal(holed.fill("nearest").heights, filled.heights)
     assert (unit, size) == (filled.unit, filled.size)
     # A part without holes: a row without them is one.
     rows = np.flatnonzero(kept.all(axis=1))

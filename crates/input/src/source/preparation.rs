@@ -9,6 +9,7 @@ use gfmd_prepare::{
     Cropped, Edges, Filter, Kernel, Levelled, PrepareError, Resampled, Scars, Smoothed, Spikes, crop, descar, despike,
     equivalent_cut_off, level_columns, level_rows, remove_polynomial, resample, smooth,
 };
+use gfmd_problem::options::quantities::text_in_units;
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_problem::{key, words};
 use gfmd_surface::{Fill, Trend, remove_from_defined};
@@ -373,6 +374,61 @@ impl<'a> Preparing<'a> {
         self.replace_on(grid, "resample", json!({"n": [nx, ny], "s": index}), heights, &words);
         Ok(())
     }
+}
+
+/// Heights in memory after one step.
+pub struct PreparedHeights {
+    /// Heights, with NaN at undefined points.
+    pub heights: Array2<f64>,
+    /// Grid of the heights.
+    pub grid: Grid,
+    /// Step in words.
+    pub words: String,
+    /// Record of the step: a JSON object with the list `preparation`.
+    pub record: String,
+    /// Doubts about the result.
+    pub warnings: Vec<String>,
+}
+
+/// Applies one option of the preparation, with its `text`, to heights in memory. Quantities in the text are converted
+/// to `unit`; `excluded` points are left out of fits; `is_periodic` is true if the surface repeats.
+///
+/// # Errors
+/// Returns an error for a text that is no value of the option, and for heights that the step cannot prepare.
+pub fn prepare_heights(
+    (heights, grid, unit): (Array2<f64>, Grid, Option<&str>),
+    (option, text): (&'static str, &str),
+    excluded: Option<Array2<bool>>,
+    is_periodic: bool,
+) -> Result<PreparedHeights, Failure> {
+    let kinds = Kinds::LENGTHS_AMONG_WORDS;
+    let converted = text_in_units((option, kinds), text, &mut &Units::new(unit, None)).map_err(Failure::from)?;
+    let text = converted.as_deref().unwrap_or(text);
+    let mut args = PreparationArgs::default();
+    let mut trend = Detrend::None;
+    let unusable = |error: String| Failure::input(key(option), error);
+    match option {
+        "crop" => args.crop = Some(text.parse().map_err(unusable)?),
+        "invalid" => args.invalid = vec![text.parse().map_err(unusable)?],
+        "despike" => args.despike = Some(text.parse().map_err(unusable)?),
+        "descar" => args.descar = Some(text.parse().map_err(unusable)?),
+        "level" => args.level = Some(text.parse().map_err(unusable)?),
+        "filter" => args.filter = Some(text.parse().map_err(unusable)?),
+        "resample" => {
+            let points = text.split(',').map(str::parse).collect::<Result<_, _>>();
+            args.resample = points.map_err(|_| unusable(format!("{text:?} is no number of points")))?;
+        }
+        "resample_spacing" => args.resample_spacing = Some(values::number(text).map_err(unusable)?),
+        _ => trend = text.parse().map_err(unusable)?,
+    }
+    let mut preparing = Preparing { excluded, ..Preparing::new(heights, grid, unit) };
+    preparing.before_trend(&args)?;
+    preparing.trend(trend, "detrend")?;
+    preparing.after_fill(&args, is_periodic)?;
+    let Preparing { heights, grid, steps, words, warnings, .. } = preparing;
+    let record = json!({"preparation": steps}).to_string();
+    let words = words.trim_start_matches(", ").to_owned();
+    Ok(PreparedHeights { heights, grid, words, record, warnings })
 }
 
 impl Bands {

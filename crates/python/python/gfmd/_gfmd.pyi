@@ -27,6 +27,7 @@ __all__ = [
     "law_traction",
     "options",
     "periodise",
+    "prepared",
     "program",
     "psd",
     "read",
@@ -129,6 +130,12 @@ def read(
 ) -> tuple[_Array, Optional[tuple[float, float]], Optional[str], str, str]: ...
 def fill(heights: _Array, lengths: tuple[float, float], how: str) -> _Array: ...
 def detrend(heights: _Array, trend: str) -> _Array: ...
+def prepared(
+    heights: _Array,
+    lengths: tuple[float, float],
+    given: tuple[Optional[str], str, str, bool],
+    excluded: Optional[npt.NDArray[np.bool_]] = None,
+) -> tuple[_Array, tuple[float, float], str, str]: ...
 def periodise(heights: _Array, lengths: tuple[float, float], way: str) -> tuple[_Array, tuple[float, float]]: ...
 def texture(
     heights: _Array, lengths: tuple[float, float], part: str, repeats: bool

@@ -20,6 +20,9 @@ Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 # Continuation of a surface beyond its edges; None for the one of the surface itself.
 Boundary = Optional[Literal["periodic", "free"]]
 
+# Points left out of a fit: a mask [x, y], or a region as text.
+Exclude = Union[npt.NDArray[np.bool_], str, None]
+
 
 class Statistics(Measured, SurfaceNumbers):
     """Statistics of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
@@ -189,7 +192,7 @@ class Surface:
 
     @property
     def undefined(self) -> int:
-        """The number of undefined points that were filled."""
+        """The number of points that have, or had before they were filled, no height."""
         return int(self._origin.file.get("undefined", 0))
 
     @property
@@ -423,23 +426,248 @@ class Surface:
 
         return {name: reported(value) for name, value in parsed(text)[part].items()}, field
 
-    def detrend(self, trend: str = "plane") -> Surface:
-        """Returns the surface without its trend.
+    def detrend(self, trend: str = "plane", *, exclude: Exclude = None) -> Surface:
+        """Returns the surface without its trend; undefined points are left out of the fit and stay undefined.
 
         Args:
-            trend: "mean", "plane" (least squares), "slope" (the mean slope, so that opposite edges match on average) or
-                "quadratic" (least squares).
+            trend: "mean", "plane" (least squares), "slope" (the mean slope, so that opposite edges match on average),
+                "quadratic", "cubic" or "polynomial:D" (least squares, degree D in x and y together, up to 8).
+            exclude: points left out of the fit: a mask [x, y], or "X0:X1,Y0:Y1" in lengths from the corner.
 
         Raises:
-            InputError: an unknown name; fewer points than the trend has coefficients.
+            InputError: an unknown name; points that do not determine the trend.
 
         Example:
             >>> tilted = gfmd.Surface(s.heights + 0.1 * np.arange(64)[:, np.newaxis])
             >>> tilted.detrend("plane").rms_height < tilted.rms_height
             True
         """
-        heights = _gfmd.detrend(self._heights, word("trend", trend))
-        return _surface(heights, self._size, self._unit, self._origin.after(f"{trend} removed"))
+        known = word("trend", trend) in ("mean", "plane", "slope", "quadratic")
+        if trend == "mean" or (known and exclude is None and self.is_complete):
+            heights = _gfmd.detrend(self._heights, trend)
+            return _surface(heights, self._size, self._unit, self._origin.after(f"{trend} removed"))
+        return self._step("detrend", trend, exclude=exclude)
+
+    @property
+    def is_complete(self) -> bool:
+        """True if every point has a height, as a contact needs; a flag without unit."""
+        return not np.isnan(self._heights).any()
+
+    def _step(self, option: str, text: str, *, exclude: Exclude = None, repeats: bool = True) -> Surface:
+        """Returns the surface after one step of the preparation; `repeats` is False if a periodic one no longer is."""
+        excluded = None if exclude is None else self._mask("exclude", exclude)
+        given = (self._unit, option, text, self.is_periodic)
+        heights, size, words, record = _gfmd.prepared(self._heights, self._size, given, excluded)
+        file = {**self._origin.file}
+        file["preparation"] = [*file.get("preparation", []), *parsed(record)["preparation"]]
+        holes = int(np.isnan(heights).sum())
+        file["undefined"] = max(holes, int(file.get("undefined", 0)))
+        origin = _Origin(f"{self._origin.description}, {words}", file, self.is_periodic and repeats)
+        return _surface(heights, size, self._unit, origin)
+
+    def _mask(self, name: str, value: Any) -> npt.NDArray[np.bool_]:
+        if isinstance(value, str):
+            held = _gfmd.prepared(self._heights, self._size, (self._unit, "invalid", word(name, value), False))[0]
+            return np.isnan(held) & ~np.isnan(self._heights)
+        mask = np.asarray(value)
+        if mask.dtype.kind != "b" or mask.shape not in (self._heights.shape, self._heights[:, 0].shape):
+            raise InputError(
+                f"{name} is an array of {mask.dtype} with shape {mask.shape}; it must be a mask of bool with shape"
+                f" {self._heights.shape}"
+            )
+        return np.ascontiguousarray(mask.reshape(self._heights.shape))
+
+    @property
+    def preparation(self) -> list[dict[str, Any]]:
+        """The steps of the preparation in their order, each with its numbers and the rms gradient before and after it.
+
+        Lengths are in the unit of the heights; gradients have no unit.
+
+        Example:
+            >>> [step["step"] for step in s.despike().filter(s=4 / 64).preparation]
+            ['despike', 'filter']
+        """
+        return [dict(step) for step in self._origin.file.get("preparation", [])]
+
+    def crop(
+        self,
+        x: tuple[Union[float, str, None], Union[float, str, None]] = (None, None),
+        y: tuple[Union[float, str, None], Union[float, str, None]] = (None, None),
+    ) -> Surface:
+        """Returns the part of the surface in a box.
+
+        Args:
+            x, y: start and end along each axis, lengths from the corner; points with start <= position < end stay, and
+                None is an end of the surface.
+
+        Raises:
+            InputError: a range outside the surface, empty or reversed; fewer than 2 points along a side.
+
+        Example:
+            >>> s.crop(x=(0, 0.5)).n
+            (32, 64)
+        """
+        ends = [["" if end is None else str(end) for end in pair] for pair in (x, y)]
+        return self._step("crop", ",".join(":".join(pair) for pair in ends), repeats=False)
+
+    def mask(self, points: Any) -> Surface:
+        """Returns the surface without heights at some points; fill them, or crop them away, before a contact.
+
+        Args:
+            points: a mask [x, y], "X0:X1,Y0:Y1" in lengths from the corner, "below:Z" or "above:Z".
+
+        Raises:
+            InputError: a mask of another shape or type; no point, or all of them.
+
+        Example:
+            >>> s.mask(s.heights > 0.9 * s.heights.max()).fill("harmonic").is_complete
+            True
+        """
+        if isinstance(points, str):
+            return self._step("invalid", word("points", points))
+        masked = self._mask("points", points)
+        heights = np.where(masked, np.nan, self._heights)
+        if np.isnan(heights).all():
+            raise InputError("points is every point; some must stay")
+        file = {**self._origin.file}
+        step = {"step": "invalid", "points": int(masked.sum()), "regions": ["array"]}
+        file["preparation"] = [*file.get("preparation", []), step]
+        file["undefined"] = max(int(np.isnan(heights).sum()), int(file.get("undefined", 0)))
+        origin = _Origin(f"{self._origin.description}, {int(masked.sum())} points masked", file, self.is_periodic)
+        return _surface(heights, self._size, self._unit, origin)
+
+    def fill(self, how: Literal["harmonic", "nearest"] = "harmonic") -> Surface:
+        """Returns the surface with heights at its undefined points.
+
+        Args:
+            how: "harmonic" (Laplace's equation between the defined points) or "nearest".
+
+        Raises:
+            InputError: an unknown name; no defined point.
+
+        Example:
+            >>> s.mask("0:0.1,0:0.1").fill("nearest").is_complete
+            True
+        """
+        count = int(np.isnan(self._heights).sum())
+        heights = _check.whole("heights", self._heights, count, self._size, how)
+        file = {**self._origin.file, "undefined": max(count, self.undefined)}
+        if count:
+            step = {"step": "fill", "how": how, "undefined_before": count, "undefined_after": 0}
+            file["preparation"] = [*file.get("preparation", []), step]
+        origin = _Origin(_filled(self._origin.description, count, how), file, self.is_periodic)
+        return _surface(heights, self._size, self._unit, origin)
+
+    def despike(self, threshold: float = 5.0, *, window: int = 5) -> Surface:
+        """Returns the surface without heights at spikes, points far from the median of the points around them.
+
+        Args:
+            threshold: distance from the local median that makes a spike, in robust standard deviations.
+            window: points along each side of the window of the median, odd.
+
+        Raises:
+            InputError: numbers out of range; spikes at more than a tenth of the points.
+
+        Example:
+            >>> s.despike().undefined
+            0
+        """
+        return self._step("despike", f"{number('threshold', threshold)!r},{integer('window', window)}")
+
+    def descar(self, high: float = 0.666, low: float = 0.25, *, length: int = 16, width: int = 4) -> Surface:
+        """Returns the surface without heights at scars, line defects along x.
+
+        Args:
+            high, low: least distance from the rows beside a scar, somewhere and everywhere, in rms differences of rows.
+            length: least number of points along x.
+            width: largest number of rows.
+
+        Raises:
+            InputError: numbers out of range; a profile.
+
+        Example:
+            >>> s.descar().n
+            (64, 64)
+        """
+        numbers = f"{number('high', high)!r},{number('low', low)!r}"
+        return self._step("descar", f"{numbers},{integer('length', length)},{integer('width', width)}")
+
+    def level(
+        self, lines: Literal["rows", "columns"] = "rows", how: str = "median", *, exclude: Exclude = None
+    ) -> Surface:
+        """Returns the surface with level rows (lines along x) or columns.
+
+        Args:
+            lines: "rows" or "columns".
+            how: "mean", "median", "difference" (of neighbours, median) or "polynomial:D" of degree D in each line.
+            exclude: points left out, as in `detrend`.
+
+        Raises:
+            InputError: an unknown name; a profile.
+
+        Example:
+            >>> s.level("rows", "mean").rms_height < s.rms_height
+            True
+        """
+        kept = how in ("mean", "median")
+        return self._step("level", f"{word('lines', lines)}:{word('how', how)}", exclude=exclude, repeats=kept)
+
+    def filter(
+        self,
+        s: Union[float, str, None] = None,
+        l: Union[float, str, None] = None,  # noqa: E741
+        *,
+        kind: Literal["gaussian", "robust", "spline"] = "gaussian",
+        edges: Optional[Literal["periodic", "reflect", "regression"]] = None,
+        degree: Optional[int] = None,
+    ) -> Surface:
+        """Returns the surface after an S filter, an L filter, or both, with these nesting indices.
+
+        Half of the amplitude of a wave with the length of an index stays. The S filter removes shorter waves, and with
+        them gradient: p* at the same pressure rises. The L filter removes longer ones.
+
+        Args:
+            s, l: nesting indices, lengths.
+            kind: "gaussian" (ISO 16610-21, -61), "robust" (-31, -71) or "spline" (-22, profiles).
+            edges: "periodic" (default if the surface repeats), "reflect", or "regression".
+            degree: degree of the regression, 0 to 2; by default 1, robust 2.
+
+        Raises:
+            InputError: an index below two spacings or above the side; undefined points without regression.
+
+        Example:
+            >>> smooth = s.filter(s=8 / 64)
+            >>> smooth.rms_gradient < s.rms_gradient
+            True
+        """
+        parts = [f"{name}:{index}" for name, index in (("s", s), ("l", l)) if index is not None]
+        parts.append(f"kind={word('kind', kind)}")
+        parts += [] if edges is None else [f"edges={word('edges', edges)}"]
+        parts += [] if degree is None else [f"degree={integer('degree', degree)}"]
+        return self._step("filter", ",".join(parts))
+
+    def resample(
+        self, n: Union[int, tuple[int, int], None] = None, *, spacing: Union[float, str, None] = None
+    ) -> Surface:
+        """Returns the surface on a coarser grid, after an S filter of four new spacings.
+
+        Args:
+            n: points along x, or along x and y.
+            spacing: distance of the points, length, instead of `n`.
+
+        Raises:
+            InputError: more points than before; neither or both numbers.
+
+        Example:
+            >>> s.resample(32).n
+            (32, 32)
+        """
+        if (n is None) == (spacing is None):
+            raise InputError("n and spacing: one of them must be given")
+        if spacing is not None:
+            return self._step("resample_spacing", str(spacing), repeats=False)
+        counts = [n] if isinstance(n, (int, np.integer)) else list(n)  # type: ignore[arg-type]
+        return self._step("resample", ",".join(str(integer("n", count, 1)) for count in counts), repeats=False)
 
     def periodise(self, way: str = "mirror") -> Surface:
         """Returns one period of a surface that is not periodic.
@@ -566,7 +794,9 @@ class Surface:
         )
         lx, ly = (f"{float(f'{length * factor:.6g}'):g}" for length in self._size)
         points, cell = (f"{nx} points", lx) if ny == 1 else (f"{nx} x {ny} points", f"{lx} x {ly}")
-        return f"Surface of {points} on {cell} {unit} ({self.description})"
+        holes = int(np.isnan(self._heights).sum())
+        some = f", {holes} undefined" if holes else ""
+        return f"Surface of {points}{some} on {cell} {unit} ({self.description})"
 
     def _repr_html_(self) -> str:
         return _show.map_html(self._heights, repr(self))
@@ -739,12 +969,13 @@ def read(
     Args:
         name: a file of an instrument or a program (docs/formats.md), or "FILE.h5:/dataset".
         channel: name or number, from 0, of the height map in the file; by default the default of the file.
-        fill: method to fill undefined points, "harmonic" or "nearest", as in `Surface`; None refuses them.
+        fill: method to fill undefined points, "harmonic" or "nearest", as in `Surface`; None leaves them undefined
+            (NaN), to be cropped or filled before a contact.
         size: lengths of the cell; by default as in the file, or 1.
         unit: unit of heights and lengths; a file with another unit is converted. By default the unit of the file.
 
     Raises:
-        InputError: a file that cannot be read, a missing channel, undefined points.
+        InputError: a file that cannot be read, a missing channel.
 
     Example:
         >>> np.savetxt("scan.txt", [[0.0, 1.0, 0.5], [0.5, 0.0, 1.0]])
@@ -759,6 +990,8 @@ def read(
         lengths = None if lengths is None else moved
     known = known if wanted is None or known is not None else wanted
     cell = _check.size(lengths if size is None else size, (int(heights.shape[0]), int(heights.shape[1])), known)
+    if fill is None:
+        return _surface(heights, cell, known, _Origin(description, said))
     heights = _check.whole(path, heights, said["undefined"], cell, fill)
     origin = _Origin(_filled(description, said["undefined"], fill), said)
     return _surface(heights, cell, known, origin)
