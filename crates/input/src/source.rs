@@ -96,8 +96,8 @@ pub struct SourceArgs {
     #[arg(skip)]
     #[serde(skip)]
     pub finer: Option<u64>,
-    /// Trend to subtract from the heights of a file: none, the least-squares plane, the plane of the mean slope (without
-    /// it opposite edges fit together on average), or a least-squares polynomial of degree 2 (quadratic), 3 (cubic) or D
+    /// Trend to subtract from the heights of a file: none, the least-squares plane, the plane of the mean slope, which
+    /// joins opposite edges on average, or a least-squares polynomial of degree 2 (quadratic), 3 (cubic) or D
     #[arg(
         long,
         default_value_t = Detrend::None,

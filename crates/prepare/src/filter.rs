@@ -14,7 +14,7 @@ use crate::error::value;
 /// Weights of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kernel {
-    /// Gaussian filter of ISO 16610-21 (profiles) and 16610-61 (areal), transmission 2^{−(L/λ)²} for the nesting index L.
+    /// Gaussian filter of ISO 16610-21 (profiles) and 16610-61 (areal); transmission 2^{−(L/λ)²}, nesting index L.
     Gaussian,
     /// Robust Gaussian regression of ISO 16610-31 and 16610-71: points far from the smooth surface get less weight.
     Robust,
@@ -45,7 +45,7 @@ pub struct Filter {
     pub kernel: Kernel,
     /// Surroundings.
     pub edges: Edges,
-    /// Degree of the polynomial of a regression, 0 to 2: 0 is the normalised kernel, 1 keeps planes, 2 paraboloids, with
+    /// Degree of the polynomial of a regression, 0 to 2: 0 is the normalised kernel, 1 keeps planes, 2 paraboloids with
     /// the transmission (1 + t/λ²) e^{−t/λ²}.
     pub degree: usize,
 }
@@ -60,7 +60,7 @@ impl Default for Filter {
 /// Smoothed heights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Smoothed {
-    /// Long waves of the heights, at undefined points too; NaN where fewer than 10⁻⁶ of the weights are on defined points.
+    /// Long waves of the heights, at undefined points too; NaN where defined points have below 10⁻⁶ of the weights.
     pub heights: Array2<f64>,
     /// Passes of a robust filter; 1 for all others.
     pub passes: usize,

@@ -60,8 +60,8 @@ pub struct PreparationArgs {
     #[arg(long, value_name = "K[,WINDOW]", num_args = 0..=1, default_missing_value = "5,5")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub despike: Option<SpikeRule>,
-    /// Take out line defects along x: runs of at least LENGTH points, up to WIDTH rows wide, that lie above or below the
-    /// rows beside them by LOW, and somewhere by HIGH, rms differences of rows [without a value: 0.666,0.25,16,4]
+    /// Take out line defects along x: runs of at least LENGTH points, up to WIDTH rows wide, above or below the rows
+    /// beside them by LOW, and somewhere by HIGH, rms differences of rows [without a value: 0.666,0.25,16,4]
     #[arg(
         long,
         value_name = "HIGH,LOW,LENGTH,WIDTH",
@@ -84,7 +84,7 @@ pub struct PreparationArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTH)]
     pub resample_spacing: Option<f64>,
-    /// Filters with their nesting indices, lengths: s removes waves shorter than its index, l waves longer than its one.
+    /// Filters with their nesting indices, lengths: s removes waves shorter than its index, l longer ones.
     /// kind=gaussian (ISO 16610-61), robust (16610-71) or spline (16610-22, profiles); edges=regression, reflect or
     /// periodic; degree=0, 1 or 2 of the regression
     #[arg(long, value_name = "s:L,l:L[,kind=..][,edges=..][,degree=..]")]
