@@ -7,6 +7,12 @@ use crate::failure::Failure;
 
 /// Synthesis of a surface: heights, half spectrum, workspace of the transform.
 pub const SURFACE: MemoryNeed = MemoryNeed(5);
+
+/// Fields of a filter: heights before and after it, three moments, and lines of both axes in turn.
+pub const FILTER: MemoryNeed = MemoryNeed(12);
+
+/// Fields of a robust filter, which has moments of its weights.
+pub const ROBUST_FILTER: MemoryNeed = MemoryNeed(32);
 /// Punch.
 pub const PUNCH: MemoryNeed = MemoryNeed(48);
 /// Fields below a surface: spectra of the surface and of a plane, fields of the plane, and the values written.

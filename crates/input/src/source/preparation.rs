@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
+use crate::memory;
 pub use regions::Region;
 pub use values::{Bands, Box2, Detrend, Level, Rows, ScarRule, SpikeRule};
 
@@ -303,6 +304,8 @@ impl<'a> Preparing<'a> {
         let Some(bands) = &args.filter else { return Ok(()) };
         let filter = bands.filter(is_periodic);
         let refuse = |error: PrepareError| Failure::input(key("filter"), error);
+        let need = if filter.kernel == Kernel::Robust { memory::ROBUST_FILTER } else { memory::FILTER };
+        memory::fits(need, key("filter"), self.grid.points())?;
         let spacing = self.grid.spacing();
         let coarsest = spacing[..self.sides()].iter().copied().fold(0.0, f64::max);
         let side = self.grid.lengths()[..self.sides()].iter().copied().fold(f64::INFINITY, f64::min);
