@@ -161,6 +161,7 @@ impl Args {
             prony: self.prony.series()?,
             boundary: self.around.boundary,
             fluid: self.around.fluid()?,
+            gas: self.around.gas()?,
             ..Asked::new(&self.source, Cow::Owned(body), self.steps.search.budget())
         })
     }
