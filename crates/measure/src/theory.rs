@@ -37,8 +37,8 @@ pub fn persson_pressure(pressure: f64, mean_pressure: f64, variance: f64) -> f64
 }
 
 /// Returns the conductance per area of a gas in the gap above heights with a Gaussian distribution of standard
-/// `deviation`, whose mean plane lies at the distance `mean_gap` below the other surface (lengths): the mean of k/(g + M)
-/// over the points with a gap g > 0, by a quadrature of Yovanovich's integral (1982) to a relative error below 1e-9.
+/// `deviation`, whose mean plane lies at the distance `mean_gap` below the other surface (lengths): the mean of
+/// k/(g + M), to which points with a gap g > 0 contribute, by a quadrature of Yovanovich's integral (1982).
 pub fn gaussian_gap_conductance(gas: &GapGas, deviation: f64, mean_gap: f64) -> f64 {
     let (distance, jump) = (mean_gap / deviation, gas.jump / deviation);
     // The integrand falls steeply from g = 0 to M, which the logarithm of g + M resolves.

@@ -146,8 +146,8 @@ pub(crate) fn conductance(
     found.map_err(|failure| failed(py, failure))
 }
 
-/// Returns the conductivity in W/(m K) and the temperature-jump length in m of a gas, by its name, at a temperature in K
-/// and a pressure in Pa; with the accommodation coefficients of engineering surfaces if none are given.
+/// Returns the conductivity in W/(m K) and the temperature-jump length in m of a gas, by its name, at a temperature in
+/// K and a pressure in Pa; with the accommodation coefficients of engineering surfaces if none are given.
 #[pyfunction]
 pub(crate) fn gas_in_gap(
     py: Python<'_>,

@@ -29,7 +29,7 @@ pub struct GasArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub gas_pressure: Option<f64>,
-    /// Thermal accommodation coefficients of both surfaces, above 0 and at most 1; if left out those of engineering
+    /// Thermal accommodation coefficients of both surfaces, above 0 and at most 1; if left out, of engineering
     /// surfaces: air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29
     #[arg(long, value_delimiter = ',', num_args = 1, value_name = "A1,A2", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -131,7 +131,8 @@ impl GivenGas {
     /// Returns the numbers of the gas in the units of a problem.
     ///
     /// # Errors
-    /// Returns an error if the properties of the gas are not known in its state, or if lengths or stresses have no unit.
+    /// Returns an error if the properties of the gas are not known in its state, or if lengths or stresses have no
+    /// unit.
     pub fn in_units(self, units: &Units) -> Result<GapGas, Failure> {
         let (gas, temperature, pressure, accommodation) = match self {
             Self::Numbers(gas) => return Ok(gas),

@@ -468,7 +468,7 @@ class Contact(Result, Numbers, Fields):
             temperature: temperature of the gas, 200 to 1000 K, or a string with a unit; 300 K by default.
             pressure: pressure of the gas, Pa, at most 1 MPa, or a string with a unit ("10 kPa"); 101325 Pa by default.
             accommodation: thermal accommodation coefficients of both surfaces, or one number for both; by default
-                those of engineering surfaces: air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29.
+                of engineering surfaces: air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29.
             conductivity: conductivity of a gas given by numbers instead, W/(m K), or a string with a unit.
             jump: temperature-jump length of that gas, in units of the surface, or a string with a unit.
 
@@ -481,7 +481,7 @@ class Contact(Result, Numbers, Fields):
             True
         """
         if self.finite_slope or self.lower_surface is not None:
-            raise InputError("the gap of a contact with finite slopes or a lower surface is not that of one gas layer")
+            raise InputError("with finite slopes or a lower surface, the gap is not one layer of gas")
         unit = self.surface.unit
         state = (temperature, pressure, accommodation)
         if gas is not None:
@@ -504,7 +504,9 @@ class Contact(Result, Numbers, Fields):
             k = in_units("conductivity", conductivity, "stress*length^2/time*temperature")
             m = in_units("jump", jump, "length", unit, None)
             if not (0.0 < k < math.inf and 0.0 < m < math.inf):
-                raise InputError(f"conductivity and jump are {conductivity!r}, {jump!r}; they must be positive and finite")
+                raise InputError(
+                    f"conductivity and jump are {conductivity!r}, {jump!r}; they must be positive and finite"
+                )
         return _gfmd.gas_conductance(self.touching, self.gap, k, m) / metre(unit)
 
     def vjp(
