@@ -45,8 +45,10 @@ impl GapGas {
         let share = Share::whole(rows, columns);
         let (pressure, gap) = (&*contiguous(&pressure), &*contiguous(&gap));
         let of_range = |range: Range<usize>| {
-            let points = pressure[range.clone()].iter().zip(&gap[range]);
-            points.filter(|(p, _)| !(**p > 0.0)).fold(0.0, |sum, (_, g)| sum + 1.0 / (g.max(0.0) + self.jump))
+            pressure[range.clone()].iter().zip(&gap[range]).fold(0.0, |sum, (pressure, gap)| {
+                let gap = if *gap < 0.0 { 0.0 } else { *gap };
+                if *pressure > 0.0 { sum } else { sum + 1.0 / (gap + self.jump) }
+            })
         };
         Ok(self.conductivity * share.sum(&of_range) / gap.len().max(1) as f64)
     }
