@@ -42,6 +42,7 @@ use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, SceneFields, parse_prefix};
 use gfmd_run::accuracy;
 use gfmd_run::flow::FluidArgs;
+use gfmd_run::gas::GasArgs;
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, ContactArgs, Finer, Head, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile,
@@ -118,6 +119,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     fluid: FluidArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    gas: GasArgs,
     /// Find the loads between the lowest and the highest one at which the gap closes for a flow along x and along y
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]

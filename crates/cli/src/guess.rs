@@ -56,6 +56,7 @@ const INSTEAD: &[(&[&str], &[&str], &str)] = &[
         &["contact", "path", "slide"],
         "write a law and its parameters: --law exponential --param gamma=0.05J/m^2,range=5nm",
     ),
+    (&["gap-conductance", "gas-conductance", "air"], &["contact", "path"], "write --gas air --unit um"),
     (&["leak", "leakage", "leak-rate"], &["contact", "path"], "write --flow --viscosity 1mPa*s --pressure-drop 1bar"),
 ];
 

@@ -40,7 +40,7 @@ use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArg
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome, StiffnessArgs};
 
-pub(crate) use self::report::FLOW;
+pub(crate) use self::report::{FLOW, GAS};
 pub use self::report::{Report, Sliding};
 
 /// Default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
@@ -161,6 +161,7 @@ impl Args {
             prony: self.prony.series()?,
             boundary: self.around.boundary,
             fluid: self.around.fluid()?,
+            gas: self.around.gas()?,
             ..Asked::new(&self.source, Cow::Owned(body), self.steps.search.budget())
         })
     }

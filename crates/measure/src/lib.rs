@@ -7,6 +7,7 @@
 mod area;
 mod boundary;
 mod distribution;
+mod gas;
 mod grid_error;
 mod long_waves;
 mod patches;
@@ -20,6 +21,7 @@ pub mod theory;
 pub use area::{ContactArea, contact_area};
 pub use boundary::{Boundary, UnknownBoundary};
 pub use distribution::{Distribution, density_over_decades};
+pub use gas::{GapGas, Gas, UnknownGasState};
 pub use grid_error::{GridLimit, GridLimits, NoLimit, Refined};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
 pub use ndarray;

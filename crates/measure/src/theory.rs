@@ -14,6 +14,8 @@ pub use asperities::{Asperities, AsperityContact, AsperityTheory};
 pub use elastoplastic::ElastoplasticArea;
 pub use persson::{ENERGY_FACTOR, Persson};
 
+use crate::GapGas;
+
 /// κ of Persson's theory at vanishing load, √(8/π) ≈ 1.596 (Persson 2001).
 pub const PERSSON_KAPPA: f64 = 1.595_769_121_605_731;
 
@@ -33,6 +35,26 @@ pub fn persson_pressure(pressure: f64, mean_pressure: f64, variance: f64) -> f64
     let [about, image] = [pressure - mean_pressure, pressure + mean_pressure].map(gaussian);
     (about - image) / (std::f64::consts::TAU * variance).sqrt()
 }
+
+/// Returns the conductance per area of a gas in the gap above heights with a Gaussian distribution of standard
+/// `deviation`, whose mean plane lies at the distance `mean_gap` below the other surface (lengths): the mean of
+/// k/(g + M), to which points with a gap g > 0 contribute, by a quadrature of Yovanovich's integral (1982).
+pub fn gaussian_gap_conductance(gas: &GapGas, deviation: f64, mean_gap: f64) -> f64 {
+    let (distance, jump) = (mean_gap / deviation, gas.jump / deviation);
+    // The integrand falls steeply from g = 0 to M, which the logarithm of g + M resolves.
+    let [nearest, farthest] = [(distance - RANGE).max(0.0), (distance + RANGE).max(0.0)].map(|g| (g + jump).ln());
+    let (rule, width) = (quadrature::unit_rule(24).collect::<Vec<_>>(), (farthest - nearest) / PANELS as f64);
+    let panel = |index: usize| [index, index + 1].map(|end| nearest + end as f64 * width);
+    let nodes = (0..PANELS).flat_map(|index| quadrature::scaled(&rule, panel(index)).collect::<Vec<_>>());
+    let sum: f64 = nodes.map(|(log, weight)| weight * (-0.5 * (log.exp() - jump - distance).powi(2)).exp()).sum();
+    gas.conductivity / deviation * sum / std::f64::consts::TAU.sqrt()
+}
+
+/// Standard deviations beyond which a Gaussian distribution has no heights that count.
+const RANGE: f64 = 9.0;
+
+/// Number of intervals of a quadrature over the gaps.
+const PANELS: usize = 64;
 
 /// Hertz contact of a parabola h = −r²/2R with a half-space.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -56,6 +56,8 @@ pub struct Facts {
     pub flow: bool,
     /// True if the leak of a fluid is computed from the flow.
     pub leak: bool,
+    /// True if the conductance of a gas in the gap is computed.
+    pub gas: bool,
     /// True if the conductance is computed for two given conductivities.
     pub conducts: bool,
     /// True if the loads at which the flow stops are computed.
@@ -94,6 +96,7 @@ impl Default for Facts {
             statistics: false,
             flow: false,
             leak: false,
+            gas: false,
             conducts: false,
             flow_threshold: false,
             grid_error: GridError::Estimate,
@@ -280,6 +283,8 @@ parts! {
     Flow: |_| (key("flow"), "given", key("flow")), |f| f.flow;
     /// Leak of a fluid.
     Leak: |_| (key("viscosity"), "given", key("viscosity")), |f| f.leak;
+    /// Gas in the gap.
+    Gas: |_| (key("gas"), "given", key("gas")), |f| f.gas;
     /// Loads at which the flow stops.
     FlowThreshold: |_| (key("flow_threshold"), "given", key("flow_threshold")), |f| f.flow_threshold;
     /// Second solution on a finer grid.
@@ -340,8 +345,10 @@ pub const RULES: &[Rule] = {
         rule(Lateral, Lower, "left out", "nothing holds the slab sideways"),
         rule(Lower, Shear, "left out", "the relaxation of each wave is not known"),
         rule(Yield, Lower, "left out", "the strain above a free lower face is not computed"),
+        rule(Gas, Lower, "left out", "each face has a gap of its own, and the slab between them conducts, too"),
         rule(SecondBody, Lower, "left out", "it has one of the two surfaces, and which one is not given"),
         rule(MovedBase, Lower, "left out", "there is no base"),
+        rule(Gas, FiniteSlope, "left out", "where surfaces are steep, the vertical gap is not their distance"),
         rule(Law, FiniteSlope, "hard-wall", "where surfaces are steep, the vertical gap is not their distance"),
         rule(Free, FiniteSlope, "periodic", "points move beyond the rim, where no heights are known"),
         rule(All, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
@@ -401,6 +408,7 @@ pub const RULES: &[Rule] = {
         rule(Lower, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(Statistics, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(Flow, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
+        rule(Gas, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(FlowThreshold, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(History, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(Resume, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),

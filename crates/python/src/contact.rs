@@ -17,6 +17,7 @@ use gfmd_input::source::SourceArgs;
 use gfmd_input::units::of_table;
 use gfmd_interface::StoredFields;
 use gfmd_law::{Law, LawKind};
+use gfmd_measure::{GapGas, Gas};
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, Row};
 use gfmd_problem::{Accuracy, AnyState, Facts, Posed, Spelling, key};
@@ -143,6 +144,40 @@ pub(crate) fn conductance(
         }
     })?;
     found.map_err(|failure| failed(py, failure))
+}
+
+/// Returns the conductivity in W/(m K) and the temperature-jump length in m of a gas, by its name, at a temperature in
+/// K and a pressure in Pa; with the accommodation coefficients of engineering surfaces if none are given.
+#[pyfunction]
+pub(crate) fn gas_in_gap(
+    py: Python<'_>,
+    name: &str,
+    temperature: Option<f64>,
+    pressure: Option<f64>,
+    accommodation: Option<[f64; 2]>,
+) -> PyResult<(f64, f64)> {
+    let Some(gas) = Gas::ALL.into_iter().find(|gas| gas.name() == name) else {
+        let names: Vec<&str> = Gas::ALL.into_iter().map(Gas::name).collect();
+        return Err(failed(py, Failure::value("gas", name, format!("one of {}", names.join(", ")))));
+    };
+    let (temperature, pressure) = (temperature.unwrap_or(Gas::TEMPERATURE), pressure.unwrap_or(Gas::PRESSURE));
+    let found = gas.between(temperature, pressure, accommodation.unwrap_or([gas.accommodation(); 2]));
+    let found = found.map_err(|error| failed(py, Failure::input("gas", error)))?;
+    Ok((found.conductivity, found.jump))
+}
+
+/// Returns the conductance per area of a gas in the gap between the points that do not touch.
+#[pyfunction]
+pub(crate) fn gas_conductance(
+    py: Python<'_>,
+    touching: PyReadonlyArray2<'_, bool>,
+    gap: PyReadonlyArray2<'_, f64>,
+    conductivity: f64,
+    jump: f64,
+) -> PyResult<f64> {
+    let touching = touching.as_array().mapv(|touches| f64::from(u8::from(touches)));
+    let found = GapGas { conductivity, jump }.conductance(touching.view(), gap.as_array());
+    found.map_err(|error| failed(py, Failure::input("gap", error)))
 }
 
 /// Contact problem of a surface and a body.

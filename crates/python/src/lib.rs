@@ -17,7 +17,10 @@ mod _gfmd {
     #[pymodule_export]
     use crate::command::{FileDraft, figures, program, solve, write_file, write_page};
     #[pymodule_export]
-    use crate::contact::{Problem, State, adhesion, check_compliance, check_law, conductance, law_traction, options};
+    use crate::contact::{
+        Problem, State, adhesion, check_compliance, check_law, conductance, gas_conductance, gas_in_gap, law_traction,
+        options,
+    };
     #[pymodule_export]
     use crate::files::{read_array, read_config, read_records, read_text, save};
     #[pymodule_export]

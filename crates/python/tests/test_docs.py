@@ -151,6 +151,8 @@ def test_results_have_the_attributes_that_are_documented(words):
         grid_error="refine",
         viscosity=1e-3,
         pressure_drop=1e5,
+        gas_conductivity=0.026,
+        gas_jump=1e-3,
     )
     pulled = gfmd.path(slab, gfmd.Body(), approach=[0.001, 0.002], hardness=0.05, steps=1)
     patch = gfmd.path(slab, gfmd.Body(), p_star=0.01, boundary="free", steps=1)

@@ -219,6 +219,36 @@ def test_flow_and_conductance_in_si(scan, pressed):
         pressed.flow().rate
 
 
+def test_gas_in_the_gap_in_si(scan, pressed):
+    k, jump = 0.026, 0.3
+    gap = np.where(pressed.touching, np.inf, np.maximum(pressed.gap, 0.0) + jump)
+    numbers = pressed.gas_conductance(conductivity=k, jump="300 nm")
+    assert numbers == pytest.approx(np.mean(k / gap) * 1e6, rel=1e-12)
+    air = pressed.gas_conductance("air")
+    metres = gfmd.contact(scan.to_unit("m"), gfmd.Body(young="70 GPa", poisson=0.3), pressure="100 MPa")
+    assert metres.gas_conductance("air") == pytest.approx(air, rel=1e-5)
+    assert pressed.gas_conductance("air", temperature="300 K", pressure=101325, accommodation=0.8562) == pytest.approx(
+        air, rel=1e-3
+    )
+    assert pressed.gas_conductance("air", pressure="1 kPa") < air < pressed.gas_conductance("helium")
+    for wrong, words in (
+        (dict(gas="steam"), "one of air"),
+        (dict(gas="air", jump=1.0), "left out"),
+        (dict(gas="air", temperature=20.0), "from 200 to 1000 K"),
+        (dict(conductivity=1.0), "gas is missing"),
+        (dict(conductivity=1.0, jump=0.0), "positive and finite"),
+        (dict(conductivity=1.0, jump=1.0, pressure=3.0), "left out without gas"),
+    ):
+        with pytest.raises(gfmd.InputError, match=words):
+            pressed.gas_conductance(**wrong)
+    bare = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=0.1)
+    with pytest.raises(gfmd.InputError, match="length unit"):
+        bare.gas_conductance("air")
+    way = gfmd.path(scan, gfmd.Body(young="70 GPa", poisson=0.3), pressure="100 MPa", steps=1, gas="air")
+    # Pa µm/(s K) are 1e-6 W/(m² K).
+    assert way.steps.gas_conductance[-1] * 1e-6 == pytest.approx(air, rel=1e-4)
+
+
 def test_patches_and_distributions_are_those_of_the_program(pressed, tmp_path, run_program):
     h5py = pytest.importorskip("h5py")
     np.save(tmp_path / "h.npy", pressed.surface.heights)

@@ -5,7 +5,7 @@ use gfmd_contact::{Effort, Fields as _, Stiffness};
 use gfmd_field::Grid;
 use gfmd_flow::{Flow, Fluid};
 use gfmd_interface::{Quasistatic as _, Reading, Step};
-use gfmd_measure::{Patches, Peak, Scales, Summary};
+use gfmd_measure::{GapGas, Patches, Peak, Scales, Summary};
 use gfmd_problem::{AnyState, Facts, Posed};
 
 use crate::Record;
@@ -62,6 +62,8 @@ pub struct StateContext<'a> {
     pub measured: Measured<'a>,
     /// Conductivity of both conductors in series, 1/(1/k1 + 1/k2), if it is given.
     pub conductivity: Option<f64>,
+    /// Gas in the gap, if its conductance is computed.
+    pub gas: Option<GapGas>,
     /// Fluid that flows through the gap, if its leak is computed.
     pub fluid: Option<Fluid>,
     /// Step of a path that led to the state, with the forces and energies of the state.
@@ -146,6 +148,7 @@ impl<'a> StateContext<'a> {
             stiffness: Err(NOT_SOLVED.into()),
             measured: Measured::default(),
             conductivity: None,
+            gas: None,
             fluid: None,
             step: None,
         }

@@ -88,6 +88,10 @@ pub(crate) fn conducts(facts: &Facts) -> bool {
     facts.conducts
 }
 
+pub(crate) fn gas(facts: &Facts) -> bool {
+    facts.gas
+}
+
 pub(crate) fn leak(facts: &Facts) -> bool {
     facts.leak
 }

@@ -9,6 +9,7 @@ pub mod accuracy;
 pub mod columns;
 pub mod convergence;
 pub mod flow;
+pub mod gas;
 pub mod progress;
 pub mod resume;
 pub mod series;

@@ -55,7 +55,8 @@ pub fn measure(
     }
     let conducting = Conducting::new(args, &prepared.body, &prepared.surface)?;
     let stiffness = args.problem.stiffness.of(contact, state, &mut warn);
-    let at = StateContext { facts: &facts, stiffness, ..prepared.at(state, args.problem.solver.search.tolerance) };
+    let gas = args.gas.given()?.map(|gas| gas.in_units(&prepared.surface.units())).transpose()?;
+    let at = StateContext { facts: &facts, stiffness, gas, ..prepared.at(state, args.problem.solver.search.tolerance) };
     let fields = [state.repulsion(), state.gap().into()];
     let [repulsion, gap] = [0, 1].map(|index| fields[index].view());
     let surface = (&prepared.surface, &conducting);

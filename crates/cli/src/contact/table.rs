@@ -6,7 +6,7 @@ use gfmd_measure::GridLimit;
 use gfmd_record::{Table, lines, table_of, with_limit};
 
 use super::Report;
-use crate::path::FLOW;
+use crate::path::{FLOW, GAS};
 use crate::session::list_files;
 use gfmd_input::hardness::GivenHardness;
 
@@ -36,7 +36,15 @@ impl fmt::Display for Report {
             if !lines.is_empty() {
                 writeln!(f, "\n{title}{}", lines.join("\n"))?;
                 match table {
-                    Table::Patches => writeln!(f, "{CONDUCTANCE}")?,
+                    Table::Patches => {
+                        let has = |name| self.loads.iter().any(|load| load.get(name).is_some());
+                        for (_, legend) in [("conductance", CONDUCTANCE), ("gas_conductance", GAS)]
+                            .into_iter()
+                            .filter(|(name, _)| has(name))
+                        {
+                            writeln!(f, "{legend}")?;
+                        }
+                    }
                     Table::Flow => writeln!(f, "{FLOW}")?,
                     _ => {}
                 }

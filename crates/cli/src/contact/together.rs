@@ -15,6 +15,7 @@ impl Args {
             statistics: self.statistics,
             flow: self.flow,
             conducts: !self.conductivity.is_empty(),
+            gas: self.gas.is_given(),
             leak: self.fluid.viscosity.is_some(),
             flow_threshold: self.flow_threshold,
             history: self.trace.is_wanted(),
@@ -29,7 +30,7 @@ impl Args {
     /// Returns an error for numbers that cannot be used.
     pub(super) fn asked(&self) -> Result<Asked<'_>, Failure> {
         let (fluid, conductivity) = (self.fluid.fluid(self.flow)?, self.series_conductivity()?);
-        Ok(Asked { fluid, conductivity, ..self.problem.asked()? })
+        Ok(Asked { fluid, conductivity, gas: self.gas.given()?, ..self.problem.asked()? })
     }
 
     /// Returns the conductivity of both conductors in series, 1/(1/k1 + 1/k2); `None` if it is not given.

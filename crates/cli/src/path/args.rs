@@ -10,6 +10,7 @@ use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_problem::{Facts, GridError, Task};
 use gfmd_run::flow::FluidArgs;
+use gfmd_run::gas::{GasArgs, GivenGas};
 use gfmd_run::resume::ResumeArgs;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,7 @@ use gfmd_problem::options::Options;
 use gfmd_problem::options::SearchArgs;
 
 /// Flags of the surroundings of a path, and of the numbers of its steps.
-#[derive(ClapArgs, Options, Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct PathOptions {
     /// The surroundings of the surface; free: a patch that does not repeat
@@ -46,6 +47,9 @@ pub(super) struct PathOptions {
     #[command(flatten)]
     #[serde(flatten)]
     fluid: FluidArgs,
+    #[command(flatten)]
+    #[serde(flatten)]
+    gas: GasArgs,
 }
 
 fn is_periodic(boundary: &Boundary) -> bool {
@@ -54,14 +58,21 @@ fn is_periodic(boundary: &Boundary) -> bool {
 
 impl PathOptions {
     /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
-    pub(super) fn of(self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
-        let Self { boundary, grid_error, flow, fluid } = self;
-        Facts { task: Task::Path, boundary, flow, leak: fluid.viscosity.is_some(), resume, grid_error, ..body }
+    pub(super) fn of(&self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
+        let Self { boundary, grid_error, flow, fluid, gas } = self;
+        let (boundary, grid_error, flow) = (*boundary, *grid_error, *flow);
+        let (leak, gas) = (fluid.viscosity.is_some(), gas.is_given());
+        Facts { task: Task::Path, boundary, flow, leak, gas, resume, grid_error, ..body }
     }
 
     /// Returns the fluid whose leak is computed, if there is one.
-    pub(super) fn fluid(self) -> Result<Option<Fluid>, Failure> {
+    pub(super) fn fluid(&self) -> Result<Option<Fluid>, Failure> {
         self.fluid.fluid(self.flow)
+    }
+
+    /// Returns the gas in the gap, if its conductance is computed.
+    pub(super) fn gas(&self) -> Result<Option<GivenGas>, Failure> {
+        self.gas.given()
     }
 }
 

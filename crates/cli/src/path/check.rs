@@ -59,6 +59,7 @@ impl Checked for Args {
             // A state with shear, of a body with a memory or of one that yields does not follow from its fields alone.
             if prepared.prony.is_some() || prepared.facts.yields || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
+                check.gas(waypoint, index, comparison)?;
                 check.stiffness(waypoint, index, comparison)?;
                 let is_last = index + 1 == input.drives.len();
                 check.state((waypoint, index), is_last, comparison)?;
@@ -247,6 +248,21 @@ impl StepCheck<'_> {
                 comparison.number(&format!("/path/{name}"), number(name), leak, 1e-3);
             }
         }
+        Ok(())
+    }
+
+    /// Compares the conductance of the gas with its value in the stored gap.
+    fn gas(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
+        let file = self.stored;
+        let Some(gas) = self.args.around.gas()? else { return Ok(()) };
+        let gas = gas.in_units(&file.prepared.surface.units())?;
+        let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
+        let (repulsion, floor) = self.repulsion(&pressure, &gap);
+        let least = self.args.steps.search.tolerance * floor;
+        let repulsion = repulsion.mapv(|p| if p > least { p } else { 0.0 });
+        let found = gas.conductance(repulsion.view(), gap.view());
+        let found = found.map_err(|error| Failure::refused(error.to_string()))?;
+        comparison.number("/path/gas_conductance", file.number("gas_conductance", step), found, 1e-3);
         Ok(())
     }
 

@@ -187,14 +187,23 @@ pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided b
                                mean gap; leak: volume per time through the cell, with --viscosity 1mPa*s and \
                                --pressure-drop 1bar";
 
-/// Prints the table of the flow, one line per step, below the `title`, if there is one.
-fn print_flow(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units, title: &str) -> fmt::Result {
-    let lines = table_of(steps, &[Table::Flow], units, None);
+/// Legend of the conductance of a gas.
+pub(crate) const GAS: &str = "gas conductance: per area of the gas in the gap, radiation left out; points in contact \
+                              contribute nothing";
+
+/// Prints the table of the flow or of the gas, one line per step, below the `title`, if there is one.
+fn print_gap(
+    f: &mut fmt::Formatter<'_>,
+    (steps, units): (&[Record], &Units),
+    (table, legend): (Table, &str),
+    title: &str,
+) -> fmt::Result {
+    let lines = table_of(steps, &[table], units, None);
     for (index, line) in lines.iter().enumerate() {
         let step = index.checked_sub(1).map_or_else(|| format!("\n{title}     "), |step| format!("{step:>5}"));
         writeln!(f, "{step}{line}")?;
     }
-    if lines.is_empty() { Ok(()) } else { writeln!(f, "{FLOW}") }
+    if lines.is_empty() { Ok(()) } else { writeln!(f, "{legend}") }
 }
 
 /// Columns of the table that may lack a value although others of their kind have one.
@@ -220,7 +229,9 @@ impl fmt::Display for Report {
             writeln!(f, "{step:>5}  the surfaces part")?;
         }
         let upper = if self.head.lower.is_some() { "upper face\n" } else { "" };
-        print_flow(f, &self.steps, &self.head.units(), upper)?;
+        for table in [(Table::Patches, GAS), (Table::Flow, FLOW)] {
+            print_gap(f, (&self.steps, &self.head.units()), table, upper)?;
+        }
         for leg in &self.sliding {
             let stiffness = self.head.units().shown("stress/length", leg.tangential_stiffness);
             writeln!(

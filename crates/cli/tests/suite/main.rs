@@ -13,6 +13,7 @@ mod contact;
 mod crash;
 mod extreme;
 mod free;
+mod gas;
 mod golden;
 mod grid;
 mod guess;

@@ -314,3 +314,22 @@ fn a_wave_next_to_others_is_seen_from_its_own_length_on() {
         }
     }
 }
+
+/// Limits of a far surface, k/(Y + M), of a long jump, and a plain sum of the same integral at a moderate distance.
+#[test]
+fn the_gas_between_gaussian_heights_has_its_limits() {
+    let of = |jump: f64, mean_gap: f64| gaussian_gap_conductance(&GapGas { conductivity: 0.026, jump }, 0.5, mean_gap);
+    assert!((of(0.1, 500.0) / (0.026 / 500.1) - 1.0).abs() < 2e-6);
+    let above = 0.5 * libm::erfc(-3.0 / std::f64::consts::SQRT_2);
+    assert!((of(1e6, 1.5) / (0.026 / 1e6 * above) - 1.0).abs() < 2e-6);
+    for [jump, mean_gap] in [[0.2, 1.5], [0.01, 1.0], [3.0, 0.0]] {
+        let steps = 2_000_000;
+        let width = (mean_gap + 4.5) / f64::from(steps);
+        let sum: f64 = (0..steps)
+            .map(|step| (f64::from(step) + 0.5) * width)
+            .map(|g| (-2.0 * (g - mean_gap).powi(2)).exp() / (g + jump))
+            .sum();
+        let wanted = 0.026 * sum * width / (0.5 * std::f64::consts::TAU.sqrt());
+        assert!((of(jump, mean_gap) / wanted - 1.0).abs() < 1e-8, "{jump} {mean_gap}");
+    }
+}

@@ -5,6 +5,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gfmd_contact::{Boundary, Solver};
 use gfmd_green::BaseKind;
 use gfmd_interface::LimitingPressure;
+use gfmd_measure::Gas;
 use gfmd_medium::Relaxes;
 use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
 
@@ -43,6 +44,7 @@ choices! {
     BaseKind: &Self::ALL;
     Boundary: &Self::ALL;
     Fill: Self::ALL;
+    Gas: &Self::ALL;
     GridError: &Self::ALL;
     KeptStrain: &Self::ALL;
     Moduli: &Self::ALL;

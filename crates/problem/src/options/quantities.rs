@@ -81,6 +81,8 @@ impl Kinds {
     pub const HEAT: Self = Self::list(&[&["stress*length^2/time*temperature", "length^2/time"]]);
     /// Thermal conductivities.
     pub const CONDUCTIVITY: Self = Self::list(&[&["stress*length^2/time*temperature"]]);
+    /// A temperature.
+    pub const TEMPERATURE: Self = Self::list(&[&["temperature"]]);
     /// Gaps and tractions of a law.
     pub const LAW_TABLE: Self = Self { rows: &[&["length", "stress"]], form: Form::Table(&[&["gap", "traction"]]) };
     /// Equivalent plastic strains and yield stresses of a hardening curve.

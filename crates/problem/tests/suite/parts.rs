@@ -143,6 +143,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             statistics: false,
             flow: false,
             leak: false,
+            gas: false,
             conducts: false,
             flow_threshold: false,
             grid_error: GridError::Estimate,

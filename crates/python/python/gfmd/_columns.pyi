@@ -856,6 +856,13 @@ class Steps(Record):
         """
 
     @property
+    def gas_conductance(self) -> Array:
+        """Stress * length/time * temperature [step]: conductance per area of the gas in the gap: mean of k/(g + M)
+        over all points, with k the conductivity of the gas, g the gap and M the temperature-jump length; points in
+        contact contribute nothing, and radiation is left out. With `gas` only.
+        """
+
+    @property
     def flow_xx(self) -> Array:
         """Without unit [step]: mean flux along x by a mean pressure gradient along x, over that of a uniform gap
         equal to the mean gap. With `flow` only.
@@ -1024,6 +1031,24 @@ class Steps(Record):
     @property
     def stiffness_grid_error(self) -> Array:
         """Stress/length [step]: grid error of stiffness: |stiffness - limit| + limit_error."""
+
+    @property
+    def gas_conductance_limit(self) -> Array:
+        """Stress * length/time * temperature [step]: estimate of gas_conductance on an infinitely fine grid under
+        the same mean pressure. With `gas` only.
+        """
+
+    @property
+    def gas_conductance_limit_error(self) -> Array:
+        """Stress * length/time * temperature [step]: 95 % of the errors of gas_conductance_limit are smaller. With
+        `gas` only.
+        """
+
+    @property
+    def gas_conductance_grid_error(self) -> Array:
+        """Stress * length/time * temperature [step]: grid error of gas_conductance: |gas_conductance - limit| +
+        limit_error. With `gas` only.
+        """
 
     @property
     def flow_xx_limit(self) -> Array:

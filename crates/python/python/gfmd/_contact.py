@@ -446,6 +446,69 @@ class Contact(Result, Numbers, Fields):
             raise InputError(f"k1 and k2 are {k1!r}, {k2!r}; they must be positive and finite")
         return found / (1.0 / first + 1.0 / second) / metre(self.surface.unit)
 
+    @_hints.hinted
+    def gas_conductance(
+        self,
+        gas: Optional[Literal["air", "nitrogen", "argon", "helium", "hydrogen"] | str] = None,
+        *,
+        temperature: Optional[Quantity] = None,
+        pressure: Optional[Quantity] = None,
+        accommodation: Optional[float | Sequence[float]] = None,
+        conductivity: Optional[Quantity] = None,
+        jump: Optional[Quantity] = None,
+    ) -> float:
+        """Returns the conductance per area of the gas in the gap, W/(m² K), as `gfmd contact --gas` does.
+
+        It is the mean of k/(g + M) over all points, with the conductivity k of the gas, the gap g and the
+        temperature-jump length M; points in contact contribute nothing. Radiation is left out. The joint in a gas
+        conducts this plus `conductance(k1, k2)`.
+
+        Args:
+            gas: name of the gas; the length unit of the surface must be known.
+            temperature: temperature of the gas, 200 to 1000 K, or a string with a unit; 300 K by default.
+            pressure: pressure of the gas, Pa, at most 1 MPa, or a string with a unit ("10 kPa"); 101325 Pa by default.
+            accommodation: thermal accommodation coefficients of both surfaces, or one number for both; by default
+                of engineering surfaces: air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29.
+            conductivity: conductivity of a gas given by numbers instead, W/(m K), or a string with a unit.
+            jump: temperature-jump length of that gas, in units of the surface, or a string with a unit.
+
+        Raises:
+            InputError: a lower surface, which has two gaps; finite slopes; a gas in a state without known properties;
+                numbers that are not positive; a gas given in both ways, or in none.
+
+        Example:
+            >>> c.gas_conductance(conductivity=0.026, jump=1e-4) > 0.0
+            True
+        """
+        if self.finite_slope or self.lower_surface is not None:
+            raise InputError("with finite slopes or a lower surface, the gap is not one layer of gas")
+        unit = self.surface.unit
+        state = (temperature, pressure, accommodation)
+        if gas is not None:
+            if conductivity is not None or jump is not None:
+                raise InputError("gas is given; it must be left out with conductivity and jump")
+            if unit is None:
+                raise InputError(
+                    f"gas is {gas!r}; it needs the length unit of the surface, or conductivity and jump in its place"
+                )
+            kelvin = None if temperature is None else in_units("temperature", temperature, "temperature")
+            pascal = None if pressure is None else in_units("pressure", pressure, "stress")
+            both = None if accommodation is None else [*np.broadcast_to(accommodation, 2).astype(float)]
+            k, m = _gfmd.gas_in_gap(gas, kelvin, pascal, None if both is None else (both[0], both[1]))
+            m /= metre(unit)
+        else:
+            if conductivity is None or jump is None:
+                raise InputError("gas is missing; it must be a name, or conductivity and jump in its place")
+            if any(number is not None for number in state):
+                raise InputError("temperature, pressure and accommodation must be left out without gas")
+            k = in_units("conductivity", conductivity, "stress*length^2/time*temperature")
+            m = in_units("jump", jump, "length", unit, None)
+            if not (0.0 < k < math.inf and 0.0 < m < math.inf):
+                raise InputError(
+                    f"conductivity and jump are {conductivity!r}, {jump!r}; they must be positive and finite"
+                )
+        return _gfmd.gas_conductance(self.touching, self.gap, k, m) / metre(unit)
+
     def vjp(
         self,
         *,

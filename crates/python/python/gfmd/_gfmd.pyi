@@ -16,6 +16,8 @@ __all__ = [
     "check_law",
     "composite",
     "conductance",
+    "gas_conductance",
+    "gas_in_gap",
     "converted",
     "detrend",
     "figures",
@@ -85,6 +87,13 @@ def adhesion(problem: dict[str, Any], arrays: dict[str, _Array]) -> str: ...
 def conductance(
     touching: npt.NDArray[np.bool_], lengths: tuple[float, float], boundary: str, height: float
 ) -> float: ...
+def gas_in_gap(
+    name: str,
+    temperature: Optional[float],
+    pressure: Optional[float],
+    accommodation: Optional[tuple[float, float]],
+) -> tuple[float, float]: ...
+def gas_conductance(touching: npt.NDArray[np.bool_], gap: _Array, conductivity: float, jump: float) -> float: ...
 def check_compliance(table: list[list[float]], uniform: float) -> None: ...
 def check_law(name: str, parameters: list[tuple[str, float]], table: list[tuple[float, float]]) -> None: ...
 def law_traction(

@@ -72,6 +72,7 @@ _ATTRIBUTES = {
 # Arguments of another function.
 _ELSEWHERE = {
     "viscosity": "leak_rate(viscosity=..., pressure_drop=...) takes it",
+    "gas": "gas_conductance('air') of the contact takes it",
     "pressure_drop": "leak_rate(viscosity=..., pressure_drop=...) takes it",
 }
 

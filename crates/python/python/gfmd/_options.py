@@ -75,6 +75,12 @@ class PathOptions(TypedDict, total=False):
     flow: bool
     viscosity: Optional[Quantity]
     pressure_drop: Optional[Quantity]
+    gas: Optional[Literal["air", "nitrogen", "argon", "helium", "hydrogen"]]
+    gas_temperature: Optional[Quantity]
+    gas_pressure: Optional[Quantity]
+    gas_accommodation: Optional[Sequence[float]]
+    gas_conductivity: Optional[Quantity]
+    gas_jump: Optional[Quantity]
     hardness: Optional[Quantity | npt.ArrayLike]
     time: Optional[Quantity | npt.ArrayLike]
     direction: Optional[float]

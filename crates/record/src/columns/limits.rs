@@ -10,8 +10,8 @@ use super::undefined::lost;
 use super::{Column, measured::MEASURED};
 use crate::column::{LIMIT, Origin};
 use crate::when::{
-    any, approach_given, conducts, flow, friction, hardness, law, leak, load_given, loads, of_a_law, path, relaxing,
-    sheared, statistics, steep, wears, yields,
+    any, approach_given, conducts, flow, friction, gas, hardness, law, leak, load_given, loads, of_a_law, path,
+    relaxing, sheared, statistics, steep, wears, yields,
 };
 use crate::{Cell, StateContext};
 
@@ -80,7 +80,8 @@ const SINGULAR: [&str; 3] = ["max_pressure", "pressure_deviation_in_contact", "p
 const STEEPEST: f64 = 2.0;
 
 /// Columns without a formula; their error comes from the difference of two grids.
-const BY_DIFFERENCE: [&str; 5] = ["mean_pressure", "mean_shear_x", "mean_shear_y", "interface_energy", "dissipated"];
+const BY_DIFFERENCE: [&str; 6] =
+    ["mean_pressure", "mean_shear_x", "mean_shear_y", "interface_energy", "dissipated", "gas_conductance"];
 
 /// Columns whose value on one grid does not predict the value on another.
 const OF_PATCHES: [&str; 2] = ["patches", "largest_patch_fraction"];
@@ -414,6 +415,7 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
         Some(1.4),
         |limits, at, value| if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
     ),
+    limits!("gas_conductance", ["gas_conductance", ""], "stress*length/time*temperature", gas, None, two_grids),
     limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
     limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
     limits!("leak_x", ["leak", ".0"], "length^3/time", leak, Some(1.3), |limits, at, value| leaked(

@@ -1,9 +1,11 @@
-//! Patches of points in contact, and their conductance.
+//! Patches of points in contact, their conductance, and the conductance of a gas between them.
+
+use gfmd_contact::Fields as _;
 
 use super::{Column, undefined::flag};
-use crate::Cell;
 use crate::column::{Form, Table};
-use crate::when::{any, conducts, statistics};
+use crate::when::{any, conducts, gas, statistics};
+use crate::{Cell, StateContext};
 
 /// Columns of the patches.
 pub(super) const COLUMNS: &[Column] = &[
@@ -65,4 +67,23 @@ pub(super) const COLUMNS: &[Column] = &[
     )
     .with(conducts)
     .on(Table::Patches, "contact conductance", Form::Size),
+    Column::new(
+        "gas_conductance",
+        "stress*length/time*temperature",
+        &[(
+            any,
+            "conductance per area of the gas in the gap: mean of k/(g + M) over all points, with k the conductivity of \
+             the gas, g the gap and M the temperature-jump length; points in contact contribute nothing, and radiation \
+             is left out",
+        )],
+        through_gas,
+    )
+    .with(gas)
+    .on(Table::Patches, "gas conductance", Form::Size),
 ];
+
+/// Returns the conductance of the gas between the points that are not in contact.
+fn through_gas(at: &StateContext) -> Cell {
+    let (Some(gas), Some(rest)) = (at.gas, at.rest) else { return f64::NAN.into() };
+    gas.conductance(rest.repulsion().view(), rest.gap()).unwrap_or(f64::NAN).into()
+}

@@ -209,7 +209,7 @@ fn the_classes_of_python_have_the_columns() {
     let all: Vec<Facts> = all_facts()
         .flat_map(|facts| {
             let flow = facts.task == Task::Path;
-            [facts, Facts { flow, ..facts }, Facts { flow, leak: flow, ..facts }]
+            [facts, Facts { flow, ..facts }, Facts { flow, leak: flow, ..facts }, Facts { gas: flow, ..facts }]
         })
         .filter(|facts| facts.check().is_ok())
         .collect();

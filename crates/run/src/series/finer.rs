@@ -7,6 +7,7 @@ use gfmd_surface::Interpolation;
 
 use super::prepared::{Asked, Prepared};
 use super::pressed::ContactArgs;
+use crate::gas::GivenGas;
 use gfmd_input::failure::{Failure, reached};
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::session::Session;
@@ -40,8 +41,9 @@ pub fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Fa
 /// Returns an error if no other grid of the problem is known, or if the problem does not fit into memory.
 pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepared, Posed)>, Failure> {
     let pose = |source: SourceArgs| {
-        let Prepared { fluid, conductivity, .. } = *prepared;
-        let asked = Asked { source: &source, once: true, fluid, conductivity, ..asked.clone() };
+        let Prepared { fluid, conductivity, gas, .. } = *prepared;
+        let gas = gas.map(GivenGas::Numbers);
+        let asked = Asked { source: &source, once: true, fluid, conductivity, gas, ..asked.clone() };
         let finer = Prepared::new(&asked, |_| prepared.facts, &Session::silent())?;
         let contact = finer.pose(&source, &finer.law)?;
         Ok((finer, contact))

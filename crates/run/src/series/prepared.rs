@@ -11,7 +11,7 @@ use gfmd_flow::Fluid;
 use gfmd_green::Body;
 use gfmd_interface::{Shear, Wear};
 use gfmd_law::Law;
-use gfmd_measure::{Scales, top, top_inside};
+use gfmd_measure::{GapGas, Scales, top, top_inside};
 use gfmd_medium::Prony;
 use gfmd_plasticity::Cell;
 use gfmd_problem::{AnyState, Facts, Given, KeptStrain, Posed, Words, key, pose, setting, words};
@@ -21,6 +21,7 @@ use gfmd_unit::Units;
 use ndarray::Array2;
 
 use super::layout::SeriesLayout;
+use crate::gas::GivenGas;
 use gfmd_input::base::{BaseArgs, MovedBase};
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness::{self, GivenHardness};
@@ -70,6 +71,8 @@ pub struct Asked<'a> {
     pub fluid: Option<Fluid>,
     /// Conductivity of both conductors in series, if it is given.
     pub conductivity: Option<f64>,
+    /// Gas in the gap, if its conductance is computed.
+    pub gas: Option<GivenGas>,
     /// True if only one state at a time is in memory, and nothing is measured.
     pub once: bool,
 }
@@ -102,6 +105,8 @@ pub struct Prepared {
     pub(crate) fluid: Option<Fluid>,
     /// Conductivity of both conductors in series, if it is given.
     pub(crate) conductivity: Option<f64>,
+    /// Gas in the gap, if its conductance is computed.
+    pub(crate) gas: Option<GapGas>,
     dynamics: Dynamics,
     /// True if a dynamic solver moves all components.
     moves_all: bool,
@@ -177,6 +182,7 @@ impl Prepared {
             }
             _ => surface.statistics.moments,
         };
+        let gas = asked.gas.map(|gas| gas.in_units(&surface.units())).transpose()?;
         let (prony, wear, dynamics) = (asked.prony.clone(), asked.wear, asked.dynamics);
         let adhesion = Adhesion::of(&asked.law, &law, &surface.grid, &surface.moments(), body.contact_modulus());
         Ok(Self {
@@ -193,6 +199,7 @@ impl Prepared {
             wear,
             fluid: asked.fluid,
             conductivity: asked.conductivity,
+            gas,
             dynamics,
             moves_all: facts.moves_all_by(asked.solver),
             rise,
@@ -267,6 +274,7 @@ impl Prepared {
             rise: self.rise,
             fluid: self.fluid,
             conductivity: self.conductivity,
+            gas: self.gas,
             process_zone: self.adhesion.map(|found| found.process_zone_points / found.process_zone_needed),
             ..at
         }
@@ -530,6 +538,7 @@ impl<'a> Asked<'a> {
             budget,
             fluid: None,
             conductivity: None,
+            gas: None,
             once: false,
         }
     }
