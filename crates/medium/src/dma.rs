@@ -10,8 +10,8 @@ use crate::{Prony, PronyError};
 /// Misfit of the chosen series, divided by the smallest misfit of all: the least number of branches within it is taken.
 pub const EXCESS: f64 = 1.1;
 
-/// Misfit that is good enough, below the accuracy of any measurement.
-pub const GOOD_MISFIT: f64 = 1e-3;
+/// Misfit that is good enough: instruments and specimens are hardly more exact.
+pub const GOOD_MISFIT: f64 = 0.01;
 
 /// Most relaxation times per decade that an automatic fit tries.
 const DENSEST: f64 = 3.0;
@@ -22,6 +22,9 @@ pub const MOST_TIMES: usize = 60;
 /// Storage modulus at the lowest frequency divided by the long-term modulus, or instantaneous modulus divided by the
 /// storage modulus at the highest frequency, above which the fitted modulus is an extrapolation.
 pub const PLATEAU: f64 = 1.1;
+
+/// Long-term modulus divided by the lowest storage modulus that is no more than rounding.
+const NEGLIGIBLE: f64 = 1e-6;
 
 /// Complex modulus measured at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,7 +161,8 @@ impl PronyFit {
         };
         let fits: Vec<Self> = grids.iter().map(|times| Self::at(points, times, long_term)).collect();
         let tried: Vec<(usize, f64)> = fits.iter().map(|fit| (fit.branches.len(), fit.misfit())).collect();
-        let has_end = |fit: &&Self| fit.long_term > 0.0 && !fit.branches.is_empty();
+        let least = NEGLIGIBLE * points.iter().map(|point| point.storage).fold(f64::INFINITY, f64::min);
+        let has_end = |fit: &&Self| fit.long_term > least && !fit.branches.is_empty();
         // A series without a long-term modulus is none that a body can have: the others are compared.
         let smallest = fits.iter().filter(has_end).map(Self::misfit).fold(f64::INFINITY, f64::min);
         let allowed = (EXCESS * smallest).max(GOOD_MISFIT);

@@ -23,6 +23,7 @@ mod law;
 mod options;
 mod pictures;
 mod plastic;
+mod prony;
 mod punch;
 mod relaxing;
 mod repeat;
