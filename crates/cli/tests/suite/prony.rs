@@ -80,6 +80,25 @@ fn a_table_gives_the_options_of_a_body() {
     assert!(named["options"].as_str().unwrap().ends_with("--young 3kPa"), "{named}");
 }
 
+/// The page about time shows this table of the example, which is made with the moduli 2 MPa and 2000 MPa.
+#[test]
+fn the_example_of_the_documentation_gives_its_numbers() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let flags = ["prony", "--dma", "data/examples/dma.csv", "--wlf", "8.86,101.6,20"];
+    let output = gfmd(&root, &[&flags[..], &["-q"]].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    let page = std::fs::read_to_string(root.join("docs/time.md")).unwrap();
+    let block = page.split("```text\ndata/examples/dma.csv").nth(1).unwrap().split("```").next().unwrap();
+    for line in block.lines().skip(1).filter(|line| !line.starts_with("...")) {
+        let part = line.split(",...").next().unwrap();
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let report = json(&root, &[&flags[..], &["--json", "-q"]].concat());
+    assert!((number(&report["young_long_term"]) / 2.0 - 1.0).abs() < 0.03, "{report}");
+    assert!((number(&report["young_instantaneous"]) / 2000.0 - 1.0).abs() < 0.01, "{report}");
+    assert!(report["warnings"].as_array().unwrap().is_empty(), "{report}");
+}
+
 #[test]
 fn temperatures_are_shifted_to_one_curve() {
     let folder = tempfile::tempdir().unwrap();
