@@ -155,12 +155,16 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let refuse = |reason: String| Failure::input(key("dma"), format!("{}: {reason}", args.dma));
     let text = input::text(&args.dma).map_err(|error| refuse(error.to_string()))?;
     let table = table::read(&text).map_err(refuse)?;
+    // A table of Python is not parsed as words are.
+    if let Some(Err(error)) = args.stress_unit.as_deref().map(stress_unit) {
+        return Err(Failure::input(key("stress_unit"), error));
+    }
     if let (Some(found), Some(given)) = (&table.stress_unit, &args.stress_unit)
         && found != given
     {
         return Err(Failure::value(key("stress_unit"), given, format!("{found}, as the table has, or left out")));
     }
-    let stress_unit = table.stress_unit.clone().or_else(|| args.stress_unit.clone());
+    let unit = table.stress_unit.clone().or_else(|| args.stress_unit.clone());
     let wlf = wlf(&args.wlf)?;
     let shifts = shifts(args, &table.rows, wlf.as_ref())?;
     let mut points = Vec::with_capacity(shifts.len());
@@ -191,8 +195,10 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         FitError::Point { .. } => refuse(error.to_string()),
     })?;
     fit.series().map_err(|error| refuse(error.to_string()))?;
-    let units = Units::new(Some("m"), stress_unit.as_deref());
-    let units = if stress_unit.is_some() { units } else { Units::default() };
+    let units = match &unit {
+        Some(unit) => Units::new(Some("m"), Some(unit)),
+        None => Units::default(),
+    };
     warn(session, &fit, &points, args, &units);
     let fractions = fit.fractions();
     let measured = |((row, shift), point): ((&table::Row, &f64), &DynamicModulus)| {
@@ -227,10 +233,10 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         branches: fit.branches.iter().zip(&fractions).map(branch).collect(),
         storage_misfit: fit.storage_misfit,
         loss_misfit: fit.loss_misfit,
-        options: options(&fit, stress_unit.as_deref().unwrap_or_default()),
+        options: options(&fit, unit.as_deref().unwrap_or_default()),
         tried: fit.tried.iter().map(|(branches, misfit)| Tried { branches: *branches, misfit: *misfit }).collect(),
         prony: fractions,
-        stress_unit,
+        stress_unit: unit,
         points,
         plots,
     })

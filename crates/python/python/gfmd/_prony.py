@@ -63,7 +63,7 @@ class PronyFit(Record):
 
     @property
     def series(self) -> list[tuple[float, float]]:
-        """The series for `prony` of a body: pairs of relaxation time, s, and fraction without unit.
+        """The series for `prony` of a body, pairs of relaxation time, s, and fraction without unit.
 
         Example:
             >>> fit = gfmd.prony(frequency=[0.1, 1, 10], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1], branches=1)
@@ -74,7 +74,7 @@ class PronyFit(Record):
 
     @property
     def young(self) -> Union[float, str]:
-        """The long-term Young's modulus for `young` of a body, stress: a text with its unit, or a number without one.
+        """The long-term Young's modulus for `young` of a body, stress, a text with its unit or a number without one.
 
         Example:
             >>> curves = dict(frequency=[0.1, 1, 10], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1])
