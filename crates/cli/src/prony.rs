@@ -31,8 +31,8 @@ const EXTRAPOLATED: &str = "extrapolated";
   gfmd prony --dma master.csv --times 1e-6,1e-4,1e-2,1 --long-term 2.1 --json
   gfmd prony --dma sweep.csv --wlf 17.44,51.6,-60")]
 pub struct Args {
-    /// Table with the columns frequency, storage and loss, and temperature or log_a_t if there are several temperatures;
-    /// heads may have units, as in `frequency (Hz), storage (MPa), loss (MPa)`. Without a unit the frequency is in Hz
+    /// Table with the columns frequency, storage and loss, and temperature or log_a_t if there are several
+    /// temperatures; heads may have units, as in `frequency (Hz), storage (MPa), loss (MPa)`. Without a unit the frequency is in Hz
     #[arg(long, required = true, value_name = "FILE", help_heading = "Measurement")]
     dma: String,
     /// Shift the frequencies of several temperatures by the equation of Williams, Landel and Ferry: C1, C2 and the
@@ -64,7 +64,8 @@ pub struct Args {
     /// Long-term modulus from another test, in the unit of the storage modulus [default: fitted]
     #[arg(long, value_name = "E", allow_negative_numbers = true, help_heading = "Series")]
     long_term: Option<f64>,
-    /// Draw measured and fitted moduli, and the moduli of the branches: PREFIX-moduli.svg, PREFIX-branches.svg, and .png
+    /// Draw measured and fitted moduli, and the moduli of the branches: PREFIX-moduli.svg, PREFIX-branches.svg, and
+    /// .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     plots: Option<PathBuf>,
 }

@@ -46,7 +46,7 @@ impl Factors {
                 }
             }
             let norm = dot(&rest, &rest).sqrt();
-            if !(norm > INDEPENDENT) {
+            if norm <= INDEPENDENT || norm.is_nan() {
                 return None;
             }
             rest.iter_mut().for_each(|value| *value /= norm);
@@ -102,7 +102,7 @@ fn reduce(columns: &[Vec<f64>], b: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
     for k in 0..count {
         let norm = dot(&rest[k], &rest[k]).sqrt();
         reduced[k][k] = norm;
-        if !(norm > 0.0) {
+        if norm == 0.0 {
             continue;
         }
         let q: Vec<f64> = rest[k].iter().map(|value| value / norm).collect();

@@ -73,8 +73,8 @@ impl Column {
 /// Place and unit of each column.
 type Places = BTreeMap<Column, (usize, Option<String>)>;
 
-/// Splits a line at tabs or semicolons, else at commas, else at blanks. Between tabs and semicolons a comma is a decimal
-/// point.
+/// Splits a line at tabs or semicolons, else at commas, else at blanks. Between tabs and semicolons a comma is a
+/// decimal point.
 fn cells(line: &str) -> Vec<String> {
     let trimmed = |cell: &str| cell.trim().trim_matches('"').trim().to_owned();
     if line.contains(['\t', ';']) {
@@ -305,7 +305,7 @@ mod tests {
             "1,2.5,0.5\n10,4,1\n",
             "frequency,storage,loss\n1,2.5,0.5\n10,4,1\n",
             "# made\n\nfrequency (Hz), storage (MPa), loss (MPa)\n1,2.5,0.5\n10,4,1\n",
-            "\u{feff}Storage modulus [MPa];Loss modulus [MPa];tan delta;Frequency [Hz]\r\n2,5;0,5;0,2;1\r\n4;1;0,25;10\r\n",
+            "\u{feff}Storage modulus [MPa];Loss modulus [MPa];tan d;Frequency [Hz]\r\n2,5;0,5;0,2;1\r\n4;1;0,25;10\r\n",
             "f\tE'\tE''\nHz\tMPa\tMPa\n1\t2.5\t0.5\n10\t4\t1\n",
             "frequency_Hz storage_MPa loss_kPa\n1 2.5 500\n10 4 1e3\n",
             "\"Frequency / mHz\",\"G' / MPa\",\"G'' / MPa\"\n1000,2.5,0.5\n1e4,4,1\n",
