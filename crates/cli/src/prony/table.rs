@@ -52,7 +52,7 @@ impl Column {
     /// Returns the column with a head, without its unit.
     fn of(head: &str) -> Option<Self> {
         let head: String = head.to_lowercase().chars().filter(|c| !c.is_whitespace() && *c != '_').collect();
-        let head = head.replace(['’', '′'], "'").replace('″', "''").replace('"', "''");
+        let head = head.replace(['’', '′'], "'").replace(['″', '"'], "''");
         let begins = |words: &[&str]| words.iter().any(|word| head.starts_with(word));
         if begins(&["freq", "angularfreq", "reducedfreq"]) || ["f", "omega", "ω"].contains(&head.as_str()) {
             Some(Self::Frequency)
