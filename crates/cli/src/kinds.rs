@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use gfmd_problem::options::{KindsByKey, add_kinds};
 
-use crate::{body, contact, green, law, path, punch, slide, surface, theory};
+use crate::{body, contact, green, law, path, prony, punch, slide, surface, theory};
 
 /// Returns the kinds of the numbers of all options, by key. Options with the same key have the same kinds in all
 /// commands.
@@ -20,6 +20,7 @@ pub fn kinds() -> &'static KindsByKey {
         add_kinds::<path::Args>(&mut all);
         add_kinds::<slide::Args>(&mut all);
         add_kinds::<law::Args>(&mut all);
+        add_kinds::<prony::Args>(&mut all);
         add_kinds::<theory::Args>(&mut all);
         all
     })
@@ -43,6 +44,7 @@ mod tests {
         path::Args::kinds(&mut see);
         slide::Args::kinds(&mut see);
         law::Args::kinds(&mut see);
+        prony::Args::kinds(&mut see);
         theory::Args::kinds(&mut see);
         assert!(seen.len() > kinds().len(), "commands share options");
         for (key, found) in seen {

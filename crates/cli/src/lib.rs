@@ -33,6 +33,7 @@ pub mod path;
 mod processes;
 pub mod program;
 pub mod progress;
+pub mod prony;
 pub mod punch;
 pub mod report;
 pub mod session;

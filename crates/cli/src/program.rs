@@ -17,8 +17,8 @@ use serde::Serialize;
 use crate::kinds::kinds;
 use crate::session::Common;
 use crate::{
-    body, check, completions, contact, green, guess, inputs, kappa_sweep, law, path, processes, punch, report, session,
-    slide, surface, theory,
+    body, check, completions, contact, green, guess, inputs, kappa_sweep, law, path, processes, prony, punch, report,
+    session, slide, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -59,6 +59,8 @@ pub enum Command {
     Slide(Box<slide::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
+    /// Fit a Prony series to measured storage and loss moduli, for a body of path and slide
+    Prony(Box<prony::Args>),
     /// Evaluate theories of rough contact for a surface and a body, without solving a contact
     Theory(Box<theory::Args>),
     /// Recompute the numbers of a result file from its inputs, and compare
@@ -240,8 +242,10 @@ impl Command {
             "body" => Self::Body(Box::new(of_keys(table, arrays)?)),
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
+            "prony" => Self::Prony(Box::new(of_keys(table, arrays)?)),
             _ => {
-                return Err(Failure::value("the command", name, "path, slide, punch, body, kappa-sweep or green"));
+                let allowed = "path, slide, punch, body, kappa-sweep, green or prony";
+                return Err(Failure::value("the command", name, allowed));
             }
         })
     }
@@ -272,6 +276,7 @@ impl Command {
             Self::Path(args) => ended(path::run(args, session)?),
             Self::Slide(args) => ended(slide::run(args, session)?),
             Self::Law(args) => whole(law::run(args)?),
+            Self::Prony(args) => whole(prony::run(args, session)?),
             Self::Theory(args) => whole(theory::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),
             Self::Report(args) => whole(report::run(args, session)?),

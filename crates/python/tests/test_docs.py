@@ -171,6 +171,8 @@ def test_results_have_the_attributes_that_are_documented(words):
     warm = dict(velocity=1.0, p_star=0.05, heat=(1.0, 0.01, 0.2, 0.1), friction=0.3)
     refined = gfmd.slide(slab, rubber, velocity=1.0, p_star=0.05, hardness=0.05, grid_error="refine")
     sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm), refined]
+    curves = dict(frequency=[1.0, 10.0, 100.0], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1], branches=1)
+    series = gfmd.prony(**curves, temperature=[20.0] * 3, wlf=(17.0, 51.0, 20.0), stress_unit="MPa")
     examples = [
         (
             gfmd.Contact,
@@ -206,6 +208,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.KappaSweep, [words["k"]]),
         (gfmd.Statistics, [words["s"].statistics(), gfmd.Surface(np.zeros((4, 4))).statistics()]),
         (gfmd.Body, [gfmd.Body(), curve]),
+        (gfmd.PronyFit, [series]),
         (
             gfmd.Residual,
             [

@@ -24,6 +24,7 @@ fn every_command_has_examples_under_the_name_of_the_program() {
         "path",
         "slide",
         "law",
+        "prony",
         "theory",
         "report",
         "completions",

@@ -25,6 +25,7 @@ mod options;
 mod pictures;
 mod plastic;
 mod preparation;
+mod prony;
 mod punch;
 mod relaxing;
 mod repeat;

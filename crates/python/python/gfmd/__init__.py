@@ -25,6 +25,7 @@ from ._many import many
 from ._parts import Wear
 from ._path import Path, friction, path, wear
 from ._progress import progress
+from ._prony import PronyFit, prony
 from ._record import Record
 from ._result import Result
 from ._shape import cone, cylinder, ellipsoid, flat_punch, paraboloid, sphere, wave, wedge
@@ -48,6 +49,7 @@ __all__ = [
     "Law",
     "NotConverged",
     "Path",
+    "PronyFit",
     "Punch",
     "Record",
     "Residual",
@@ -74,6 +76,7 @@ __all__ = [
     "paraboloid",
     "path",
     "progress",
+    "prony",
     "punch",
     "read",
     "read_heights",
