@@ -32,7 +32,8 @@ const EXTRAPOLATED: &str = "extrapolated";
   gfmd prony --dma sweep.csv --wlf 17.44,51.6,-60")]
 pub struct Args {
     /// Table with the columns frequency, storage and loss, and temperature or log_a_t if there are several
-    /// temperatures; heads may have units, as in `frequency (Hz), storage (MPa), loss (MPa)`. Without a unit the frequency is in Hz
+    /// temperatures; heads may have units, as in `frequency (Hz), storage (MPa), loss (MPa)`. Without a unit the
+    /// frequency is in Hz
     #[arg(long, required = true, value_name = "FILE", help_heading = "Measurement")]
     dma: String,
     /// Shift the frequencies of several temperatures by the equation of Williams, Landel and Ferry: C1, C2 and the

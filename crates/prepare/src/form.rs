@@ -9,8 +9,9 @@ use crate::error::value;
 /// Largest degree of a polynomial.
 pub const MOST_DEGREE: usize = 8;
 
-/// Returns the heights less the polynomial of the terms x^a y^b, a + b <= `degree`, with the least squared distance from
-/// the defined points that are not `excluded`. Undefined points stay undefined; excluded ones lose the polynomial, too.
+/// Returns the heights less the polynomial of the terms x^a y^b, a + b <= `degree`, with the least squared distance
+/// from the defined points that are not `excluded`. Undefined points stay undefined; excluded ones lose the polynomial,
+/// too.
 ///
 /// The fit uses products of Legendre polynomials of indices, so that lengths do not matter.
 ///

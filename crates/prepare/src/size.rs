@@ -20,8 +20,8 @@ pub struct Cropped {
 /// Relative tolerance of a position.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Returns the points with positions in the ranges along x and y, `start <= index * spacing < end`. The range along y of
-/// a profile does not matter.
+/// Returns the points with positions in the ranges along x and y, `start <= index * spacing < end`. The range along y
+/// of a profile does not matter.
 ///
 /// # Errors
 /// A range that is empty, reversed, outside of the scan, or has fewer than 2 points.
@@ -61,8 +61,9 @@ pub struct Resampled {
 const SPACINGS_OF_INDEX: f64 = 4.0;
 
 /// Returns the heights on `points` equal cells, at most as many as before: a Gaussian S filter with a nesting index of
-/// four new spacings, then bilinear values at the centres of the cells, or, where the surface repeats ([`Edges::Periodic`]
-/// of the filter), at the new points from the first one on. Points beside undefined ones are undefined.
+/// four new spacings, then bilinear values at the centres of the cells, or, where the surface repeats
+/// ([`Edges::Periodic`] of the filter), at the new points from the first one on. Points beside undefined ones are
+/// undefined.
 ///
 /// # Errors
 /// More points than before, or fewer than 2 along a side; the errors of [`smooth`].

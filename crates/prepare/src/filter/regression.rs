@@ -95,8 +95,8 @@ impl Moments {
     }
 }
 
-/// Solves symmetric positive definite equations and returns the first unknown, the value of the polynomial at its origin.
-/// Without enough points the remaining terms are left out.
+/// Solves symmetric positive definite equations and returns the first unknown, the value of the polynomial at its
+/// origin. Without enough points the remaining terms are left out.
 fn first_of(rows: &mut [[f64; TERMS + 1]; TERMS], count: usize) -> f64 {
     // Eliminates from the last unknown on, so that the first one remains.
     for k in (1..count).rev() {
