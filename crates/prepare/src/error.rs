@@ -44,7 +44,7 @@ pub enum PrepareError {
     Combination {
         /// Combination found.
         found: &'static str,
-        /// What is allowed.
+        /// Allowed combination.
         allowed: &'static str,
     },
 }
