@@ -3,6 +3,7 @@
 mod curves;
 mod file;
 mod listing;
+mod measured;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -14,12 +15,9 @@ use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Output, Provenance};
 use gfmd_problem::key;
-use gfmd_record::{Record, SurfaceContext, SurfaceFacts, by_reason};
+use gfmd_record::{Record, SurfaceFacts, by_reason};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
-use gfmd_surface::{
-    Areal, HurstFit, Normalisation, Periodisation, PowerSpectrum, RadialBin, RollOff, RollOffShape, Statistics,
-    SurfaceError, Texture, window,
-};
+use gfmd_surface::{MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError, Texture};
 use gfmd_unit::Units;
 use ndarray::Array2;
 use serde::Serialize;
@@ -40,6 +38,7 @@ use gfmd_report::figures::parse_prefix;
 pub use curves::Curves;
 use file::Target;
 use listing::Listing;
+pub use measured::{Choices, Detail, Measured, USUAL_WOLF};
 
 /// Flags of `surface`.
 #[derive(ClapArgs, Options, Clone, Debug, Serialize)]
@@ -95,8 +94,8 @@ pub struct Args {
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
-    /// Add spectrum, autocorrelation with Sal and Str, distributions of height, slope and curvature, both against
-    /// distance, bearing curve with Sk, to JSON, a .h5 file and figures
+    /// Add correlation lengths, direction, hills and dales of ISO 25178 to the numbers; spectrum, autocorrelation,
+    /// distributions of height, slope and curvature, both against distance, bearing curve to JSON, a .h5 file and figures
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
@@ -106,6 +105,15 @@ pub struct Args {
     #[arg(long, value_parser = parse_choice::<Boundary>(), help_heading = "Measurements")]
     #[serde(skip)]
     boundary: Option<Boundary>,
+    /// Height of a hill above its saddle, or depth of a dale, below which it is pruned and joins its neighbour: a
+    /// fraction of the height range
+    #[arg(long, default_value_t = USUAL_WOLF, requires = "statistics", value_name = "FRACTION", help_heading = "Measurements")]
+    #[serde(skip_serializing_if = "is_usual_wolf")]
+    wolf: f64,
+    /// Treatment of hills and dales that touch the edge [default: periodic for a periodic boundary, else leave-out]
+    #[arg(long, value_parser = parse_choice::<MotifEdges>(), requires = "statistics", help_heading = "Measurements")]
+    #[serde(skip)]
+    motif_edges: Option<MotifEdges>,
     /// Write a page of HTML about the surface: its numbers, all figures of --statistics, and their definitions
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     #[serde(skip)]
@@ -120,6 +128,10 @@ pub enum Window {
     None,
     /// A cosine to zero at the edges over the whole side, divided by its rms value
     Hann,
+}
+
+fn is_usual_wolf(wolf: &f64) -> bool {
+    *wolf == USUAL_WOLF
 }
 
 impl Window {
@@ -172,6 +184,10 @@ pub struct Report {
     pub undefined: BTreeMap<String, Vec<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boundary: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wolf: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motif_edges: Option<&'static str>,
     #[serde(flatten, serialize_with = "curves::numbers")]
     pub curves: Option<Curves>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -217,13 +233,8 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         _ => args.source.surface(session)?,
     };
     let name = args.source.name();
-    let (grid, statistics) = (surface.grid, &surface.statistics);
+    let grid = surface.grid;
     let refused = |error| Failure::input(&name, error);
-    let spectrum = match args.window {
-        Window::None => PowerSpectrum::of(&surface.heights, &grid),
-        Window::Hann => window(&surface.heights, 1.0).and_then(|heights| PowerSpectrum::of(&heights, &grid)),
-    };
-    let spectrum = spectrum.map_err(refused)?;
     let (asked, range) = match (&args.source.surface, &surface.second) {
         (None, None) if args.source.generator.shape.is_none() => args.asked(&grid)?,
         _ => (None, whole_band(&grid)),
@@ -235,24 +246,31 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
             return Err(Failure::value(key("fit_range"), format!("{found:?}"), "LONGEST,SHORTEST"));
         }
     };
-    let fit = spectrum.fit_hurst(range[0], range[1]);
-    if !args.fit_range.is_empty() {
-        fit.clone().map_err(|error| Failure::input(key("fit_range"), error))?;
-    }
-    let areal = Areal::of(&surface.heights, &grid).map_err(refused)?;
-    let boundary = args.boundary.unwrap_or(Boundary::Periodic);
-    let mut report = Report::new((statistics, &areal), boundary, (&fit, range), &spectrum, &grid);
+    let boundary = args.boundary.unwrap_or_else(|| args.source_boundary());
+    let detail = Detail { wolf: args.wolf, edges: args.motif_edges, ..Detail::usual(boundary) };
+    let choices = Choices {
+        fit_range: range,
+        must_fit: !args.fit_range.is_empty(),
+        window: args.window,
+        boundary: args.boundary.unwrap_or(Boundary::Periodic),
+        section: section_of(args, surface.scan.as_ref()),
+        detail: (args.statistics || page.is_some()).then_some(detail),
+    };
+    let measured = Measured::of(&surface.heights, &grid, &choices).map_err(|error| match error {
+        SurfaceError::Fit { .. } | SurfaceError::Wavelengths { .. } => Failure::input(key("fit_range"), error),
+        SurfaceError::Fraction { .. } => Failure::input(key("wolf"), error),
+        error => refused(error),
+    })?;
+    let mut report = Report::new(&measured, &grid);
     (report.source, report.unit) = (surface.description, surface.unit);
     (report.scan, report.second) = (surface.scan, surface.second);
     (report.asked, report.window) = (asked, args.window);
-    let radial = spectrum.radial();
-    let boundary = args.boundary.unwrap_or_else(|| args.source_boundary());
-    let texture = (args.statistics || page.is_some())
-        .then(|| Texture::of(&surface.heights, &grid, boundary == Boundary::Periodic))
-        .transpose()
-        .map_err(refused)?;
+    let radial = measured.spectrum.radial();
+    let texture = measured.texture;
     if let Some(texture) = &texture {
         report.boundary = Some(boundary.name());
+        report.wolf = Some(detail.wolf);
+        report.motif_edges = Some(detail.edges().name());
         report.curves = Some(Curves::of(texture, &radial, &grid));
     }
     // A page has the functions without being asked for them; JSON and file do not.
@@ -283,6 +301,14 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     Ok(report)
 }
 
+/// Returns the length of the sections of a profile: the index of its L filter.
+fn section_of(args: &Args, scan: Option<&Scan>) -> Option<f64> {
+    match scan {
+        Some(scan) => scan.band.as_ref()?.get("l")?.as_f64(),
+        None => args.source.preparation.filter?.long,
+    }
+}
+
 /// The page to write, claimed before the heights are made.
 fn claim_page(path: &std::path::Path) -> Result<Output, Failure> {
     let output = Output::claim(path).map_err(|error| Failure::input(key("report"), error))?;
@@ -303,22 +329,24 @@ pub fn write_report(
     session: &Session,
 ) -> Result<(), Failure> {
     let page = claim_page(path)?;
-    let refused = |error| Failure::input("surface", error);
-    let spectrum = PowerSpectrum::of(heights, grid).map_err(refused)?;
-    let range = whole_band(grid);
-    let fit = spectrum.fit_hurst(range[0], range[1]);
-    let statistics = Statistics::of(heights, grid).map_err(refused)?;
-    let areal = Areal::of(heights, grid).map_err(refused)?;
-    let texture = Texture::of(heights, grid, boundary == Boundary::Periodic).map_err(refused)?;
-    let radial = spectrum.radial();
+    let choices = Choices {
+        fit_range: whole_band(grid),
+        must_fit: false,
+        window: Window::None,
+        boundary: Boundary::Periodic,
+        section: None,
+        detail: Some(Detail::usual(boundary)),
+    };
+    let measured = Measured::of(heights, grid, &choices).map_err(|error| Failure::input("surface", error))?;
+    let radial = measured.spectrum.radial();
     let report = Report {
         source,
         unit,
         boundary: Some(boundary.name()),
-        curves: Some(Curves::of(&texture, &radial, grid)),
-        ..Report::new((&statistics, &areal), Boundary::Periodic, (&fit, range), &spectrum, grid)
+        curves: measured.texture.as_ref().map(|texture| Curves::of(texture, &radial, grid)),
+        ..Report::new(&measured, grid)
     };
-    let subject = report.subject(heights, grid, &radial, Some(&texture));
+    let subject = report.subject(heights, grid, &radial, measured.texture.as_ref());
     report.write_page(&page, &subject, ("array", None, None, Vec::new()), &session.provenance(String::new()))
 }
 
@@ -343,22 +371,25 @@ impl Args {
             Normalisation::RmsGradient(gradient) => (Some(gradient), None),
             Normalisation::RmsHeight(height) => (None, Some(height)),
         };
+        let stretch = |spectrum: &SelfAffine| spectrum.anisotropy.map_or(1.0, |anisotropy| anisotropy.stretch());
         let asked = RequestedStatistics {
             seed: generator.seed,
             hurst: generator.hurst(),
             rms_gradient,
             rms_height,
-            longest_wavelength: spectrum.map(|spectrum| spectrum.longest_wavelength),
-            shortest_wavelength: spectrum.map(|spectrum| spectrum.shortest_wavelength),
+            longest_wavelength: spectrum.map(|spectrum| spectrum.longest_wavelength * stretch(&spectrum)),
+            shortest_wavelength: spectrum.map(|spectrum| spectrum.shortest_wavelength / stretch(&spectrum)),
             roll_off: generator.roll_off,
         };
+        // Between these wavelengths the spectrum is a power law in all directions.
         let range = spectrum.map_or_else(
             || whole_band(grid),
-            |spectrum| match spectrum.roll_off {
-                Some(RollOff { wavelength, shape: RollOffShape::Plateau }) => {
-                    [wavelength, spectrum.shortest_wavelength]
-                }
-                _ => [spectrum.longest_wavelength, spectrum.shortest_wavelength],
+            |spectrum| {
+                let longest = match spectrum.roll_off {
+                    Some(RollOff { wavelength, shape: RollOffShape::Plateau }) => wavelength,
+                    _ => spectrum.longest_wavelength,
+                };
+                [longest / stretch(&spectrum), spectrum.shortest_wavelength * stretch(&spectrum)]
             },
         );
         Ok((Some(asked), range))
@@ -385,31 +416,23 @@ pub fn whole_band(grid: &Grid) -> [f64; 2] {
 }
 
 impl Report {
-    /// Measures heights from their statistics, height parameters, Hurst fit in a range and spectrum. With free
-    /// boundaries moments come from differences inside.
-    pub fn new(
-        (statistics, areal): (&Statistics, &Areal),
-        boundary: Boundary,
-        (fit, fit_range): (&Result<HurstFit, SurfaceError>, [f64; 2]),
-        spectrum: &PowerSpectrum,
-        grid: &Grid,
-    ) -> Self {
-        let facts = SurfaceFacts { free: boundary == Boundary::Free };
-        let moments = if facts.free { statistics.moments_inside() } else { statistics.moments };
-        let at = SurfaceContext { statistics, moments, areal, fit, fit_range, cut_offs: spectrum.cut_offs() };
+    /// Returns the report of measured numbers.
+    pub fn new(measured: &Measured, grid: &Grid) -> Self {
         let mut report = Self {
             source: String::new(),
             n: grid.points(),
             size: grid.lengths(),
             unit: None,
-            numbers: Record::compute(&facts, &at),
-            facts,
+            numbers: measured.numbers.clone(),
+            facts: measured.facts,
             window: Window::None,
             scan: None,
             second: None,
             asked: None,
             undefined: BTreeMap::new(),
             boundary: None,
+            wolf: None,
+            motif_edges: None,
             curves: None,
             report: None,
             out: None,
@@ -489,15 +512,9 @@ impl Report {
         Ok(output.write(|file| file.write_all(text.as_bytes()))?)
     }
 
-    /// Returns all numbers except the numbers of distributions, which a table cannot name.
+    /// Returns all numbers except the numbers of distributions.
     fn listed(&self) -> Vec<Number> {
-        let own = ["sal", "str", "sk", "spk", "svk", "smr1", "smr2"];
-        let of_curves = self.curves.iter().flat_map(Curves::numbers).filter(|number| own.contains(&number.name));
-        self.numbers
-            .cells()
-            .map(|(column, cell)| Number::of(column, cell, column.meaning(&self.facts)))
-            .chain(of_curves)
-            .collect()
+        self.numbers.cells().map(|(column, cell)| Number::of(column, cell, column.meaning(&self.facts))).collect()
     }
 
     /// The unit of a quantity that is a power of length.

@@ -142,6 +142,8 @@ struct Theories {
 
 /// Reason for a body without a theory.
 const NO_HALF_SPACE: &str = "the body is not a half-space";
+/// Reason of the theories of isotropic surfaces.
+const ISOTROPIC: &str = "the surface has a lay, and the theory is for isotropic ones";
 
 /// Reason for loads beyond the theories of asperities.
 const NO_SUCH_LOAD: &str =
@@ -201,16 +203,19 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     // The other theories hold for half-spaces only.
     let longest = std::f64::consts::TAU / grid.lengths()[0];
     let is_half_space = (body.normal_stiffness(longest) / (0.5 * e_star * longest) - 1.0).abs() < 1e-9;
+    let has_lay = made && generator.aspect.is_some_and(|aspect| aspect > 1.0);
     let theories = Theories {
         persson,
         asperities: match (grid.is_line(), is_half_space) {
             (true, _) => Err("the surface is a profile"),
+            _ if has_lay => Err(ISOTROPIC),
             (_, false) => Err(NO_HALF_SPACE),
             _ => Asperities::new(moments.profile()).ok_or("a surface with these moments has no Gaussian summits"),
         },
         self_affine: match (hurst, is_half_space) {
             (None, _) => Err("the surface is not generated in three dimensions by psd"),
             _ if generator.roll_off.is_some() => Err("the formula is for spectra without a roll-off"),
+            _ if has_lay => Err(ISOTROPIC),
             (_, false) => Err(NO_HALF_SPACE),
             (Some(hurst), _) => SelfAffineArea::new(hurst).ok_or("the formula is for Hurst exponents from 0 to 1"),
         },

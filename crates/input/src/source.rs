@@ -42,7 +42,7 @@ pub struct SourceArgs {
         value_name = "FILE",
         conflicts_with_all = [
             "n", "shape", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
-            "method", "roll_off", "roll_off_shape", "amplitudes"
+            "method", "roll_off", "roll_off_shape", "amplitudes", "aspect", "lay"
         ]
     )]
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gfmd_cli::surface::{Curves, Report, whole_band, write_report};
+use gfmd_cli::surface::{Choices, Curves, Detail, Measured, Report, Window, whole_band, write_report};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Topography, TopographyError};
@@ -16,8 +16,7 @@ use gfmd_problem::Spelling;
 use gfmd_problem::options::quantities::text_in_units;
 use gfmd_problem::options::{GeneratorArgs, Kinds, Method};
 use gfmd_surface::{
-    Areal, Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, Shape, Statistics,
-    finer as finer_heights,
+    Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, Shape, finer as finer_heights,
 };
 use gfmd_unit::Units;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
@@ -31,7 +30,7 @@ pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
 /// Generates a self-affine surface: heights, cell lengths, description. Arguments are the flags of `gfmd surface`.
 #[pyfunction]
 #[pyo3(signature = (*, n, size, shape, unit, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed,
-    dim, method, roll_off, roll_off_shape, amplitudes))]
+    dim, method, roll_off, roll_off_shape, amplitudes, aspect, lay))]
 #[expect(clippy::too_many_arguments, reason = "keywords")]
 pub(crate) fn self_affine<'py>(
     py: Python<'py>,
@@ -51,6 +50,8 @@ pub(crate) fn self_affine<'py>(
     roll_off: Option<f64>,
     roll_off_shape: &str,
     amplitudes: &str,
+    aspect: Option<f64>,
+    lay: Option<f64>,
 ) -> PyResult<(Array<'py>, [f64; 2], String, bool)> {
     let method = match method {
         "psd" => Method::Psd,
@@ -76,6 +77,8 @@ pub(crate) fn self_affine<'py>(
         roll_off,
         roll_off_shape: roll_off_shape.parse().map_err(|error| refused(py, &error))?,
         amplitudes: amplitudes.parse().map_err(|error| refused(py, &error))?,
+        aspect,
+        lay,
     };
     let made = quick(py, || {
         let grid = gfmd_input::source::grid_of(&args, &size)?;
@@ -236,28 +239,39 @@ pub(crate) fn finer<'py>(
     Ok(heights.into_pyarray(py))
 }
 
-/// Returns the statistics of heights as JSON, as `gfmd surface` prints them.
+/// Returns the statistics of heights as JSON, as `gfmd surface` prints them; `section` is the length of the sections of
+/// a profile, `features` are boundary, fraction of Wolf pruning and treatment of motifs at the edges.
 #[pyfunction]
-#[pyo3(signature = (heights, lengths, fit_range=None))]
+#[pyo3(signature = (heights, lengths, fit_range=None, section=None, features=None))]
 pub(crate) fn statistics(
     py: Python<'_>,
     heights: PyReadonlyArray2<'_, f64>,
     lengths: [f64; 2],
     fit_range: Option<[f64; 2]>,
+    section: Option<f64>,
+    features: Option<(String, f64, Option<String>)>,
 ) -> PyResult<String> {
     let heights = heights.as_array().to_owned();
     let grid = grid(py, heights.dim().into(), lengths)?;
+    let detail = match features {
+        None => None,
+        Some((boundary, wolf, edges)) => Some(Detail {
+            boundary: boundary.parse().map_err(|error| refused(py, &error))?,
+            wolf,
+            edges: edges.map(|edges| edges.parse()).transpose().map_err(|error| refused(py, &error))?,
+        }),
+    };
+    let choices = Choices {
+        fit_range: fit_range.unwrap_or_else(|| whole_band(&grid)),
+        must_fit: fit_range.is_some(),
+        window: Window::None,
+        boundary: Boundary::Periodic,
+        section,
+        detail,
+    };
     let found = quick(py, || {
-        let found = Statistics::of(&heights, &grid)?;
-        let spectrum = PowerSpectrum::of(&heights, &grid)?;
-        let range = fit_range.unwrap_or_else(|| whole_band(&grid));
-        let mut fit = spectrum.fit_hurst(range[0], range[1]);
-        if fit_range.is_some() {
-            fit = Ok(fit?);
-        }
-        let areal = Areal::of(&heights, &grid)?;
-        let report = Report::new((&found, &areal), Boundary::Periodic, (&fit, range), &spectrum, &grid);
-        Ok::<_, gfmd_surface::SurfaceError>(report)
+        let measured = Measured::of(&heights, &grid, &choices)?;
+        Ok::<_, gfmd_surface::SurfaceError>(Report::new(&measured, &grid))
     })?;
     let report = found.map_err(|error| refused(py, &error))?;
     json::to_string(&report).map_err(|error| refused(py, &error))

@@ -229,3 +229,79 @@ def test_the_page_of_a_surface(tmp_path):
         assert ("not periodic" in text) == (not surface.is_periodic)
     with pytest.raises(gfmd.InputError, match="no-such-folder"):
         SCAN.report(tmp_path / "no-such-folder" / "page.html")
+
+
+def test_volumes_and_reduced_heights_are_integrals_of_the_bearing_curve():
+    """The polygon of the sorted heights, integrated on a grid that is fine beside the points."""
+    found = SCAN.statistics()
+    heights = np.sort(np.ravel(SCAN.heights))[::-1] - SCAN.heights.mean()
+    ratio = np.linspace(0.0, 1.0, heights.size)
+    fine = np.linspace(0.0, 1.0, 400_001)
+    curve = np.interp(fine, ratio, heights)
+
+    def area(values, inside):
+        return float(np.trapezoid(np.where(inside, values, 0.0), fine))
+
+    high, low = np.interp([0.1, 0.8], ratio, heights)
+    assert found.vmp == pytest.approx(area(curve - high, fine <= 0.1), rel=1e-3)
+    assert found.vmc == pytest.approx(area(curve - low, fine <= 0.8) - found.vmp, rel=1e-3)
+    assert found.vvv == pytest.approx(area(low - curve, fine >= 0.8), rel=1e-3)
+    assert found.vvc == pytest.approx(area(high - curve, fine >= 0.1) - found.vvv, rel=1e-3)
+    assert found.sdc == pytest.approx(high - low, rel=1e-12)
+    top = heights[0] - found.spkx
+    assert found.spk * found.smr1 / 2 == pytest.approx(area(curve - top, curve > top), rel=1e-2)
+    assert top - found.sk == pytest.approx(heights[-1] + found.svkx, rel=1e-9)
+
+
+def test_hills_and_dales_of_waves():
+    """Three waves by two have six hills, with the heights, the density and the curvature of the waves."""
+    x, y = np.meshgrid(np.arange(96) / 96, np.arange(64) / 64, indexing="ij")
+    waves = gfmd.Surface(np.cos(6 * np.pi * x) + 0.5 * np.cos(4 * np.pi * y + 0.3), size=(3.0, 2.0))
+    found = waves.statistics(features=True, boundary="periodic")
+    assert (found.hills, found.dales, found.spd) == (6, 6, 1.0)
+    assert found.s10z == pytest.approx(3.0, rel=1e-2)
+    assert found.spc == pytest.approx(0.5 * ((2 * np.pi) ** 2 + 0.5 * (2 * np.pi) ** 2), rel=1e-2)
+    assert found.mean_hill_area == pytest.approx(1.0)
+    # Hills and dales at the edges do not count where the surface does not continue.
+    assert waves.statistics(features=True, boundary="free").hills < 6
+    assert waves.statistics(features=True, boundary="free", motif_edges="all").hills > 6
+    # The smaller wave has hills of 1 of a range of 3 only.
+    assert waves.statistics(features=True, boundary="periodic", wolf=0.5).hills < 6
+    for given, words in (
+        ({"wolf": 1.5}, "Wolf pruning is 1.5; it must be between 0 and 1"),
+        ({"motif_edges": "none"}, "motif_edges is 'none'; it must be 'all', 'leave-out' or 'periodic'"),
+        ({"boundary": "open"}, "boundary is 'open'; it must be 'periodic' or 'free'"),
+    ):
+        with pytest.raises(gfmd.InputError, match=words):
+            waves.statistics(features=True, **given)
+
+
+def test_a_surface_with_a_lay():
+    """Its waves are longer along the lay, and Std, Str and the steepest direction show it."""
+    made = [gfmd.self_affine(n=128, eps_t_inv=4, eps_f_inv=8, aspect=4, lay=30, seed=seed) for seed in range(4)]
+    found = [one.statistics(features=True) for one in made]
+    assert np.mean([one.str for one in found]) == pytest.approx(0.25, abs=0.08)
+    for one, surface in zip(found, made):
+        assert surface.rms_gradient == pytest.approx(0.1)
+        off = (np.array([one.lay, one.std + 90, one.steepest + 90]) - 30 + 90) % 180 - 90
+        assert np.abs(off).max() < 12, off
+    with pytest.raises(gfmd.InputError, match="aspect is 5; it must be at most 4"):
+        gfmd.self_affine(n=128, aspect=5)
+    assert "aspect 4 along 30°" in made[0].description
+
+
+def test_a_filtered_profile_has_the_parameters_of_profiles():
+    """Sections are as long as the index of the L filter; Rz is the mean over them."""
+    profile = gfmd.self_affine(n=512, dim=2, eps_f_inv=64, size=4.0, seed=5)
+    with pytest.raises(AttributeError, match="L filter"):
+        profile.statistics().rz
+    rough = profile.filter(s=0.05, l=0.8, edges="periodic")
+    found = rough.statistics()
+    heights = np.ravel(rough.heights)
+    heights = heights - heights.mean()
+    sections = heights[: 5 * 102].reshape(5, 102)
+    assert found.sections == 5
+    assert found.rz == pytest.approx(np.mean(sections.max(axis=1) - sections.min(axis=1)))
+    assert found.rzx == pytest.approx(np.max(sections.max(axis=1) - sections.min(axis=1)))
+    assert found.rq == pytest.approx(np.std(heights)) and found.ra == pytest.approx(np.mean(np.abs(heights)))
+    assert 0 < found.rsm < 0.8 and found.rk == found.sk

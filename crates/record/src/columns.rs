@@ -22,7 +22,7 @@ use crate::column::{State, Subject};
 pub use self::limits::{FEWEST_WAVES, UNRESOLVED, not_calibrated};
 pub use self::punch::{Punch, PunchContext, PunchFacts};
 pub use self::sliding::{SLIDING_FIELDS, Sliding, SlidingContext, SlidingFacts, SlidingField};
-pub use self::surface::{Surface, SurfaceContext, SurfaceFacts};
+pub use self::surface::{Surface, SurfaceContext, SurfaceDetail, SurfaceFacts};
 
 /// Column of a state.
 type Column = crate::Column<State>;

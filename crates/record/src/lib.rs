@@ -22,7 +22,7 @@ pub use cell::Cell;
 pub use column::{Column, Form, Head, Meaning, Number, Origin, State, Subject, Table};
 pub use columns::{
     COLUMNS, FEWEST_WAVES, Punch, PunchContext, PunchFacts, SLIDING_FIELDS, Sliding, SlidingContext, SlidingFacts,
-    SlidingField, Surface, SurfaceContext, SurfaceFacts, UNRESOLVED, columns, not_calibrated, page,
+    SlidingField, Surface, SurfaceContext, SurfaceDetail, SurfaceFacts, UNRESOLVED, columns, not_calibrated, page,
 };
 pub use context::{Measured, NOT_SOLVED, OnFinerGrid, StateContext};
 pub use digits::with_limit;

@@ -209,7 +209,11 @@ fn asked(page: &mut Page, config: &Config) {
         (Method::Psd, 1.0) => String::new(),
         (method, roll_off) => format!(", method {method:?}, roll-off at {roll_off} of the longest wavelength"),
     };
-    let kind = if surface.dim == 2 { "profiles in plane strain" } else { "isotropic surfaces" };
+    let kind = match (surface.dim, surface.aspect) {
+        (2, _) => "profiles in plane strain".to_owned(),
+        (_, 1.0) => "isotropic surfaces".to_owned(),
+        (_, aspect) => format!("surfaces with the aspect ratio {aspect}, lay {}°", surface.lay),
+    };
     let height = match body.height {
         gfmd_green::Height::Infinite => "half-space".to_owned(),
         gfmd_green::Height::Finite(height) => format!("slab of {height} cell lengths"),

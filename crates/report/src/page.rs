@@ -74,7 +74,7 @@ pub(crate) struct Table {
 }
 
 /// Largest number of rows of a table; a longer table is thinned.
-const MOST_ROWS: usize = 60;
+const MOST_ROWS: usize = 100;
 
 impl Page {
     /// Returns the number of figures.

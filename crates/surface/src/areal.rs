@@ -3,8 +3,9 @@ use ndarray::{Array2, Axis};
 
 use crate::SurfaceError;
 use crate::statistics::checked;
+use crate::texture::ratio::{Core, MaterialRatio, Volumes};
 
-/// Height parameters of ISO 25178-2 (ISO 4287 for a profile) about the mean height, without form removal and filter.
+/// Height, function and volume parameters of ISO 25178-2 (ISO 4287 for a profile) about the mean height, without form removal and filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Areal {
     /// Sa: mean distance from the mean height, length.
@@ -22,8 +23,12 @@ pub struct Areal {
     /// Sku: mean fourth power of the height divided by Sq⁴, 3 for a Gaussian surface; `None` for a flat surface.
     pub sku: Option<f64>,
     /// Sdr: developed area divided by projected area, minus 1; the ratio of lengths for a profile. Each cell of four
-    /// neighbours is split into two triangles; none crosses the periodic seam.
+    /// neighbours is split into two triangles, the mean of both ways to do so; none crosses the periodic seam.
     pub sdr: f64,
+    /// Parameters of the bearing curve; `None` for a flat surface.
+    pub core: Option<Core>,
+    /// Volumes of material and voids; `None` for a flat surface.
+    pub volumes: Option<Volumes>,
 }
 
 impl Areal {
@@ -44,6 +49,7 @@ impl Areal {
         let highest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let lowest = all.iter().copied().fold(f64::INFINITY, f64::min);
         let over = |moment: i32| (sq > 0.0).then(|| mean_of(&|height| ((height - mean) / sq).powi(moment)));
+        let curve = MaterialRatio::of(&all);
         Ok(Self {
             sa: mean_of(&|height| (height - mean).abs()),
             sq,
@@ -53,6 +59,8 @@ impl Areal {
             ssk: over(3),
             sku: over(4),
             sdr: developed(heights, grid),
+            core: curve.as_ref().map(MaterialRatio::core),
+            volumes: curve.as_ref().map(MaterialRatio::volumes),
         })
     }
 }
@@ -69,9 +77,11 @@ fn developed(heights: &Array2<f64>, grid: &Grid) -> f64 {
             (sum, cells) = (sum + excess(slope([i + 1, 0], [i, 0], dx)), cells + 1);
         }
         for j in 0..ny - 1 {
-            let lower = slope([i + 1, j], [i, j], dx) + slope([i, j + 1], [i, j], dy);
-            let upper = slope([i + 1, j + 1], [i, j + 1], dx) + slope([i + 1, j + 1], [i + 1, j], dy);
-            (sum, cells) = (sum + 0.5 * (excess(lower) + excess(upper)), cells + 1);
+            let x = [0, 1].map(|b| slope([i + 1, j + b], [i, j + b], dx));
+            let y = [0, 1].map(|a| slope([i + a, j + 1], [i + a, j], dy));
+            // Both triangles beside one diagonal, and both beside the other one.
+            let triangles = [x[0] + y[0], x[1] + y[1], x[0] + y[1], x[1] + y[0]];
+            (sum, cells) = (sum + 0.25 * triangles.map(excess).iter().sum::<f64>(), cells + 1);
         }
     }
     sum / cells as f64

@@ -41,6 +41,17 @@ pub enum SurfaceError {
         /// Longest wavelength λ_l.
         longest: f64,
     },
+    /// An aspect ratio below 1 or a direction that is not finite.
+    #[error("the aspect ratio is {aspect} and the lay is {lay}; they must be finite, the ratio at least 1")]
+    Anisotropy {
+        /// Ratio of the correlation lengths along and across the lay.
+        aspect: f64,
+        /// Direction of the lay, degrees.
+        lay: f64,
+    },
+    /// A direction of a profile.
+    #[error("the profile has a preferred direction; it must have none")]
+    DirectionOfProfile,
     /// A size that must be positive and finite.
     #[error("the {what} is {found}; it must be positive and finite")]
     NotPositive {
@@ -160,6 +171,24 @@ pub enum SurfaceError {
         found: [f64; 2],
         /// Sides of the surfaces, length.
         lengths: [f64; 2],
+    },
+    /// A fraction outside \[0, 1\].
+    #[error("the fraction of {what} is {found}; it must be between 0 and 1")]
+    Fraction {
+        /// Name of the operation.
+        what: &'static str,
+        /// Value found.
+        found: f64,
+    },
+    /// Too many points for an operation.
+    #[error("the heights have {found} points; {what} takes at most {most}")]
+    TooManyPoints {
+        /// Name of the operation.
+        what: &'static str,
+        /// Largest number allowed.
+        most: usize,
+        /// Number of points found.
+        found: usize,
     },
     /// A taper outside \[0, 1\].
     #[error("the taper of the window is {0}; it must be between 0 and 1")]

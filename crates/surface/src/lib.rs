@@ -9,6 +9,7 @@
 //! | power spectral density, Hurst exponent, cut-offs   | [`PowerSpectrum`]                            |
 //! | height parameters of ISO 25178                     | [`Areal`]                                    |
 //! | autocorrelation, distributions, bearing curve      | [`Texture`]                                  |
+//! | hills, dales, direction, profile parameters        | [`Features`], [`Direction`], [`ProfileNumbers`] |
 //! | a measured scan: take out tilt, make it periodic   | [`remove`], [`periodise`]                    |
 //! | two rough surfaces that face each other            | [`composite`]                                |
 //! | points of a scan without a height                  | [`remove_from_defined`], [`fill`]            |
@@ -53,7 +54,10 @@ pub use pair::{composite, composite_inside};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};
 pub use preparation::{Periodisation, Trend, periodise, remove, remove_from_defined, window};
 pub use real_space::{Displaced, RealSpace};
-pub use self_affine::{Amplitudes, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
+pub use self_affine::{Amplitudes, Anisotropy, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
 pub use shape::{Along, Shape, ShapeError};
 pub use statistics::{Seam, Statistics};
-pub use texture::{Autocorrelation, Bearing, Core, CorrelationLengths, Density, Distributions, Scales, Texture};
+pub use texture::{
+    Autocorrelation, Bearing, Core, CorrelationLengths, Density, Direction, Distributions, Features, MotifEdges,
+    Motifs, ProfileNumbers, Scales, Texture, Volumes,
+};

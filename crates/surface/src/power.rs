@@ -72,6 +72,11 @@ impl PowerSpectrum {
         &self.power
     }
 
+    /// Returns the grid of the heights.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// Returns the moments over all q ≠ 0.
     pub fn moments(&self) -> Moments {
         self.moments

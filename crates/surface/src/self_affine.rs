@@ -8,7 +8,8 @@ use crate::names::named;
 /// |q|² and far below the distance between rings of integer wave numbers.
 const ON_THE_RING: f64 = 1e-12;
 
-/// Spectrum of a self-affine surface or profile (theory.md, section 9): a power law in an isotropic ring.
+/// Spectrum of a self-affine surface or profile (theory.md, section 9): a power law in a ring, isotropic unless the
+/// surface has a direction.
 ///
 /// Modes with shortest ≤ 2π/|q| ≤ longest, both ends included, carry ⟨|h̃|²⟩ ∝ q^{−2(1+H)} on a surface and ∝
 /// q^{−(1+2H)} on a profile, unless there is a roll-off; all other modes are zero. A line grid makes a profile.
@@ -28,6 +29,37 @@ pub struct SelfAffine {
     pub scaling: Scaling,
     /// Distribution of mode amplitudes.
     pub amplitudes: Amplitudes,
+    /// Preferred direction of a surface; `None` if the spectrum is isotropic.
+    pub anisotropy: Option<Anisotropy>,
+}
+
+/// Preferred direction of a surface: the isotropic spectrum of stretched wave vectors, C(√r q∥, q⊥/√r). Waves along the
+/// lay are longer by √r, waves across it are shorter by √r, and Str of ISO 25178 is 1/r on average.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Anisotropy {
+    /// Ratio r of the correlation lengths along and across the lay, at least 1.
+    pub aspect: f64,
+    /// Direction of the lay from the x axis, positive towards y, in degrees.
+    pub lay: f64,
+}
+
+impl Anisotropy {
+    /// Returns the factor √r on wavelengths along the lay.
+    pub fn stretch(&self) -> f64 {
+        self.aspect.sqrt()
+    }
+
+    /// Returns the matrix that turns wave vectors into stretched ones, along and across the lay.
+    fn matrix(&self) -> [[f64; 2]; 2] {
+        // Right angles are exact, so that a lay along an axis keeps the symmetry of the cell.
+        let (sin, cos) = match self.lay.rem_euclid(180.0) {
+            0.0 => (0.0, 1.0),
+            90.0 => (1.0, 0.0),
+            lay => lay.to_radians().sin_cos(),
+        };
+        let stretch = self.stretch();
+        [[cos * stretch, sin * stretch], [-sin / stretch, cos / stretch]]
+    }
 }
 
 /// Roll-off: the spectrum from the roll-off wavelength λ_r = 2π/q_r up to the longest wavelength.
@@ -119,6 +151,7 @@ impl SelfAffine {
             normalisation: Normalisation::RmsGradient(rms_gradient),
             scaling: Scaling::EachRealisation,
             amplitudes: Amplitudes::Gaussian,
+            anisotropy: None,
         }
     }
 
@@ -144,11 +177,23 @@ impl SelfAffine {
         } else {
             [lengths[0].max(lengths[1]), 2.0 * spacing[0].max(spacing[1])]
         };
-        if longest > length * (1.0 + ON_THE_RING) {
-            return Err(SurfaceError::LongerThanCell { longest, length });
+        let stretch = match self.anisotropy {
+            None => 1.0,
+            Some(anisotropy) => {
+                if !(anisotropy.aspect >= 1.0 && anisotropy.aspect.is_finite() && anisotropy.lay.is_finite()) {
+                    return Err(SurfaceError::Anisotropy { aspect: anisotropy.aspect, lay: anisotropy.lay });
+                }
+                if grid.is_line() {
+                    return Err(SurfaceError::DirectionOfProfile);
+                }
+                anisotropy.stretch()
+            }
+        };
+        if longest * stretch > length * (1.0 + ON_THE_RING) {
+            return Err(SurfaceError::LongerThanCell { longest: longest * stretch, length });
         }
-        if shortest < allowed * (1.0 - ON_THE_RING) {
-            return Err(SurfaceError::BeyondNyquist { shortest, allowed });
+        if shortest / stretch < allowed * (1.0 - ON_THE_RING) {
+            return Err(SurfaceError::BeyondNyquist { shortest: shortest / stretch, allowed });
         }
         let (floor, smooth) = match self.roll_off {
             None => (0.0, None),
@@ -156,7 +201,9 @@ impl SelfAffine {
             Some(RollOff { wavelength, shape: RollOffShape::Smooth }) => (0.0, Some(self.between(wavelength)?)),
         };
         let exponent = if grid.is_line() { 0.5 + hurst } else { 1.0 + hurst };
-        Ok(Band { ring: Ring::new(shortest, longest), lengths, exponent, floor, smooth })
+        let ring =
+            Ring { matrix: self.anisotropy.map(|anisotropy| anisotropy.matrix()), ..Ring::new(shortest, longest) };
+        Ok(Band { ring, lengths, exponent, floor, smooth })
     }
 
     /// Returns the square (λ_s/λ_r)² if the roll-off wavelength lies between the cut-offs.
@@ -175,17 +222,20 @@ impl SelfAffine {
 pub(crate) struct Ring {
     shortest: f64,
     least: f64,
+    /// Matrix that turns wave vectors into stretched ones.
+    matrix: Option<[[f64; 2]; 2]>,
 }
 
 impl Ring {
     pub(crate) fn new(shortest: f64, longest: f64) -> Self {
-        Self { shortest, least: (shortest / longest).powi(2) * (1.0 - ON_THE_RING) }
+        Self { shortest, least: (shortest / longest).powi(2) * (1.0 - ON_THE_RING), matrix: None }
     }
 
     /// Returns the square (|q|/q_s)² if the mode is in the ring. It is computed from the wave numbers, so that it
     /// depends on the cell and not on the grid.
     pub(crate) fn position(&self, mode: &Mode, lengths: [f64; 2]) -> Option<f64> {
-        let [x, y] = [0, 1].map(|axis| mode.number[axis] as f64 * self.shortest / lengths[axis]);
+        let own = [0, 1].map(|axis| mode.number[axis] as f64 * self.shortest / lengths[axis]);
+        let [x, y] = self.matrix.map_or(own, |matrix| matrix.map(|row| row[0] * own[0] + row[1] * own[1]));
         let square = x * x + y * y;
         (square >= self.least && square <= 1.0 + ON_THE_RING && !mode.is_uniform()).then_some(square)
     }

@@ -2,12 +2,20 @@
 
 mod bearing;
 mod correlation;
+mod direction;
 mod distribution;
+mod features;
+mod profile;
+pub(crate) mod ratio;
 mod scales;
 
-pub use bearing::{Bearing, Core};
+pub use bearing::Bearing;
 pub use correlation::{Autocorrelation, CorrelationLengths};
+pub use direction::Direction;
 pub use distribution::{Density, Distributions};
+pub use features::{Features, MotifEdges, Motifs};
+pub use profile::ProfileNumbers;
+pub use ratio::{Core, Volumes};
 pub use scales::Scales;
 
 use gfmd_field::Grid;

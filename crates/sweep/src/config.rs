@@ -63,6 +63,13 @@ pub struct SurfaceConfig {
     pub method: Method,
     /// Wavelength of the roll-off divided by the longest one: waves between the two have equal power. 1 for none.
     pub roll_off: f64,
+    /// Correlation length along the lay divided by the correlation length across it; 1 for isotropic surfaces. Waves
+    /// along the lay are longer by its square root than eps_t says, waves across it shorter than eps_f says.
+    #[serde(skip_serializing_if = "is_one")]
+    pub aspect: f64,
+    /// Direction of the lay from the x axis, degrees.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lay: f64,
 }
 
 /// Methods to generate heights (theory.md, section 9).
@@ -278,9 +285,13 @@ pub enum Alpha {
     Edge,
 }
 
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
 impl Default for SurfaceConfig {
     fn default() -> Self {
-        Self { dim: 3, hurst: vec![0.8], rms_gradient: 0.1, method: Method::Psd, roll_off: 1.0 }
+        Self { dim: 3, hurst: vec![0.8], rms_gradient: 0.1, method: Method::Psd, roll_off: 1.0, aspect: 1.0, lay: 0.0 }
     }
 }
 
@@ -390,8 +401,8 @@ impl Config {
     pub fn composes(&self, hurst: f64) -> bool {
         let high = self.body.is_high();
         let wanted = self.fit.long_waves == LongWavesConfig::Composed && self.fit.estimator == Estimator::Ratio;
-        let SurfaceConfig { dim, method, roll_off, .. } = self.surface;
-        let endless = dim == 3 && method == Method::Psd && roll_off == 1.0;
+        let SurfaceConfig { dim, method, roll_off, aspect, .. } = self.surface;
+        let endless = dim == 3 && method == Method::Psd && roll_off == 1.0 && aspect == 1.0;
         wanted
             && endless
             && self.loads.control == Control::Load
@@ -471,6 +482,13 @@ impl Config {
         for [eps_t_inv, eps_f_inv, eps_c_inv] in all {
             let point = Discretisation { eps_t_inv, eps_f_inv, eps_c_inv };
             let n = point.points().map_err(SweepError::Points)?;
+            let stretch = self.surface.aspect.sqrt();
+            if eps_t_inv < stretch || eps_c_inv < 2.0 * stretch {
+                let found = self.surface.aspect.to_string();
+                let allowed = format!("at most {}", eps_t_inv.min(0.5 * eps_c_inv).powi(2));
+                let allowed = format!("{allowed} with eps_t_inv = {eps_t_inv} and eps_c_inv = {eps_c_inv}");
+                return Err(SweepError::Field { field: "surface.aspect", found, allowed });
+            }
             if (*largest_n == 0 || n <= *largest_n) && !points.iter().any(|(other, _)| *other == point) {
                 points.push((point, n));
             }

@@ -1,7 +1,7 @@
 //! Surfaces of a sweep, by the configured method.
 
 use gfmd_field::Transform;
-use gfmd_surface::{Displaced, PowerSpectrum, RealSpace, RollOff, RollOffShape, SelfAffine, SurfaceError};
+use gfmd_surface::{Anisotropy, Displaced, PowerSpectrum, RealSpace, RollOff, RollOffShape, SelfAffine, SurfaceError};
 use ndarray::{Array2, s};
 
 use crate::config::{Method, SurfaceConfig};
@@ -24,7 +24,8 @@ impl SurfaceConfig {
     fn spectrum(&self, point: &Point, hurst: f64) -> SelfAffine {
         let wavelength = self.roll_off * point.discretisation.longest_wavelength(1.0);
         let roll_off = (self.roll_off < 1.0).then_some(RollOff { wavelength, shape: RollOffShape::Plateau });
-        let family = SelfAffine { hurst, roll_off, ..SelfAffine::with_rms_gradient(self.rms_gradient) };
+        let anisotropy = (self.aspect > 1.0).then_some(Anisotropy { aspect: self.aspect, lay: self.lay });
+        let family = SelfAffine { hurst, roll_off, anisotropy, ..SelfAffine::with_rms_gradient(self.rms_gradient) };
         point.discretisation.self_affine(1.0, family)
     }
 
@@ -95,6 +96,26 @@ mod tests {
         assert_eq!(printed, one);
         let (_, zero) = made(&format!("[surface]\nhurst = [0.0]{POINT}"));
         assert_ne!(printed, zero);
+    }
+
+    #[test]
+    fn a_lay_makes_waves_longer_along_it() {
+        let slopes = |text: &str| {
+            let (point, heights) = made(&format!("[surface]\nhurst = [0.8]\n{text}{POINT}"));
+            let slope = |axis: usize| {
+                let [nx, ny] = point.grid.points();
+                let ahead = |i: usize, j: usize| {
+                    if axis == 0 { heights[[(i + 1) % nx, j]] } else { heights[[i, (j + 1) % ny]] }
+                };
+                heights.indexed_iter().map(|((i, j), height)| (ahead(i, j) - height).powi(2)).sum::<f64>()
+            };
+            slope(0) / slope(1)
+        };
+        // The mean square slopes along and across the lay have the ratio 1/R².
+        let ratio = slopes("aspect = 2.0\n") / slopes("");
+        assert!((ratio.ln() + 4.0_f64.ln()).abs() < 0.7, "{ratio}");
+        let turned = slopes("aspect = 2.0\nlay = 90.0\n") / slopes("");
+        assert!((turned.ln() - 4.0_f64.ln()).abs() < 0.7, "{turned}");
     }
 
     #[test]

@@ -60,14 +60,10 @@ impl Curves {
         ];
         parts.into_iter().fold(Self::default(), |mut all, part| {
             all.curves.extend(part.curves);
-            all.numbers.extend(part.numbers);
+            // Other numbers stand among the statistics.
+            all.numbers.extend(part.numbers.into_iter().filter(|found| found.group.starts_with("distributions")));
             all
         })
-    }
-
-    /// The numbers, for tables.
-    pub(super) fn numbers(&self) -> impl Iterator<Item = Number> + '_ {
-        self.numbers.iter().map(|found| found.number)
     }
 
     /// The radially averaged power spectral density.

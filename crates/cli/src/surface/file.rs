@@ -120,6 +120,8 @@ impl Target {
         if let Some(curves) = &report.curves {
             curves.write(&mut archive, &unit)?;
             archive.attribute("/autocorrelation", "boundary", report.boundary.unwrap_or_default())?;
+            archive.attribute("/statistics", "wolf", report.wolf.unwrap_or(f64::NAN))?;
+            archive.attribute("/statistics", "motif_edges", report.motif_edges.unwrap_or_default())?;
         }
         archive.finish()?;
         Ok(())

@@ -296,11 +296,17 @@ fn surfaces_have_pages_and_functions() {
     }
     let bearing = numbers(&made["bearing_curve"]["height"]);
     assert_eq!((bearing.len(), bearing[0]), (201, made["sp"].as_f64().unwrap()));
-    assert_eq!(file.values::<f64>("/bearing_curve/sk").unwrap()[0], made["bearing_curve"]["sk"].as_f64().unwrap());
+    for key in ["sk", "vmc", "sal", "std", "spd", "s10z"] {
+        let stored = file.values::<f64>(&format!("/statistics/{key}")).unwrap()[0];
+        let number = made[key].as_f64().unwrap_or(f64::NAN);
+        assert!(stored == number || (key == "std" && stored.is_nan() && number.is_nan()), "{key}: {stored} {number}");
+    }
+    assert_eq!((&made["wolf"], &made["motif_edges"]), (&0.05.into(), &"periodic".into()));
+    assert_eq!(file.text("/statistics", "motif_edges").unwrap(), "periodic");
     let difference = numbers(&made["autocorrelation"]["x"]["difference"])[1];
     let slope = numbers(&made["scale_dependence"]["slope_x"]["slope"])[0];
     assert!((slope * 3.0 / 48.0 - (2.0 * difference).sqrt()).abs() < 1e-12);
-    assert!(made.get("undefined").is_none(), "{}", made["undefined"]);
+    assert!(made["std"].is_null() == made["lay"].is_null() && made["undefined"].as_object().is_none_or(|all| all.len() == 1));
 
     // The file is read again; it does not state that its surface is periodic.
     let read = run("surface --surface h.h5 --report again.html --json -q");
@@ -322,8 +328,9 @@ fn surfaces_have_pages_and_functions() {
     let flat = "0 0 0 0\n0 0 0 0\n0 0 0 0\n";
     std::fs::write(folder.join("flat.txt"), flat).unwrap();
     let flat = run("surface --surface flat.txt --statistics --report flat.html --json -q");
-    assert_eq!(reason_for(&flat, "autocorrelation.sal"), Some("the surface is flat"));
-    assert!(flat["autocorrelation"]["sal"].is_null() && flat["bearing_curve"]["sk"].is_null());
+    for key in ["sal", "sk", "vmp", "std", "ssw", "hills", "s10z"] {
+        assert_eq!((reason_for(&flat, key), flat[key].is_null()), (Some("the surface is flat"), true), "{key}");
+    }
 
     // A page of another program is kept; a page in a missing folder is refused before the heights are made.
     std::fs::write(folder.join("mine.html"), "<p>mine</p>").unwrap();

@@ -7,7 +7,7 @@ use gfmd_green::BaseKind;
 use gfmd_interface::LimitingPressure;
 use gfmd_measure::Gas;
 use gfmd_medium::Relaxes;
-use gfmd_surface::{Amplitudes, Fill, Periodisation, RollOffShape};
+use gfmd_surface::{Amplitudes, Fill, MotifEdges, Periodisation, RollOffShape};
 
 /// A list of values that a library defines, each with a name and a meaning.
 pub trait Choice: Copy + Send + Sync + 'static {
@@ -48,6 +48,7 @@ choices! {
     GridError: &Self::ALL;
     KeptStrain: &Self::ALL;
     Moduli: &Self::ALL;
+    MotifEdges: Self::ALL;
     Periodisation: Self::ALL;
     Relaxes: &Self::ALL;
     RollOffShape: Self::ALL;

@@ -6,8 +6,8 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use gfmd_field::{Grid, Share};
 use gfmd_surface::{
-    Amplitudes, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff, RollOffShape,
-    SelfAffine, Shape, SurfaceError, centred,
+    Amplitudes, Anisotropy, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff,
+    RollOffShape, SelfAffine, Shape, SurfaceError, centred,
 };
 use ndarray::{Array2, s};
 use serde::{Deserialize, Serialize};
@@ -115,6 +115,15 @@ pub struct GeneratorArgs {
     #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value_t = Amplitudes::Gaussian)]
     #[serde(with = "named")]
     pub amplitudes: Amplitudes,
+    /// Correlation length along the lay divided by the correlation length across it, at least 1: waves along the lay are
+    /// longer by the square root, waves across it shorter
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aspect: Option<f64>,
+    /// Direction of the lay from the x axis, degrees [default: 0]
+    #[arg(long, value_name = "DEGREES", requires = "aspect", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lay: Option<f64>,
 }
 
 /// The ways to make a surface.
@@ -198,6 +207,7 @@ impl GeneratorArgs {
             ("method", self.method != Method::Psd),
             ("roll_off", self.roll_off.is_some()),
             ("amplitudes", self.amplitudes != Amplitudes::Gaussian),
+            ("aspect", self.aspect.is_some()),
         ];
         match beside.into_iter().find(|(_, is_given)| *is_given && !self.is_rough()) {
             Some((option, _)) => Err(Unusable::of(words![
@@ -344,7 +354,20 @@ impl GeneratorArgs {
         }
         let longest = smaller(grid.lengths()) / eps_t_inv;
         let shortest = smaller(grid.lengths()) / (eps_t_inv * eps_f_inv);
-        let per_wave = shortest / larger(grid.spacing());
+        let anisotropy = self.anisotropy(grid)?;
+        let stretch = anisotropy.map_or(1.0, |anisotropy| anisotropy.stretch());
+        if longest * stretch > larger(grid.lengths()) * (1.0 + 1e-12) {
+            let allowed = format!(
+                "at most {}: waves along the lay must fit into the cell",
+                (larger(grid.lengths()) / longest).powi(2)
+            );
+            return Err(Unusable::value(
+                key("aspect"),
+                anisotropy.map_or(1.0, |anisotropy| anisotropy.aspect),
+                allowed,
+            ));
+        }
+        let per_wave = shortest / stretch / larger(grid.spacing());
         if per_wave < 2.0 * (1.0 - 1e-12) {
             let n = self.n.iter().map(usize::to_string).collect::<Vec<_>>().join(",");
             let n = if n.is_empty() { POINTS.to_string() } else { n };
@@ -367,14 +390,37 @@ impl GeneratorArgs {
             shortest_wavelength: shortest,
             roll_off,
             amplitudes: self.amplitudes,
+            anisotropy,
             normalisation: self.normalisation(),
             ..SelfAffine::with_rms_gradient(self.rms_gradient.unwrap_or(RMS_GRADIENT))
         })
     }
 
+    /// Returns the preferred direction.
+    fn anisotropy(&self, grid: &Grid) -> Result<Option<Anisotropy>, Unusable> {
+        let Some(aspect) = self.aspect else {
+            return match self.lay {
+                Some(lay) => Err(Unusable::value(key("lay"), lay, words!["left out without ", key("aspect")])),
+                None => Ok(None),
+            };
+        };
+        if !(aspect >= 1.0 && aspect.is_finite()) {
+            return Err(Unusable::value(key("aspect"), aspect, "at least 1 and finite"));
+        }
+        if grid.is_line() {
+            return Err(Unusable::value(key("aspect"), aspect, "left out for a profile"));
+        }
+        let lay = self.lay.unwrap_or(0.0);
+        if !lay.is_finite() {
+            return Err(Unusable::value(key("lay"), lay, "finite"));
+        }
+        Ok(Some(Anisotropy { aspect, lay }))
+    }
+
     /// Returns 1/eps_f; the default gives four points per shortest wavelength on a side of `side` points.
     fn eps_f_inv_on(&self, side: f64) -> f64 {
-        let room = side / (self.eps_t_inv.unwrap_or(EPS_T_INV) * self.eps_c_inv.unwrap_or(EPS_C_INV));
+        let stretch = self.aspect.map_or(1.0, f64::sqrt);
+        let room = side / (self.eps_t_inv.unwrap_or(EPS_T_INV) * self.eps_c_inv.unwrap_or(EPS_C_INV) * stretch);
         self.eps_f_inv.unwrap_or_else(|| room.max(1.0))
     }
 
@@ -387,7 +433,12 @@ impl GeneratorArgs {
     /// Generates heights by subdivision on at least as many points as the grid has, crops them to the grid, subtracts
     /// their mean and scales them.
     fn subdivided(&self, grid: &Grid, displaced: Displaced) -> Result<Array2<f64>, Unusable> {
-        let options = [("eps_t_inv", self.eps_t_inv), ("eps_f_inv", self.eps_f_inv), ("roll_off", self.roll_off)];
+        let options = [
+            ("eps_t_inv", self.eps_t_inv),
+            ("eps_f_inv", self.eps_f_inv),
+            ("roll_off", self.roll_off),
+            ("aspect", self.aspect),
+        ];
         if let Some((option, _)) = options.into_iter().find(|(_, value)| value.is_some()) {
             return Err(self.no_cut_offs(option));
         }
@@ -435,7 +486,11 @@ impl fmt::Display for GeneratorArgs {
             Some(shape) => write!(f, "{shape} with roughness of a ")?,
             None => {}
         }
-        write!(f, "generated {what}, method {}, Hurst exponent {}, seed {}", self.method, self.hurst(), self.seed)
+        write!(f, "generated {what}, method {}, Hurst exponent {}, seed {}", self.method, self.hurst(), self.seed)?;
+        match self.aspect {
+            Some(aspect) => write!(f, ", aspect {aspect} along {}°", self.lay.unwrap_or(0.0)),
+            None => Ok(()),
+        }
     }
 }
 
@@ -547,6 +602,12 @@ mod tests {
         says("--method rmd --eps-t-inv 4", "--eps-t-inv: --method rmd has no cut-offs");
         says("--method sra --eps-c-inv 4", "--eps-c-inv: --method sra has no cut-offs");
         says("--method sra --amplitudes fixed", "--amplitudes is fixed; it must be gaussian with --method sra");
+        says("--aspect 0.5", "--aspect is 0.5; it must be at least 1 and finite");
+        says("--aspect 5", "--aspect is 5; it must be at most 4: waves along the lay must fit");
+        says("--aspect 2 --dim 2", "--aspect is 2; it must be left out for a profile");
+        says("--aspect 2 --lay nan", "--lay is NaN; it must be finite");
+        says("--aspect 2 --method rmd", "--aspect: --method rmd has no cut-offs");
+        says("--aspect 4 --n 64 --eps-f-inv 16", "--n is 64; with --eps-t-inv 2 and --eps-f-inv 16 the shortest");
         says("--n 1", "--n is 1; it must be at least 2");
         says("--n 64,64 --dim 2", "--n is [64, 64]; it must be N, or NX,NY for a surface");
         says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: the wavelengths are limited to");

@@ -1484,7 +1484,59 @@ class SurfaceNumbers(Record):
 
     @property
     def sdr(self) -> float:
-        """Without unit: Sdr of ISO 25178: developed area over that of the plane, less 1."""
+        """Without unit: Sdr of ISO 25178: developed area divided by projected area, minus 1."""
+
+    @property
+    def sk(self) -> float:
+        """Length: Sk of ISO 25178: height of the core of the bearing curve."""
+
+    @property
+    def spk(self) -> float:
+        """Length: Spk of ISO 25178: reduced height of the peaks above the core."""
+
+    @property
+    def svk(self) -> float:
+        """Length: Svk of ISO 25178: reduced depth of the valleys below the core."""
+
+    @property
+    def smr1(self) -> float:
+        """Without unit: Smr1 of ISO 25178: material ratio between peaks and core."""
+
+    @property
+    def smr2(self) -> float:
+        """Without unit: Smr2 of ISO 25178: material ratio between core and valleys."""
+
+    @property
+    def spkx(self) -> float:
+        """Length: Spkx of ISO 25178: highest peak above the core."""
+
+    @property
+    def svkx(self) -> float:
+        """Length: Svkx of ISO 25178: deepest valley below the core."""
+
+    @property
+    def vmp(self) -> float:
+        """Length: Vmp of ISO 25178: volume of the peaks above the material ratio 10 %, per area."""
+
+    @property
+    def vmc(self) -> float:
+        """Length: Vmc of ISO 25178: volume of the core material between 10 and 80 %, per area."""
+
+    @property
+    def vvc(self) -> float:
+        """Length: Vvc of ISO 25178: volume of the core voids between 10 and 80 %, per area."""
+
+    @property
+    def vvv(self) -> float:
+        """Length: Vvv of ISO 25178: volume of the valleys below 80 %, per area."""
+
+    @property
+    def sxp(self) -> float:
+        """Length: Sxp of ISO 25178: height at the material ratio 2.5 % minus the height at 50 %."""
+
+    @property
+    def sdc(self) -> float:
+        """Length: Sdc of ISO 25178: height at the material ratio 10 % minus the height at 80 %."""
 
     @property
     def rms_gradient(self) -> float:
@@ -1560,6 +1612,154 @@ class SurfaceNumbers(Record):
 
     @property
     def seam(self) -> list[float]:
-        """Without unit along x and y: rms step across the periodic seam over those inside."""
+        """Without unit along x and y: rms step across the periodic seam divided by the rms step inside."""
+
+    @property
+    def sal(self) -> float:
+        """Length: Sal of ISO 25178: shortest distance at which the autocorrelation is 0.2. With `features` only."""
+
+    @property
+    def str(self) -> float:
+        """Without unit: Str of ISO 25178: shortest divided by longest distance at which the autocorrelation is 0.2.
+        Of a surface with `features` only.
+        """
+
+    @property
+    def ssw(self) -> float:
+        """Length: Ssw of ISO 25178: wavelength of the wave with the largest amplitude. With `features` only."""
+
+    @property
+    def std(self) -> float:
+        """Degree: Std of ISO 25178: direction of the waves with the most power, from the x axis. Of a surface with
+        `features` only.
+        """
+
+    @property
+    def lay(self) -> float:
+        """Degree: direction of the lay from the x axis, normal to Std. Of a surface with `features` only."""
+
+    @property
+    def steepest(self) -> float:
+        """Degree: direction of the largest mean square slope, from the x axis. Of a surface with `features` only."""
+
+    @property
+    def hills(self) -> int:
+        """Count: number of hills after Wolf pruning. Of a surface with `features` only."""
+
+    @property
+    def dales(self) -> int:
+        """Count: number of dales after Wolf pruning. Of a surface with `features` only."""
+
+    @property
+    def spd(self) -> float:
+        """Per length^2: Spd of ISO 25178: peaks per area. Of a surface with `features` only."""
+
+    @property
+    def svd(self) -> float:
+        """Per length^2: Svd of ISO 25178: pits per area. Of a surface with `features` only."""
+
+    @property
+    def spc(self) -> float:
+        """Per length: Spc of ISO 25178: mean curvature of the peaks. Of a surface with `features` only."""
+
+    @property
+    def svc(self) -> float:
+        """Per length: Svc of ISO 25178: mean curvature of the pits. Of a surface with `features` only."""
+
+    @property
+    def s5p(self) -> float:
+        """Length: S5p of ISO 25178: mean height of the five highest peaks above the mean. Of a surface with
+        `features` only.
+        """
+
+    @property
+    def s5v(self) -> float:
+        """Length: S5v of ISO 25178: mean depth of the five deepest pits below the mean. Of a surface with `features`
+        only.
+        """
+
+    @property
+    def s10z(self) -> float:
+        """Length: S10z of ISO 25178: S5p plus S5v. Of a surface with `features` only."""
+
+    @property
+    def mean_hill_area(self) -> float:
+        """Length^2: mean area of a hill. Of a surface with `features` only."""
+
+    @property
+    def mean_dale_area(self) -> float:
+        """Length^2: mean area of a dale. Of a surface with `features` only."""
+
+    @property
+    def sections(self) -> int:
+        """Count: number of whole sections of the profile. Of a profile only."""
+
+    @property
+    def ra(self) -> float:
+        """Length: Ra of ISO 21920: mean distance from the mean line. Of a profile only."""
+
+    @property
+    def rq(self) -> float:
+        """Length: Rq of ISO 21920: root-mean-square distance from the mean line. Of a profile only."""
+
+    @property
+    def rsk(self) -> float:
+        """Without unit: Rsk of ISO 21920: skewness. Of a profile only."""
+
+    @property
+    def rku(self) -> float:
+        """Without unit: Rku of ISO 21920: kurtosis. Of a profile only."""
+
+    @property
+    def rt(self) -> float:
+        """Length: Rt of ISO 21920: highest minus lowest height. Of a profile only."""
+
+    @property
+    def rp(self) -> float:
+        """Length: Rp of ISO 21920: highest height of a section, mean over the sections. Of a profile only."""
+
+    @property
+    def rv(self) -> float:
+        """Length: Rv of ISO 21920: depth of the lowest height of a section, mean over the sections. Of a profile
+        only.
+        """
+
+    @property
+    def rz(self) -> float:
+        """Length: Rz of ISO 21920: highest minus lowest height of a section, mean over the sections. Of a profile
+        only.
+        """
+
+    @property
+    def rzx(self) -> float:
+        """Length: Rzx of ISO 21920: highest minus lowest height of a section, largest one. Of a profile only."""
+
+    @property
+    def rdq(self) -> float:
+        """Without unit: Rdq of ISO 21920: root-mean-square slope by forward differences. Of a profile only."""
+
+    @property
+    def rsm(self) -> float:
+        """Length: Rsm of ISO 21920: mean width of the profile elements. Of a profile only."""
+
+    @property
+    def rk(self) -> float:
+        """Length: Rk of ISO 21920: height of the core of the bearing curve. Of a profile only."""
+
+    @property
+    def rpk(self) -> float:
+        """Length: Rpk of ISO 21920: reduced height of the peaks above the core. Of a profile only."""
+
+    @property
+    def rvk(self) -> float:
+        """Length: Rvk of ISO 21920: reduced depth of the valleys below the core. Of a profile only."""
+
+    @property
+    def rmr1(self) -> float:
+        """Without unit: Rmr1 of ISO 21920: material ratio between peaks and core. Of a profile only."""
+
+    @property
+    def rmr2(self) -> float:
+        """Without unit: Rmr2 of ISO 21920: material ratio between core and valleys. Of a profile only."""
 
 FLOW: dict[str, str]

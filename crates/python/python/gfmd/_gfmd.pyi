@@ -130,6 +130,8 @@ def self_affine(
     roll_off: Optional[float],
     roll_off_shape: str,
     amplitudes: str,
+    aspect: Optional[float],
+    lay: Optional[float],
 ) -> tuple[_Array, tuple[float, float], str, bool]: ...
 def read(
     name: str, channel: Optional[str] = None
@@ -153,7 +155,13 @@ def finer(heights: _Array, lengths: tuple[float, float], times: int) -> _Array: 
 def composite(
     first: _Array, second: _Array, lengths: tuple[float, float], shift: tuple[float, float], boundary: str
 ) -> tuple[_Array, tuple[float, float]]: ...
-def statistics(heights: _Array, lengths: tuple[float, float], fit_range: Any = None) -> str: ...
+def statistics(
+    heights: _Array,
+    lengths: tuple[float, float],
+    fit_range: Any = None,
+    section: Optional[float] = None,
+    features: Optional[tuple[str, float, Optional[str]]] = None,
+) -> str: ...
 def solve(
     command: str,
     problem: dict[str, Any],

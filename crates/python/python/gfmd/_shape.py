@@ -30,6 +30,8 @@ class ShapeOptions(TypedDict, total=False):
     roll_off: Optional[Quantity]
     roll_off_shape: str
     amplitudes: str
+    aspect: Optional[float]
+    lay: Optional[float]
 
 
 def _made(kind: str, options: ShapeOptions, **values: Union[Quantity, None]) -> Surface:

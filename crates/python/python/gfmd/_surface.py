@@ -225,33 +225,65 @@ class Surface:
         """Root mean square of the heights about their mean, length."""
         return float(self.statistics().rms_height)
 
-    def statistics(self, *, fit_range: Optional[tuple[float, float]] = None) -> Statistics:
-        """Returns the statistics: rms height, gradient and curvature, Nayak's parameter, Hurst exponent, cut-offs.
+    def statistics(
+        self,
+        *,
+        fit_range: Optional[tuple[float, float]] = None,
+        features: bool = False,
+        wolf: float = 0.05,
+        motif_edges: Literal["all", "leave-out", "periodic", None] = None,
+        boundary: Boundary = None,
+    ) -> Statistics:
+        """Returns the statistics: rms height, gradient and curvature, Nayak's parameter, Hurst exponent, cut-offs,
+        height and volume parameters of ISO 25178, parameters of a profile of ISO 21920.
 
         Args:
             fit_range: (longest, shortest) wavelength for the fit of the Hurst exponent; from half of the cell to 4
                 spacings by default.
+            features: True adds correlation lengths, direction, hills and dales: `sal` to `mean_dale_area`, as in
+                `gfmd surface --statistics`.
+            wolf: height of a hill above its saddle, or depth of a dale, below which it is pruned and joins its
+                neighbour, divided by the height range.
+            motif_edges: hills and dales that touch the edge: "all" count, "leave-out", or "periodic" ones continue
+                at the opposite edge; by default "periodic" if the boundary is, else "leave-out".
+            boundary: "periodic" or "free", for correlation lengths and motifs; by default according to `is_periodic`.
 
         Raises:
-            InputError: a range with too few waves.
+            InputError: a range with too few waves, a fraction outside 0 to 1, an unknown name.
 
         Example:
             >>> round(gfmd.self_affine(n=64, rms_gradient=0.3).statistics().rms_gradient, 12)
             0.3
+            >>> found = s.statistics(features=True)
+            >>> found.hills > 1, found.s10z > found.sk
+            (True, True)
         """
-        if fit_range is None and self._statistics is not None:
+        usual = fit_range is None and not features
+        if usual and self._statistics is not None:
             return self._statistics
         given = None if fit_range is None else numbers("fit_range", fit_range)
         if given is not None and len(given) != 2:
             raise InputError(f"fit_range is {fit_range!r}; it must be (longest, shortest)")
-        values = parsed(_gfmd.statistics(self._heights, self._size, given))
+        if motif_edges not in (None, "all", "leave-out", "periodic"):
+            raise InputError(
+                f"motif_edges is {_check.shown(motif_edges)}; it must be 'all', 'leave-out' or 'periodic'"
+            )
+        detail = None
+        if features:
+            detail = ("periodic" if self._repeats(boundary) else "free", number("wolf", wolf), motif_edges)
+        values = parsed(_gfmd.statistics(self._heights, self._size, given, self._section(), detail))
         for name in ("source", "unit", "asked", "out"):
             del values[name]
         reasons = {"undefined": by_name(values.pop("undefined"))} if "undefined" in values else {}
         found = Statistics({**without_null(values), **reasons}, (self._unit, None))
-        if fit_range is None:
+        if usual:
             object.__setattr__(self, "_statistics", found)
         return found
+
+    def _section(self) -> Optional[float]:
+        """Returns the length of the sections of a profile, the index of its last L filter."""
+        of_filters = [step["l"] for step in self.preparation if step["step"] == "filter" and "l" in step]
+        return float(of_filters[-1]) if of_filters else None
 
     def to_unit(self, unit: str) -> Surface:
         """Returns the surface with heights and lengths in another unit.
@@ -882,6 +914,8 @@ def self_affine(
     roll_off: Optional[_check.Quantity] = None,
     roll_off_shape: str = "plateau",
     amplitudes: str = "gaussian",
+    aspect: Optional[float] = None,
+    lay: Optional[float] = None,
 ) -> Surface:
     """Generates a periodic self-affine surface from its spectrum and a seed, as `gfmd surface` does.
 
@@ -904,6 +938,8 @@ def self_affine(
         roll_off: wavelength beyond which the spectrum is flat, length.
         roll_off_shape: "plateau" or "smooth".
         amplitudes: "gaussian", or "fixed" (random phases only).
+        aspect: correlation length along the lay divided by the correlation length across it, at least 1.
+        lay: direction of the lay from the x axis, degrees; 0 by default.
 
     Raises:
         InputError: a value out of range, incompatible values.
@@ -943,6 +979,8 @@ def self_affine(
         roll_off=None if roll_off is None else in_units("roll_off", roll_off, "length", unit, None),
         roll_off_shape=word("roll_off_shape", roll_off_shape),
         amplitudes=word("amplitudes", amplitudes),
+        aspect=None if aspect is None else number("aspect", aspect),
+        lay=None if lay is None else number("lay", lay),
     )
     origin = _Origin(description, {}, periodic)
     return _surface(heights, lengths, None if unit is None else _gfmd.canonical(unit), origin)

@@ -2,7 +2,10 @@
 
 use std::borrow::Cow;
 
-use gfmd_surface::{Areal, HurstFit, Moments, Statistics, SurfaceError};
+use gfmd_surface::{
+    Areal, Core, CorrelationLengths, Direction, Features, HurstFit, Moments, ProfileNumbers, Statistics, SurfaceError,
+    Volumes,
+};
 
 use crate::Cell;
 use crate::column::Subject;
@@ -16,6 +19,10 @@ pub struct Surface;
 pub struct SurfaceFacts {
     /// True if the surface ends at its edges: moments then come from differences inside.
     pub free: bool,
+    /// True for a profile.
+    pub line: bool,
+    /// True if correlation lengths, direction, hills and dales are computed.
+    pub detailed: bool,
 }
 
 /// Input from which the statistics of a surface are printed.
@@ -33,6 +40,21 @@ pub struct SurfaceContext<'a> {
     pub fit_range: [f64; 2],
     /// Longest and shortest wavelengths with power, length; `None` if the surface is flat.
     pub cut_offs: Option<[f64; 2]>,
+    /// Parameters of a profile; `None` without a section length.
+    pub profile: Option<&'a ProfileNumbers>,
+    /// What takes longer to compute; `None` without [`SurfaceFacts::detailed`].
+    pub detail: Option<&'a SurfaceDetail>,
+}
+
+/// Numbers of a surface that take longer to compute.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceDetail {
+    /// Correlation lengths.
+    pub lengths: CorrelationLengths,
+    /// Direction of the texture.
+    pub direction: Direction,
+    /// Hills and dales; `None` for a profile and a flat surface.
+    pub features: Option<Features>,
 }
 
 impl Subject for Surface {
@@ -45,6 +67,10 @@ impl Subject for Surface {
 type Column = crate::Column<Surface>;
 
 const FLAT: &str = "the surface is flat";
+const SHORT: &str = "the autocorrelation does not fall to 0.2 within half of the cell";
+const SHORT_SOMEWHERE: &str = "in a direction the autocorrelation does not fall to 0.2 within half of the cell";
+const NO_LAY: &str = "the surface has no direction: Str is above 0.5 or has no value";
+const EQUAL: &str = "the mean square slopes of all directions are equal";
 const FEW: &str = "an axis has fewer than three points";
 
 fn any(_: &SurfaceFacts) -> bool {
@@ -69,6 +95,56 @@ fn of_curvature(at: &SurfaceContext, of: impl Fn(&Moments) -> Option<f64>) -> Ce
 fn inside(at: &SurfaceContext, of: impl Fn(&Moments) -> Option<f64>) -> Cell {
     let reason = if at.statistics.mean_square_laplacian_inside.is_none() { FEW } else { FLAT };
     cell(of(&at.statistics.moments_inside()).filter(|value| !value.is_nan()), reason)
+}
+
+fn detailed(facts: &SurfaceFacts) -> bool {
+    facts.detailed
+}
+
+fn directed(facts: &SurfaceFacts) -> bool {
+    facts.detailed && !facts.line
+}
+
+fn line(facts: &SurfaceFacts) -> bool {
+    facts.line
+}
+
+/// Returns a parameter of the bearing curve.
+fn of_core(at: &SurfaceContext, of: fn(&Core) -> f64) -> Cell {
+    cell(at.areal.core.as_ref().map(of), FLAT)
+}
+
+/// Returns a volume or height difference of the bearing curve.
+fn of_volumes(at: &SurfaceContext, of: fn(&Volumes) -> f64) -> Cell {
+    cell(at.areal.volumes.as_ref().map(of), FLAT)
+}
+
+/// Returns a correlation length or aspect ratio.
+fn of_lengths(at: &SurfaceContext, of: fn(&CorrelationLengths) -> Option<f64>, reason: &'static str) -> Cell {
+    let flat = at.cut_offs.is_none();
+    cell(at.detail.and_then(|detail| of(&detail.lengths)), if flat { FLAT } else { reason })
+}
+
+/// Returns a number of the direction of the texture.
+fn of_direction(at: &SurfaceContext, of: fn(&Direction) -> Option<f64>, reason: &'static str) -> Cell {
+    let flat = at.cut_offs.is_none();
+    cell(at.detail.and_then(|detail| of(&detail.direction)), if flat { FLAT } else { reason })
+}
+
+/// Returns a number of hills and dales.
+fn of_features(at: &SurfaceContext, of: fn(&Features) -> Option<f64>) -> Cell {
+    match at.detail.and_then(|detail| detail.features.as_ref()) {
+        Some(features) => cell(of(features), "no hill or dale remains that the number needs"),
+        None => Cell::undefined(FLAT),
+    }
+}
+
+/// Returns a parameter of a profile.
+fn of_profile(at: &SurfaceContext, of: fn(&ProfileNumbers) -> Option<f64>) -> Cell {
+    match at.profile {
+        Some(profile) => cell(of(profile), "the profile is flat or has fewer than two equal crossings"),
+        None => Cell::undefined("the profile has no L filter, whose index is the section length"),
+    }
 }
 
 fn of_fit(at: &SurfaceContext, of: fn(&HurstFit) -> f64) -> Cell {
@@ -104,9 +180,63 @@ const COLUMNS: &[Column] = &[
     Column::new("sku", "1", &[(any, "Sku of ISO 25178: kurtosis, 3 of a Gaussian surface")], |at| {
         cell(at.areal.sku, FLAT)
     }),
-    Column::new("sdr", "1", &[(any, "Sdr of ISO 25178: developed area over that of the plane, less 1")], |at| {
+    Column::new("sdr", "1", &[(any, "Sdr of ISO 25178: developed area divided by projected area, minus 1")], |at| {
         at.areal.sdr.into()
     }),
+    Column::new("sk", "length", &[(any, "Sk of ISO 25178: height of the core of the bearing curve")], |at| {
+        of_core(at, |core| core.sk)
+    }),
+    Column::new("spk", "length", &[(any, "Spk of ISO 25178: reduced height of the peaks above the core")], |at| {
+        of_core(at, |core| core.spk)
+    }),
+    Column::new("svk", "length", &[(any, "Svk of ISO 25178: reduced depth of the valleys below the core")], |at| {
+        of_core(at, |core| core.svk)
+    }),
+    Column::new("smr1", "1", &[(any, "Smr1 of ISO 25178: material ratio between peaks and core")], |at| {
+        of_core(at, |core| core.smr1)
+    }),
+    Column::new("smr2", "1", &[(any, "Smr2 of ISO 25178: material ratio between core and valleys")], |at| {
+        of_core(at, |core| core.smr2)
+    }),
+    Column::new("spkx", "length", &[(any, "Spkx of ISO 25178: highest peak above the core")], |at| {
+        of_core(at, |core| core.spkx)
+    }),
+    Column::new("svkx", "length", &[(any, "Svkx of ISO 25178: deepest valley below the core")], |at| {
+        of_core(at, |core| core.svkx)
+    }),
+    Column::new(
+        "vmp",
+        "length",
+        &[(any, "Vmp of ISO 25178: volume of the peaks above the material ratio 10 %, per area")],
+        |at| of_volumes(at, |volumes| volumes.vmp),
+    ),
+    Column::new(
+        "vmc",
+        "length",
+        &[(any, "Vmc of ISO 25178: volume of the core material between 10 and 80 %, per area")],
+        |at| of_volumes(at, |volumes| volumes.vmc),
+    ),
+    Column::new(
+        "vvc",
+        "length",
+        &[(any, "Vvc of ISO 25178: volume of the core voids between 10 and 80 %, per area")],
+        |at| of_volumes(at, |volumes| volumes.vvc),
+    ),
+    Column::new("vvv", "length", &[(any, "Vvv of ISO 25178: volume of the valleys below 80 %, per area")], |at| {
+        of_volumes(at, |volumes| volumes.vvv)
+    }),
+    Column::new(
+        "sxp",
+        "length",
+        &[(any, "Sxp of ISO 25178: height at the material ratio 2.5 % minus the height at 50 %")],
+        |at| of_volumes(at, |volumes| volumes.sxp),
+    ),
+    Column::new(
+        "sdc",
+        "length",
+        &[(any, "Sdc of ISO 25178: height at the material ratio 10 % minus the height at 80 %")],
+        |at| of_volumes(at, |volumes| volumes.sdc),
+    ),
     Column::new(
         "rms_gradient",
         "1",
@@ -173,12 +303,181 @@ const COLUMNS: &[Column] = &[
     Column::new("shortest_wavelength", "length", &[(any, "shortest wavelength with power")], |at| {
         cell(at.cut_offs.map(|[_, shortest]| shortest), FLAT)
     }),
-    Column::new("seam_x", "1", &[(any, "rms step along x across the periodic seam over those inside")], |at| {
-        seam(at, 0)
-    })
+    Column::new(
+        "seam_x",
+        "1",
+        &[(any, "rms step along x across the periodic seam divided by the rms step inside")],
+        |at| seam(at, 0),
+    )
     .at("seam.0"),
-    Column::new("seam_y", "1", &[(any, "rms step along y across the periodic seam over those inside")], |at| {
-        seam(at, 1)
-    })
+    Column::new(
+        "seam_y",
+        "1",
+        &[(any, "rms step along y across the periodic seam divided by the rms step inside")],
+        |at| seam(at, 1),
+    )
     .at("seam.1"),
+    Column::new(
+        "sal",
+        "length",
+        &[(any, "Sal of ISO 25178: shortest distance at which the autocorrelation is 0.2")],
+        |at| of_lengths(at, |lengths| lengths.sal, SHORT),
+    )
+    .with(detailed),
+    Column::new(
+        "str",
+        "1",
+        &[(any, "Str of ISO 25178: shortest divided by longest distance at which the autocorrelation is 0.2")],
+        |at| of_lengths(at, CorrelationLengths::aspect, SHORT_SOMEWHERE),
+    )
+    .with(directed),
+    Column::new(
+        "ssw",
+        "length",
+        &[(any, "Ssw of ISO 25178: wavelength of the wave with the largest amplitude")],
+        |at| of_direction(at, |direction| direction.ssw, FLAT),
+    )
+    .with(detailed),
+    Column::new(
+        "std",
+        "degree",
+        &[(any, "Std of ISO 25178: direction of the waves with the most power, from the x axis")],
+        |at| of_direction(at, |direction| direction.wave, NO_LAY),
+    )
+    .with(directed),
+    Column::new("lay", "degree", &[(any, "direction of the lay from the x axis, normal to Std")], |at| {
+        of_direction(at, Direction::lay, NO_LAY)
+    })
+    .with(directed),
+    Column::new("steepest", "degree", &[(any, "direction of the largest mean square slope, from the x axis")], |at| {
+        of_direction(at, |direction| direction.steepest, EQUAL)
+    })
+    .with(directed),
+    Column::new("hills", "1", &[(any, "number of hills after Wolf pruning")], |at| {
+        of_features(at, |features| Some(features.hills.count as f64))
+    })
+    .with(directed)
+    .count(),
+    Column::new("dales", "1", &[(any, "number of dales after Wolf pruning")], |at| {
+        of_features(at, |features| Some(features.dales.count as f64))
+    })
+    .with(directed)
+    .count(),
+    Column::new("spd", "1/length^2", &[(any, "Spd of ISO 25178: peaks per area")], |at| {
+        of_features(at, |features| Some(features.hills.density))
+    })
+    .with(directed),
+    Column::new("svd", "1/length^2", &[(any, "Svd of ISO 25178: pits per area")], |at| {
+        of_features(at, |features| Some(features.dales.density))
+    })
+    .with(directed),
+    Column::new("spc", "1/length", &[(any, "Spc of ISO 25178: mean curvature of the peaks")], |at| {
+        of_features(at, |features| features.hills.curvature)
+    })
+    .with(directed),
+    Column::new("svc", "1/length", &[(any, "Svc of ISO 25178: mean curvature of the pits")], |at| {
+        of_features(at, |features| features.dales.curvature)
+    })
+    .with(directed),
+    Column::new(
+        "s5p",
+        "length",
+        &[(any, "S5p of ISO 25178: mean height of the five highest peaks above the mean")],
+        |at| of_features(at, |features| features.hills.five),
+    )
+    .with(directed),
+    Column::new(
+        "s5v",
+        "length",
+        &[(any, "S5v of ISO 25178: mean depth of the five deepest pits below the mean")],
+        |at| of_features(at, |features| features.dales.five),
+    )
+    .with(directed),
+    Column::new("s10z", "length", &[(any, "S10z of ISO 25178: S5p plus S5v")], |at| of_features(at, Features::s10z))
+        .with(directed),
+    Column::new("mean_hill_area", "length^2", &[(any, "mean area of a hill")], |at| {
+        of_features(at, |features| features.hills.area)
+    })
+    .with(directed),
+    Column::new("mean_dale_area", "length^2", &[(any, "mean area of a dale")], |at| {
+        of_features(at, |features| features.dales.area)
+    })
+    .with(directed),
+    Column::new("sections", "1", &[(any, "number of whole sections of the profile")], |at| {
+        of_profile(at, |profile| Some(profile.sections as f64))
+    })
+    .with(line)
+    .count(),
+    Column::new("ra", "length", &[(any, "Ra of ISO 21920: mean distance from the mean line")], |at| {
+        of_profile(at, |profile| Some(profile.ra))
+    })
+    .with(line),
+    Column::new("rq", "length", &[(any, "Rq of ISO 21920: root-mean-square distance from the mean line")], |at| {
+        of_profile(at, |profile| Some(profile.rq))
+    })
+    .with(line),
+    Column::new("rsk", "1", &[(any, "Rsk of ISO 21920: skewness")], |at| of_profile(at, |profile| profile.rsk))
+        .with(line),
+    Column::new("rku", "1", &[(any, "Rku of ISO 21920: kurtosis")], |at| of_profile(at, |profile| profile.rku))
+        .with(line),
+    Column::new("rt", "length", &[(any, "Rt of ISO 21920: highest minus lowest height")], |at| {
+        of_profile(at, |profile| Some(profile.rt))
+    })
+    .with(line),
+    Column::new(
+        "rp",
+        "length",
+        &[(any, "Rp of ISO 21920: highest height of a section, mean over the sections")],
+        |at| of_profile(at, |profile| Some(profile.rp)),
+    )
+    .with(line),
+    Column::new(
+        "rv",
+        "length",
+        &[(any, "Rv of ISO 21920: depth of the lowest height of a section, mean over the sections")],
+        |at| of_profile(at, |profile| Some(profile.rv)),
+    )
+    .with(line),
+    Column::new(
+        "rz",
+        "length",
+        &[(any, "Rz of ISO 21920: highest minus lowest height of a section, mean over the sections")],
+        |at| of_profile(at, |profile| Some(profile.rz)),
+    )
+    .with(line),
+    Column::new(
+        "rzx",
+        "length",
+        &[(any, "Rzx of ISO 21920: highest minus lowest height of a section, largest one")],
+        |at| of_profile(at, |profile| Some(profile.rzx)),
+    )
+    .with(line),
+    Column::new("rdq", "1", &[(any, "Rdq of ISO 21920: root-mean-square slope by forward differences")], |at| {
+        of_profile(at, |profile| Some(profile.rdq))
+    })
+    .with(line),
+    Column::new("rsm", "length", &[(any, "Rsm of ISO 21920: mean width of the profile elements")], |at| {
+        of_profile(at, |profile| profile.rsm)
+    })
+    .with(line),
+    Column::new("rk", "length", &[(any, "Rk of ISO 21920: height of the core of the bearing curve")], |at| {
+        of_profile(at, |profile| profile.core.map(|core| core.sk))
+    })
+    .with(line),
+    Column::new("rpk", "length", &[(any, "Rpk of ISO 21920: reduced height of the peaks above the core")], |at| {
+        of_profile(at, |profile| profile.core.map(|core| core.spk))
+    })
+    .with(line),
+    Column::new("rvk", "length", &[(any, "Rvk of ISO 21920: reduced depth of the valleys below the core")], |at| {
+        of_profile(at, |profile| profile.core.map(|core| core.svk))
+    })
+    .with(line),
+    Column::new("rmr1", "1", &[(any, "Rmr1 of ISO 21920: material ratio between peaks and core")], |at| {
+        of_profile(at, |profile| profile.core.map(|core| core.smr1))
+    })
+    .with(line),
+    Column::new("rmr2", "1", &[(any, "Rmr2 of ISO 21920: material ratio between core and valleys")], |at| {
+        of_profile(at, |profile| profile.core.map(|core| core.smr2))
+    })
+    .with(line),
 ];

@@ -308,9 +308,16 @@ fn punch() -> Vec<Property> {
 }
 
 fn surface() -> Vec<Property> {
-    let facts = [SurfaceFacts::default()];
+    let plain = SurfaceFacts::default();
+    let facts = [plain, SurfaceFacts { line: true, ..plain }, SurfaceFacts { detailed: true, ..plain }];
+    let words = |_: &[SurfaceFacts], holds: Holds<SurfaceFacts>| match () {
+        () if holds(&plain) => None,
+        () if holds(&SurfaceFacts { line: true, ..plain }) => Some("Of a profile".to_owned()),
+        () if holds(&SurfaceFacts { line: true, detailed: true, ..plain }) => Some("With `features`".to_owned()),
+        () => Some("Of a surface with `features`".to_owned()),
+    };
     let range = ("hurst_range", "list[float]", "Length: longest and shortest wavelength of the fit of `hurst`");
-    numbers_of::<Surface>(&facts, (&OF_STATE, &only("")), |column| at(column.json), &[range])
+    numbers_of::<Surface>(&facts, (&OF_STATE, &words), |column| at(column.json), &[range])
 }
 
 /// Returns the numbers of a flow by name, with their places in its object.

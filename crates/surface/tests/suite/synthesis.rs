@@ -2,7 +2,9 @@
 
 use approx::assert_relative_eq;
 use gfmd_field::{Grid, Transform};
-use gfmd_surface::{Amplitudes, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
+use gfmd_surface::{
+    Amplitudes, Anisotropy, Direction, Normalisation, PowerSpectrum, RollOff, RollOffShape, Scaling, SelfAffine,
+};
 use ndarray::Array2;
 use num_complex::Complex64;
 use proptest::prelude::*;
@@ -296,4 +298,47 @@ fn the_documentation_is_enough_to_make_the_same_surface_elsewhere() {
             assert!((height - expected).abs() < 1e-14, "{height} for {expected} at {i}, {j}");
         }
     }
+}
+
+/// Along the lay, mean square slopes are smaller by 1/r² than across it, for any direction of the lay.
+#[test]
+fn waves_are_longer_along_the_lay() {
+    let grid = Grid::square(256, 1.0).unwrap();
+    for (aspect, lay) in [(2.0, 30.0), (4.0, 135.0), (4.0, 0.0), (2.0, -90.0)] {
+        let anisotropy = Some(Anisotropy { aspect, lay });
+        let surface =
+            SelfAffine { anisotropy, amplitudes: Amplitudes::Fixed, ..self_affine(0.8, 1.0 / 4.0, 1.0 / 32.0, 0.1) };
+        let spectrum = surface.spectrum(&grid, 3).unwrap();
+        let (sin, cos) = f64::to_radians(lay).sin_cos();
+        let [mut along, mut across, mut longest, mut shortest] = [0.0, 0.0, f64::INFINITY, 0.0_f64];
+        for (mode, value) in grid.modes().zip(&spectrum).filter(|(_, value)| value.norm() > 0.0) {
+            let [x, y] = mode.number.map(|number| number as f64);
+            let power = mode.weight * value.norm_sqr();
+            along += power * (x * cos + y * sin).powi(2);
+            across += power * (y * cos - x * sin).powi(2);
+            longest = longest.min(x.hypot(y));
+            shortest = shortest.max(x.hypot(y));
+        }
+        assert!((along / across * aspect.powi(2) - 1.0).abs() < 0.05, "{aspect} {lay}: {}", along / across);
+        assert!((longest * aspect.sqrt() - 4.0).abs() < 1.0, "{longest}");
+        assert!((shortest / aspect.sqrt() - 32.0).abs() < 0.6, "{shortest}");
+        let heights = surface.heights(&grid, 3).unwrap();
+        let found = PowerSpectrum::of(&heights, &grid).unwrap();
+        assert!((found.moments().rms_gradient() - 0.1).abs() < 1e-12);
+        let steepest = Direction::of(&found, Some(0.2)).steepest.unwrap();
+        let off = (steepest - lay - 90.0).rem_euclid(180.0);
+        assert!(off.min(180.0 - off) < 1.0, "{lay}: {steepest}");
+    }
+    let refused = |anisotropy, longest: f64, shortest: f64, grid: &Grid| {
+        let surface = SelfAffine { anisotropy: Some(anisotropy), ..self_affine(0.8, longest, shortest, 0.1) };
+        surface.heights(grid, 1).unwrap_err().to_string()
+    };
+    let twice = Anisotropy { aspect: 4.0, lay: 10.0 };
+    assert!(refused(twice, 0.6, 0.1, &grid).starts_with("the longest wavelength is 1.2"));
+    assert!(refused(twice, 0.5, 0.01, &grid).starts_with("the shortest wavelength is 0.005"));
+    assert!(refused(twice, 0.5, 0.1, &Grid::line(256, 1.0).unwrap()).starts_with("the profile has a preferred"));
+    let below = Anisotropy { aspect: 0.9, lay: 0.0 };
+    assert!(refused(below, 0.5, 0.1, &grid).starts_with("the aspect ratio is 0.9"));
+    let endless = Anisotropy { aspect: 2.0, lay: f64::NAN };
+    assert!(refused(endless, 0.5, 0.1, &grid).starts_with("the aspect ratio is 2 and the lay is NaN"));
 }

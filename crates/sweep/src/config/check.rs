@@ -92,6 +92,31 @@ impl Config {
         )
     }
 
+    /// Checks the preferred direction of the surfaces.
+    fn check_lay(&self) -> Result<(), SweepError> {
+        let SurfaceConfig { dim, method, aspect, lay, .. } = &self.surface;
+        if !(*aspect >= 1.0 && aspect.is_finite()) {
+            return Err(refusal("surface.aspect", aspect, "at least 1 and finite"));
+        }
+        if !lay.is_finite() {
+            return Err(refusal("surface.lay", lay, "finite"));
+        }
+        if *aspect > 1.0 && *dim == 2 {
+            return Err(refusal("surface.aspect", aspect, "1 with profiles"));
+        }
+        if *aspect > 1.0 && matches!(method, Method::Sra | Method::Rmd) {
+            return Err(refusal(
+                "surface.aspect",
+                aspect,
+                "1 with the methods sra and rmd, which have no spectrum to change",
+            ));
+        }
+        if *aspect == 1.0 && *lay != 0.0 {
+            return Err(refusal("surface.lay", lay, "0 with surface.aspect = 1"));
+        }
+        Ok(())
+    }
+
     /// Checks the method that generates heights.
     fn check_method(&self) -> Result<(), SweepError> {
         let SurfaceConfig { method, roll_off, hurst, .. } = &self.surface;
@@ -105,6 +130,7 @@ impl Config {
                 "1 with the methods sra and rmd, which have no spectrum to change",
             ));
         }
+        self.check_lay()?;
         if *method == Method::Printed && hurst[..] != [0.0] {
             return Err(refusal(
                 "surface.hurst",
