@@ -416,10 +416,9 @@ pub const RULES: &[Rule] = {
         rule(All, Path, "normal", "lateral motion and friction make all components unknown"),
         rule(Held, Path, "normal", NOT_IMPLEMENTED),
         rule(MovedBase, Path, "left out", NOT_IMPLEMENTED),
-        rule(Statistics, Path, "left out", NOT_IMPLEMENTED),
         rule(FlowThreshold, Path, "left out", "the load of a path may fall, and the gap close more than once"),
         rule(History, Path, "left out", "it records one search, and a step may take several"),
-        rule(Several, Path, "left out", NOT_IMPLEMENTED),
+        rule(Several, Path, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
     ]
 };
 
