@@ -155,6 +155,7 @@ impl Args {
         let body = self.prony.long_term(&self.body)?;
         self.measure.asked(Asked {
             compliance: Cow::Borrowed(&self.compliance),
+            base: Cow::Borrowed(&self.around.base),
             lower: Cow::Borrowed(&self.lower),
             law: Cow::Borrowed(&self.law),
             hardness: self.hardness.hardness.as_ref(),

@@ -255,6 +255,9 @@ parts! {
         Some(MovedBase::Traction) => (key("base_traction"), "given", key("base_traction")),
         _ => (key("base_displacement"), "given", key("base_displacement")),
     }, |f| f.moved_base.is_some();
+    /// Base under a traction.
+    PulledBase: |_| (key("base_traction"), "given", key("base_traction")),
+        |f| f.moved_base == Some(MovedBase::Traction);
     /// Profile.
     Line: |_| (key("dim"), "2", words!["a profile (", setting("dim", 2), ")"]), |f| f.line;
     /// Displacement known up to a constant.
@@ -370,6 +373,10 @@ pub const RULES: &[Rule] = {
         rule(Held, SecondBody, "normal", "the relative displacement of two held bodies is not that of one"),
         rule(All, MovedBase, "normal", "the base moves the surface sideways, too"),
         rule(Held, MovedBase, "normal", "the base moves the surface sideways, too"),
+        rule(MovedBase, Lateral, "left out", "the base moves the surface sideways, too"),
+        rule(MovedBase, Shear, "left out", "the surface above the base moves as the body relaxes"),
+        rule(PulledBase, Prony, "left out", "the body creeps under the traction"),
+        rule(MovedBase, Yield, "left out", "the stress by the base, which adds to that of the contact, is not computed"),
         rule(Hardness, OpenLaw, "left out", "without a wall nothing is pressed into the other surface"),
         rule(Friction, ShearingLaw, "left out", "the law has a shear of its own"),
         rule(Hardness, Lateral, "left out", LAW_ALONE),
@@ -415,7 +422,6 @@ pub const RULES: &[Rule] = {
         rule(FiniteSlope, Path, "left out", "points that move sideways would take their histories with them"),
         rule(All, Path, "normal", "lateral motion and friction make all components unknown"),
         rule(Held, Path, "normal", NOT_IMPLEMENTED),
-        rule(MovedBase, Path, "left out", NOT_IMPLEMENTED),
         rule(FlowThreshold, Path, "left out", "the load of a path may fall, and the gap close more than once"),
         rule(History, Path, "left out", "it records one search, and a step may take several"),
         rule(Several, Path, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),

@@ -8,7 +8,7 @@ use gfmd_law::LawKind;
 use gfmd_record::{NOT_SOLVED, Record, StateContext, Statistics};
 
 use super::{Args, Loads};
-use crate::checking::{Checked, Checking, check_lower};
+use crate::checking::{Checked, Checking, check_base, check_lower};
 use crate::measuring::{Findings, Touching};
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
@@ -24,7 +24,7 @@ impl Checked for Args {
         let args: Self = checking.problem(|args: &Self| args.problem.boundary, comparison)?;
         let mut loads = Loads::new(&args, session)?;
         loads.prepared.take_units(reader);
-        let Prepared { facts, base, lower, .. } = &loads.prepared;
+        let Prepared { facts, lower, .. } = &loads.prepared;
         let others =
             [(args.problem.law.law != LawKind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
         let others = others.into_iter().filter_map(|(needed, field)| needed.then_some(field));
@@ -36,10 +36,7 @@ impl Checked for Args {
             );
             return Ok(());
         }
-        if let Some(base) = base {
-            let lift: Vec<f64> = base.lift.iter().copied().collect();
-            comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
-        }
+        check_base(reader, loads.prepared.lift(), comparison)?;
         check_lower(reader, lower.as_ref(), comparison);
         let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
         let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.search.tolerance)?;

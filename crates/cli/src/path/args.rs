@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::Boundary;
+use gfmd_input::base::BaseArgs;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_problem::{Facts, GridError, Task};
@@ -26,6 +27,9 @@ pub(super) struct PathOptions {
     )]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
     pub(super) boundary: Boundary,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(super) base: BaseArgs,
     /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
     /// too
     #[arg(
@@ -45,8 +49,9 @@ fn is_periodic(boundary: &Boundary) -> bool {
 impl PathOptions {
     /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
     pub(super) fn of(&self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
-        let Self { boundary, grid_error } = *self;
-        Facts { task: Task::Path, boundary, resume, grid_error, ..body }
+        let Self { boundary, base, grid_error } = self;
+        let (boundary, grid_error, moved_base) = (*boundary, *grid_error, base.fact());
+        Facts { task: Task::Path, boundary, moved_base, resume, grid_error, ..body }
     }
 }
 

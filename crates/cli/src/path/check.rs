@@ -9,15 +9,17 @@ use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use super::args::StepArgs;
 use super::{Args, memory, strain};
-use crate::checking::{Checked, Checking, check_lower};
+use crate::checking::{Checked, Checking, check_base, check_lower};
 use crate::measuring::Conducting;
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
 use gfmd_check::statistics;
+use gfmd_input::base::MovedBase;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_run::series::{Chosen, Prepared};
@@ -30,6 +32,7 @@ impl Checked for Args {
         let mut input = super::path_input(&args, session)?;
         input.prepared.take_units(reader);
         let prepared = &input.prepared;
+        check_base(reader, prepared.lift(), comparison)?;
         check_lower(reader, prepared.lower.as_ref(), comparison);
         let waypoints = input.places.count(input.drives.len());
         let contact = prepared.pose(&args.source, &prepared.law)?;
@@ -107,10 +110,10 @@ struct Work {
 struct Face<'a> {
     /// Beginning of the names of its fields and numbers.
     prefix: &'static str,
-    /// Heights of the rigid surface.
-    heights: &'a Array2<f64>,
+    /// Heights of the rigid surface, with the lift of a base that moves.
+    heights: Cow<'a, Array2<f64>>,
     pressure: Array2<f64>,
-    /// Displacement out of the body.
+    /// Displacement out of the body, without the lift of a base that moves.
     displacement: Array2<f64>,
     gap: Array2<f64>,
     plastic_depth: Option<Array2<f64>>,
@@ -347,14 +350,18 @@ impl StepCheck<'_> {
     /// Reads the faces of the body at a waypoint, the upper one first.
     fn faces(&self, waypoint: usize) -> Result<Vec<Face<'_>>, Failure> {
         let Prepared { facts, surface, lower, .. } = self.stored.prepared;
+        let base = self.stored.prepared.base.as_ref();
         let surfaces = [("", Some(surface)), ("lower_", lower.as_ref())];
         let mut faces = Vec::new();
         for (prefix, surface) in surfaces.into_iter().filter_map(|(prefix, surface)| Some((prefix, surface?))) {
             let field = |name: &str| self.stored.field(&format!("{prefix}{name}"), waypoint);
-            let displacement = field("displacement_z")?;
+            let displacement = match base {
+                Some(base) => field("displacement_z")? - &base.lift,
+                None => field("displacement_z")?,
+            };
             faces.push(Face {
                 prefix,
-                heights: &surface.heights,
+                heights: MovedBase::under(base, &surface.heights),
                 pressure: field("pressure")?,
                 displacement: if prefix.is_empty() { displacement } else { -displacement },
                 gap: field("gap")?,

@@ -281,7 +281,7 @@ impl StateHandler for Log<'_> {
         }
         let area = record.number("area_fraction");
         if self.widest.as_ref().is_none_or(|(most, _)| area >= *most) {
-            self.widest = Some((area, SceneFields::of(state, None, state.plastic_depth())));
+            self.widest = Some((area, SceneFields::of(state, self.prepared.lift(), state.plastic_depth())));
         }
         if self.places.of(index).is_some() {
             self.gathered.states.extend(findings.arrays);
