@@ -113,7 +113,11 @@ impl Checking<'_> {
 }
 
 /// Compares the stored effect of a base that moves with its effect on the body.
-pub(crate) fn check_base(reader: &Reader, lift: Option<&Array2<f64>>, comparison: &mut Comparison) -> Result<(), Failure> {
+pub(crate) fn check_base(
+    reader: &Reader,
+    lift: Option<&Array2<f64>>,
+    comparison: &mut Comparison,
+) -> Result<(), Failure> {
     if let Some(lift) = lift {
         let lift: Vec<f64> = lift.iter().copied().collect();
         comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);

@@ -7,8 +7,9 @@ use gfmd_contact::Boundary;
 use gfmd_input::base::BaseArgs;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
-use gfmd_problem::{Facts, GridError, Task};
+use gfmd_problem::{Facts, GridError, Task, Unknown};
 use gfmd_run::resume::ResumeArgs;
+use gfmd_run::series::is_normal;
 use serde::{Deserialize, Serialize};
 
 use gfmd_problem::options::Options;
@@ -27,6 +28,10 @@ pub(super) struct PathOptions {
     )]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
     pub(super) boundary: Boundary,
+    /// The components of the surface displacement that are unknown
+    #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal, help_heading = "Contact")]
+    #[serde(skip_serializing_if = "is_normal", with = "named")]
+    components: Unknown,
     #[command(flatten)]
     #[serde(flatten)]
     pub(super) base: BaseArgs,
@@ -49,9 +54,9 @@ fn is_periodic(boundary: &Boundary) -> bool {
 impl PathOptions {
     /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
     pub(super) fn of(&self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
-        let Self { boundary, base, grid_error } = self;
-        let (boundary, grid_error, moved_base) = (*boundary, *grid_error, base.fact());
-        Facts { task: Task::Path, boundary, moved_base, resume, grid_error, ..body }
+        let Self { boundary, components, base, grid_error } = self;
+        let (boundary, unknown, moved_base, grid_error) = (*boundary, *components, base.fact(), *grid_error);
+        Facts { task: Task::Path, boundary, unknown, moved_base, resume, grid_error, ..body }
     }
 }
 
