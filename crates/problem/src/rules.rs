@@ -323,7 +323,7 @@ const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) 
     Rule { part, with, allowed, why }
 }
 
-/// Reason of a rule that a later version may lift.
+/// Reason why a part has no derivatives.
 const NOT_IMPLEMENTED: &str = "not implemented";
 /// Reason of the rules for a law that moves all components.
 const LAW_ALONE: &str = "without friction a law that shears moves all components, which have no such part";

@@ -135,17 +135,150 @@ fn paths_with_histories_are_measured_and_checked() {
     }
 }
 
-/// A second run of a path has all its bits, as has one that is stopped and resumed.
+/// A path that is killed somewhere and resumed has the bits of one run, whatever the threads.
 #[test]
 fn a_resumed_path_has_the_measurements_of_one_run() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let flags = "path --n 32 --eps-f-inv 8 --p-star 0.02,0.1,0.02 --steps 3 --statistics \
-                 --law exponential --param gamma=1e-5,range=1e-3 -q";
+    let flags = "path --n 32 --eps-f-inv 8 --p-star 0.02,0.1,0.02,0.05 --steps 3 --statistics -q \
+                 --law exponential --param gamma=1e-5,range=1e-3";
     run(folder, &format!("{flags} --out whole.h5 --json"));
     let whole = numbers(&folder.join("whole.h5"));
     assert!(whole.contains_key("/patches/waypoint") && whole.contains_key("/fields/repulsion"));
-    run(folder, &format!("{flags} --out again.h5 --threads 1 --json"));
+    let again = format!("{flags} --threads 1 --resume --out again.h5");
+    let state = folder.join("again.h5.state");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_gfmd"));
+    let mut killed = command.current_dir(folder).args(words(&again)).spawn().unwrap();
+    while !state.exists() && killed.try_wait().unwrap().is_none() {
+        std::thread::yield_now();
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(gfmd(folder, &words(&again)).status.success());
     assert_eq!(numbers(&folder.join("again.h5")), whole);
     assert_eq!(run(folder, "check whole.h5 --rerun --json")["differing"], 0);
+}
+
+/// Returns the names that a check finds after the values of a variable are changed by a part.
+fn found_after(folder: &Path, flags: &str, variable: &str) -> String {
+    run(folder, &format!("{flags} --out p.h5 --json"));
+    let file = hdf5::File::open_rw(folder.join("p.h5")).unwrap();
+    let changed = file.dataset(variable).unwrap();
+    let values: Vec<f64> = changed.read_raw().unwrap();
+    changed.write_raw(&values.iter().map(|value| 1.01 * value).collect::<Vec<_>>()).unwrap();
+    drop((changed, file));
+    let output = gfmd(folder, &["check", "p.h5", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{flags}: {variable}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    report["differences"].as_array().unwrap().iter().map(|found| format!("{} ", found["name"])).collect()
+}
+
+#[test]
+fn a_changed_measurement_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let elastic = "path --n 24 --eps-f-inv 6 --steps 1 --p-star 0.02,0.08 --statistics --conductivity 3,0.5";
+    let relaxing = format!("{elastic} --prony 1:0.5 --time 0.1,2");
+    for flags in [elastic, &relaxing] {
+        for variable in ["/path/largest_patch_fraction", "/path/contact_conductance", "/patches/force"] {
+            assert!(found_after(folder, flags, variable).contains(variable), "{flags}: {variable}");
+        }
+    }
+    let law = "path --n 24 --eps-f-inv 6 --p-star 0.05 --statistics --law exponential --param gamma=1e-5,range=1e-3";
+    assert!(found_after(folder, law, "/fields/repulsion").contains("/fields/repulsion"));
+}
+
+/// A base that moves and a surface held sideways lead a single step to the state of `contact`, and their paths through
+/// histories are checked; a body that relaxes for long is the body of its long-term modulus.
+#[test]
+fn paths_over_a_moved_base_and_held_sideways_are_those_of_the_contact() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let wave = ndarray::Array2::from_shape_fn((24, 24), |(i, j)| {
+        1e-3 * ((std::f64::consts::TAU * i as f64 / 24.0).cos() + (std::f64::consts::TAU * j as f64 / 12.0).sin())
+    });
+    ndarray_npy::write_npy(folder.join("base.npy"), &wave).unwrap();
+    let shape = "--n 24 --eps-f-inv 6 --seed 3 --tolerance 1e-9 --poisson 0.2";
+    let moved = "--height 0.1 --base-displacement base.npy";
+    let pulled = "--height 0.1 --base free --base-traction base.npy";
+    let law = "--law exponential --param gamma=1e-5,range=1e-3";
+    let load = "--p-star 0.05";
+    for flags in [
+        format!("{moved} {load}"),
+        format!("{moved} --approach 0.008"),
+        format!("{moved} {load} --hardness 0.1"),
+        format!("{moved} {load} {law}"),
+        format!("{pulled} {load}"),
+        format!("--components held {load}"),
+        format!("--components held --height 0.1 {load} --hardness 0.1"),
+        format!("--components held {load} {law}"),
+        format!("--components held --height 0.1 --lower-seed 2 {load}"),
+    ] {
+        let contact = run(folder, &format!("contact {shape} {flags} --out c.h5 --json"))["loads"][0].clone();
+        let step = run(folder, &format!("path {shape} {flags} --out p.h5 --json"))["steps"][0].clone();
+        for name in ["mean_pressure", "approach", "area_fraction", "mean_gap", "elastic_energy"] {
+            assert_relative_eq!(number(&contact[name]), number(&step[name]), max_relative = 1e-6);
+        }
+        let fields = ["c.h5", "p.h5"].map(|file| {
+            let file = Reader::open(folder.join(file)).unwrap();
+            ["pressure", "displacement_z", "gap"].map(|name| file.values::<f64>(&format!("/fields/{name}")).unwrap())
+        });
+        for (a, b) in fields[0].iter().zip(&fields[1]) {
+            let scale = a.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-5 * scale), "{flags}");
+        }
+        assert_eq!(run(folder, "check p.h5 --json")["differing"], 0, "{flags}");
+    }
+    for flags in [
+        format!("{moved} {load} --friction 0.3 --lateral 0,0.001"),
+        format!("{moved} {load} --friction 0.3 --lateral 0,0.001 {law}"),
+        format!("{moved} {load} --coefficient 1 --distance 0,0.01"),
+        format!("{moved} {load} --grid-error refine"),
+        format!("--components held {load} --coefficient 1 --distance 0,0.01"),
+        format!("--components held --p-star 0.05,0.01 {law} --hardness 0.2"),
+        format!("--components held {load} --grid-error refine"),
+    ] {
+        run(folder, &format!("path {shape} {flags} --steps 2 --out p.h5 --json"));
+        assert_eq!(run(folder, "check p.h5 --json")["differing"], 0, "{flags}");
+    }
+    // Half of the instantaneous modulus relaxes, alike for both moduli.
+    let relaxed = "--prony 1:0.5 --time 0,1000 --pressure 0.002 --steps 1";
+    for flags in [moved, "--components held", "--components held --height 0.1 --lower-seed 2"] {
+        let steps = run(folder, &format!("path {shape} {flags} {relaxed} --out p.h5 --json"))["steps"].clone();
+        assert_eq!(run(folder, "check p.h5 --json")["differing"], 0, "{flags}");
+        for (step, young) in [(&steps[0], 1.0), (&steps[1], 0.5)] {
+            let words = format!("contact {shape} {flags} --pressure 0.002 --young {young} --json");
+            let contact = run(folder, &words)["loads"][0].clone();
+            for name in ["approach", "area_fraction", "mean_gap"] {
+                assert_relative_eq!(number(&contact[name]), number(&step[name]), max_relative = 1e-5);
+            }
+        }
+    }
+}
+
+#[test]
+fn parts_that_move_the_surface_otherwise_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ndarray_npy::write_npy(folder.join("base.npy"), &ndarray::Array2::<f64>::zeros((16, 16))).unwrap();
+    let moved = "--height 0.1 --base-displacement base.npy";
+    let law = "--law npc --param phi_n=1e-4,phi_t=1e-4,delta_n=0.002,delta_t=0.002 --lateral 0.1";
+    for (flags, message) in [
+        ("--components held --friction 0.3 --lateral 0,1", "friction decides the lateral displacement"),
+        ("--components held --prony 1:0.5 --time 1 --relaxes shear", "the relaxation of each wave is not known"),
+        ("--components held --yield-stress 0.01", "the plastic strain moves the surface sideways"),
+        (&format!("--components held {law}"), "the law decides the lateral displacement"),
+        (&format!("{moved} --yield-stress 0.01"), "the stress by the base, which adds"),
+        (&format!("{moved} --prony 1:0.5 --time 1 --relaxes shear"), "moves as the body relaxes"),
+        (&format!("{moved} {law}"), "the base moves the surface sideways, too"),
+        ("--height 0.1 --base free --base-traction base.npy --prony 1:0.5 --time 1", "creeps under the traction"),
+        ("--conductor-height 0.1", "--conductor-height is 0.1; it must be left out without --statistics"),
+        ("--conductivity 1,2", "--conductivity is given; it must be left out without --statistics"),
+    ] {
+        let output = gfmd(folder, &words(&format!("path --n 16 --p-star 0.05 {flags} --out p.h5")));
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        let is_one_line = text.lines().filter(|line| line.contains("error")).count() == 1;
+        assert!(output.status.code() == Some(2) && is_one_line && text.contains(message), "{flags}: {text}");
+        assert!(!folder.join("p.h5").exists());
+    }
 }
