@@ -41,8 +41,8 @@ impl Waves {
     }
 }
 
-/// Returns the long-term stiffness of each mode, stress/length, by `stiffness_of` a wavenumber; infinite for the uniform
-/// mode if the level is fixed.
+/// Returns the long-term stiffness of each mode, stress/length; infinite for the uniform mode if the level is fixed.
+/// `stiffness_of` returns the stiffness of a wavenumber.
 pub(crate) fn stiffness(body: &Body, grid: &Grid, stiffness_of: fn(&Body, f64) -> f64) -> Vec<f64> {
     let [_, level] = body.level_compliance();
     let of = |index: usize| {

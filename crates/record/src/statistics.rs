@@ -1,4 +1,4 @@
-//! Arrays that statistics add to a load or to a waypoint of a path, each declared once: patches, distributions, spectra.
+//! Arrays that statistics add to a load or a waypoint of a path, each declared once: patches, distributions, spectra.
 
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;

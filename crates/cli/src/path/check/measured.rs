@@ -82,7 +82,7 @@ impl StepCheck<'_> {
         Ok(())
     }
 
-    /// Compares patches and conductance with those of the stored points in contact.
+    /// Compares patches and conductance with their values for the stored points in contact.
     pub(super) fn patches(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
         let file = self.stored;
         let Prepared { facts, surface, .. } = file.prepared;
