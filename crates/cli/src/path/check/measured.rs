@@ -22,7 +22,7 @@ impl StepCheck<'_> {
     pub(super) fn statistics(&self, waypoints: usize) -> Result<Vec<Statistics>, Failure> {
         let Prepared { facts, surface, .. } = self.stored.prepared;
         let mut found = Vec::new();
-        for place in 0..if facts.statistics { waypoints } else { 0 } {
+        for place in (0..waypoints).filter(|_| facts.statistics) {
             let [repulsion, gap] = self.stored.contact_and_gap(place, None)?;
             // A waypoint that was not reached has no numbers.
             if repulsion.iter().chain(&gap).all(|value| value.is_finite()) {
