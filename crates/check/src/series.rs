@@ -2,11 +2,10 @@
 
 use gfmd_contact::{Boundary, Drive, Fields as _, Load};
 use gfmd_files::Reader;
-use gfmd_flow::Flow;
 use gfmd_interface::{Quasistatic as _, Step};
 use gfmd_problem::{AnyState, GridError, Posed, Task};
-use gfmd_record::{Column, Measured, Origin, Record, StateContext, arrays};
-use ndarray::{Array2, ArrayRef2};
+use gfmd_record::{Column, Origin, Record, StateContext, arrays, repulsion};
+use ndarray::{Array2, ArrayRef2, CowArray, Ix2};
 
 use crate::result::{Comparison, RESIDUAL_OF_A_PATCH};
 use gfmd_input::failure::Failure;
@@ -133,30 +132,45 @@ impl<'a> Stored<'a> {
         true
     }
 
-    /// Compares the numbers and fields of a step at a waypoint with the state computed from the fields, and returns the
-    /// state; `None` for an unsolved step. `flow` computes the flow through the gap, if requested, and `stiffness` the
-    /// stiffness of a step that converged.
+    /// Compares the numbers and fields of a step at a waypoint with the state computed from the fields. `record` makes
+    /// the record of the state, given its numbers so far.
     ///
     /// # Errors
-    /// Fails like [`state`](Self::state).
+    /// Fails like [`state`](Self::state); also if the record cannot be made.
     pub fn compare_waypoint(
         &self,
         (index, place): (usize, usize),
         drive: Drive,
-        flow: impl FnOnce(&AnyState, &StateContext<'_>) -> Result<Option<Flow>, Failure>,
         stiffness: StiffnessArgs,
+        record: impl FnOnce(&AnyState, StateContext<'_>) -> Result<Record, Failure>,
         comparison: &mut Comparison,
-    ) -> Result<Option<AnyState>, Failure> {
-        let Some(state) = self.state(place, drive)? else { return Ok(None) };
+    ) -> Result<(), Failure> {
+        let Some(state) = self.state(place, drive)? else { return Ok(()) };
         self.compare_fields(place, &state, comparison)?;
         let (reading, step) = (self.contact.reading(&state), Step::default());
-        let at = self.at(index, &state);
-        let flow = flow(&state, &at)?;
-        let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
         let stiffness = stiffness.of(self.contact, &state, |_| {});
-        let at = StateContext { approach: reading.approach, step: Some((&step, reading)), stiffness, measured, ..at };
-        self.compare_record(index, (&Record::of(&at), &state), comparison);
-        Ok(Some(state))
+        let at = self.at(index, &state);
+        let at = StateContext { approach: reading.approach, step: Some((&step, reading)), stiffness, ..at };
+        self.compare_record(index, (&record(&state, at)?, &state), comparison);
+        Ok(())
+    }
+
+    /// Returns repulsive pressure and gap at a place, as stored: a number that rounding moves to another bin would be a
+    /// difference. Fields that are not in the file are taken from the `state`, if it is known.
+    ///
+    /// # Errors
+    /// Returns an error if a field cannot be read.
+    pub fn contact_and_gap<'s>(
+        &self,
+        place: usize,
+        state: Option<&'s AnyState>,
+    ) -> Result<[CowArray<'s, f64, Ix2>; 2], Failure> {
+        let field = |name: &str, made: Option<CowArray<'s, f64, Ix2>>| match made {
+            Some(made) if !self.reader.contains(&format!("/fields/{name}")) => Ok(made),
+            _ => self.field(name, place).map(Into::into),
+        };
+        let repulsion = field(repulsion(&self.prepared.facts), state.map(|state| state.repulsion()))?;
+        Ok([repulsion, field("gap", state.map(|state| state.gap().into()))?])
     }
 
     /// Compares the fields of a state with the stored fields at a place.

@@ -1,46 +1,47 @@
-//! Patches, distributions and spectra of the loads in a file.
+//! Patches, distributions and spectra of the states in a file: of loads, or of waypoints of a path.
 
-use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Reader, Variable};
-use gfmd_record::{Along, STATISTICS, Statistic, Statistics};
-use gfmd_unit::Units;
+use gfmd_problem::Facts;
+use gfmd_record::{Along, Statistic, Statistics, statistics_of};
+use gfmd_run::series::{Prepared, SeriesLayout};
 
 use crate::result::Comparison;
 use gfmd_input::failure::Failure;
 
-/// Joins the values of all loads; empty if a load has none, except for patches.
-fn joined(statistic: &Statistic, loads: &[Statistics]) -> Vec<f64> {
-    let of_loads: Vec<Vec<f64>> =
-        loads.iter().enumerate().map(|(load, found)| (statistic.values)(found, load)).collect();
-    let is_whole = statistic.along == Along::Patch || of_loads.iter().all(|values| !values.is_empty());
-    if is_whole { of_loads.concat() } else { Vec::new() }
+/// Joins the values of all states; empty if a state has none, except for patches.
+fn joined(statistic: &Statistic, states: &[Statistics]) -> Vec<f64> {
+    let of_states: Vec<Vec<f64>> =
+        states.iter().enumerate().map(|(number, found)| (statistic.values)(found, number)).collect();
+    let is_whole = statistic.along == Along::Patch || of_states.iter().all(|values| !values.is_empty());
+    if is_whole { of_states.concat() } else { Vec::new() }
 }
 
-/// Writes the arrays of the solved loads, with numbers in these units.
+/// Writes the arrays of the solved states of a problem.
 ///
 /// # Errors
 /// Returns an error if the file cannot be written.
-pub fn write(archive: &mut Archive, grid: &Grid, units: &Units, loads: &[Statistics]) -> Result<(), Failure> {
-    let Some(first) = loads.first() else { return Ok(()) };
+pub fn write(archive: &mut Archive, prepared: &Prepared, states: &[Statistics]) -> Result<(), Failure> {
+    let Some(first) = states.first() else { return Ok(()) };
+    let (units, grid) = (prepared.surface.units(), &prepared.surface.grid);
     let unit = &*units.name("length");
-    let load = Dimension::index("load", loads.len(), "load step");
-    let patches = joined(&STATISTICS[0], loads).len();
-    for statistic in STATISTICS {
+    let (name, meaning) = SeriesLayout::of(&prepared.facts).stored;
+    let state = Dimension::index(name, states.len(), meaning);
+    let [of_patch, of_bin] =
+        [format!("patch of any {name}"), format!("bin between zero and the largest value of the {name}")];
+    let patches = states.iter().map(|found| found.axis(Along::Patch, grid).len()).sum();
+    for statistic in statistics_of(&prepared.facts) {
         let Statistic { path, along, unit: own, meaning, .. } = *statistic;
-        let values = joined(statistic, loads);
+        let values = joined(statistic, states);
         let axis =
             |name: &str, unit: &str, meaning: &str| Dimension::values(name, first.axis(along, grid), unit, meaning);
         let axis = match along {
-            Along::Patch => Dimension::index("patch", patches, "patch of any load"),
-            Along::Bin => {
-                let bins = first.axis(along, grid).len();
-                Dimension::index("bin", bins, "bin between zero and the largest value of the load")
-            }
+            Along::Patch => Dimension::index("patch", patches, &of_patch),
+            Along::Bin => Dimension::index("bin", first.axis(along, grid).len(), &of_bin),
             Along::Ring => axis("wavenumber", &format!("rad/{unit}"), "mean wavenumber of a ring"),
             Along::LagX => axis("lag_x", unit, "distance"),
             Along::LagY => axis("lag_y", unit, "distance"),
         };
-        let both = [&load, &axis];
+        let both = [&state, &axis];
         let dimensions = if along == Along::Patch { &both[1..] } else { &both };
         if !values.is_empty() && !axis.is_empty() {
             let units = units.name(own.unwrap_or("length"));
@@ -51,13 +52,18 @@ pub fn write(archive: &mut Archive, grid: &Grid, units: &Units, loads: &[Statist
     Ok(())
 }
 
-/// Compares the arrays of a file with the arrays of the loads.
+/// Compares the arrays of a file of a problem with the arrays of its states.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.
-pub fn compare(reader: &Reader, loads: &[Statistics], comparison: &mut Comparison) -> Result<(), Failure> {
-    for statistic in STATISTICS {
-        let (path, values) = (statistic.path, joined(statistic, loads));
+pub fn compare(
+    reader: &Reader,
+    facts: &Facts,
+    states: &[Statistics],
+    comparison: &mut Comparison,
+) -> Result<(), Failure> {
+    for statistic in statistics_of(facts) {
+        let (path, values) = (statistic.path, joined(statistic, states));
         if reader.contains(path) {
             comparison.values(path, &reader.values::<f64>(path)?, &values, 0.0);
         } else if !values.is_empty() {

@@ -13,6 +13,7 @@ use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::Surface;
 use gfmd_run::series::{Chosen, Prepared, StateFile};
+use ndarray::Array2;
 use serde::de::DeserializeOwned;
 
 /// Result to check.
@@ -109,6 +110,19 @@ impl Checking<'_> {
             finish(file)?.ok_or_else(|| Failure::computation("the layout was not written"))
         })
     }
+}
+
+/// Compares the stored effect of a base that moves with its effect on the body.
+pub(crate) fn check_base(
+    reader: &Reader,
+    lift: Option<&Array2<f64>>,
+    comparison: &mut Comparison,
+) -> Result<(), Failure> {
+    if let Some(lift) = lift {
+        let lift: Vec<f64> = lift.iter().copied().collect();
+        comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
+    }
+    Ok(())
 }
 
 /// Compares the second surface of a slab with its stored checksum.

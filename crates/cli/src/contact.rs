@@ -1,10 +1,9 @@
 //! `contact`: one contact problem, one or more loads.
 
 mod check;
-mod conductance;
 mod figures;
+mod measure;
 mod report;
-mod statistics;
 mod stored;
 mod table;
 mod threshold;
@@ -20,17 +19,16 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Boundary, Drive, Fields as _, Refusal, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Wanted;
-use gfmd_green::Height;
 use gfmd_interface::Path;
 use gfmd_law::LawKind;
 use gfmd_problem::{AnyState, Facts, Posed, Unknown, key, words};
-use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, repulsion};
+use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
-use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use crate::loads::{LoadArgs, Sign};
+use crate::measuring::{Conducting, Findings, Gathered, MeasureArgs, Touching, recalled};
 use crate::progress::Progress;
 use gfmd_input::base::MovedBase;
 use gfmd_input::failure::{Failure, Outcome};
@@ -38,11 +36,8 @@ use gfmd_input::memory::peak_bytes;
 use gfmd_input::session::Session;
 use gfmd_input::source::Surface;
 use gfmd_problem::options::flags::toml_of;
-use gfmd_problem::options::{height, parse_height};
 use gfmd_report::figures::{Face, Scene, SceneFields, parse_prefix};
 use gfmd_run::accuracy;
-use gfmd_run::flow::FluidArgs;
-use gfmd_run::gas::GasArgs;
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, ContactArgs, Finer, Head, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile,
@@ -50,12 +45,10 @@ use gfmd_run::series::{
 };
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
-use conductance::Conducting;
-use gfmd_problem::options::{Kinds, Options};
+use gfmd_problem::options::Options;
+pub use measure::measure;
 pub use report::Report;
 use report::{Accurate, GridUsed};
-pub use statistics::measure;
-use statistics::{Findings, Gathered, measured};
 pub use stored::{configuration, records};
 use vtk::VtkFile;
 use whole::Whole;
@@ -82,46 +75,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     control: LoadArgs,
-    /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
-    #[arg(long, help_heading = "Measurements")]
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    statistics: bool,
-    /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or
-    /// inf
-    #[arg(
-        long,
-        default_value_t = Height::Infinite,
-        value_name = "H|inf",
-        value_parser = parse_height,
-        allow_negative_numbers = true,
-        help_heading = "Measurements"
-    )]
-    #[serde(skip_serializing_if = "is_infinite", with = "height")]
-    #[option(kinds = Kinds::LENGTH)]
-    conductor_height: Height,
-    /// Thermal conductivities of both conductors, such as 50W/(m*K),0.2W/(m*K); with --statistics for the contact
-    /// conductance per area
-    #[arg(
-        long,
-        value_delimiter = ',',
-        num_args = 1,
-        value_name = "K1,K2",
-        allow_negative_numbers = true,
-        help_heading = "Measurements"
-    )]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[option(kinds = Kinds::CONDUCTIVITY)]
-    conductivity: Vec<f64>,
-    /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
-    #[arg(long, help_heading = "Measurements")]
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    flow: bool,
     #[command(flatten)]
     #[serde(flatten)]
-    fluid: FluidArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    gas: GasArgs,
+    measure: MeasureArgs,
     /// Find the loads between the lowest and the highest one at which the gap closes for a flow along x and along y
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -158,10 +114,6 @@ pub struct Args {
 fn help_of_fields() -> String {
     let fields = Chosen::listed(", ");
     format!("Fields of each load that go into --out: some of {fields}, or none; default: all")
-}
-
-fn is_infinite(height: &Height) -> bool {
-    *height == Height::Infinite
 }
 
 /// Runs the command.
@@ -238,12 +190,12 @@ impl Loads {
         if args.flow_threshold {
             threshold::check(args)?;
         }
-        let once = count <= 1 && !args.statistics && !args.flow;
+        let once = count <= 1 && !args.measure.statistics && !args.measure.flow;
         let prepared = Prepared::new(&Asked { once, ..args.asked()? }, |line| args.facts(line), session)?;
-        let Prepared { facts, surface, body, .. } = &prepared;
+        let Prepared { facts, surface, .. } = &prepared;
         args.check_fields(facts)?;
         args.trace.tracer(&surface.grid, args.axes(surface))?;
-        let conducting = Conducting::new(args, body, surface)?;
+        let conducting = Conducting::new(&args.measure, &prepared, args.problem.solver.solver)?;
         let drives = args.control.loads(&prepared)?.map(Into::into).collect();
         let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
         let output =
@@ -320,7 +272,7 @@ impl Loads {
         let mut file = series.file(output.as_ref(), config, args.out.is_some())?;
         let progress = Progress::new(session.quiet, "loads", drives.len() as f64);
         let finer = Finer::pose(&args.problem, prepared)?.into_iter().map(|finer| {
-            let conducting = Conducting::new(args, &finer.prepared.body, &finer.prepared.surface)?;
+            let conducting = Conducting::new(&args.measure, &finer.prepared, args.problem.solver.solver)?;
             Ok((finer, conducting))
         });
         let finer = finer.collect::<Result<_, Failure>>()?;
@@ -378,7 +330,7 @@ impl Loads {
     fn finish(&self, mut file: StateFile, report: &Report, gathered: &Gathered) -> Result<Option<PathBuf>, Failure> {
         let surface = &self.prepared.surface;
         if let Some(archive) = file.archive() {
-            gfmd_check::statistics::write(archive, &surface.grid, &surface.units(), &gathered.loads)?;
+            gfmd_check::statistics::write(archive, &self.prepared, &gathered.states)?;
             if let Some(found) = &report.flow_threshold {
                 threshold::write(archive, &surface.units(), &self.prepared.facts, found)?;
             }
@@ -454,12 +406,11 @@ impl StateHandler for Measuring<'_> {
             self.args.problem.stiffness.of(self.contact, state, |text| warn("stiffness", text))
         };
         let at = StateContext { stiffness, ..at };
-        let repulsion = state.repulsion();
         let Loads { prepared, conducting, drives, .. } = self.loads;
         // Only the figure of the flux shows single cells.
         let wanted = if self.args.plots.is_some() { Wanted::Fields } else { Wanted::Conductivity };
-        let (surface, fields) = ((&prepared.surface, conducting), [repulsion.view(), state.gap()]);
-        let findings = Findings::of(self.args, surface, fields, &at, wanted, warn);
+        let surface = (&prepared.surface, conducting);
+        let findings = Findings::of(&self.args.measure, surface, &Touching::of(state, &at), wanted, warn);
         let findings = findings.map_err(|failure| failure.at(format!("load {index}")))?;
         let seconds = started.elapsed().as_secs_f64();
         let finer = match is_cut {
@@ -473,7 +424,7 @@ impl StateHandler for Measuring<'_> {
         if let Some(coarse) = accuracy::too_coarse(&record) {
             self.session.warn("grid", words![format!("load {index}: "), coarse]);
         }
-        self.gathered.loads.extend(findings.arrays);
+        self.gathered.states.extend(findings.arrays);
         self.gathered.flow = findings.flow.or(self.gathered.flow.take());
         Ok(record)
     }
@@ -488,15 +439,8 @@ impl StateHandler for Measuring<'_> {
     }
 
     fn recall(&mut self, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
-        let Prepared { facts, surface, .. } = &self.loads.prepared;
-        let places = self.args.fields.clone().unwrap_or_default().contact_and_gap(facts).filter(|_| facts.statistics);
-        if let Some([repulsion, gap]) = places.and_then(|[p, g]| Some([fields.get(p)?, fields.get(g)?])) {
-            let field = |values| ArrayView2::from_shape(surface.grid.points(), values);
-            let unusable = |error: ndarray::ShapeError| Failure::refused(error.to_string());
-            let (repulsion, gap) = (field(repulsion).map_err(unusable)?, field(gap).map_err(unusable)?);
-            let repulsion = repulsion.mapv(|p| p.max(0.0));
-            self.gathered.loads.push(measured(surface, repulsion.view(), gap)?.0);
-        }
+        let chosen = self.args.fields.clone().unwrap_or_default();
+        self.gathered.states.extend(recalled(&self.loads.prepared, &chosen, fields)?);
         Ok(())
     }
 }
@@ -508,9 +452,9 @@ impl Measuring<'_> {
         let mut stop = session.stop();
         let mut record = |(finer, conducting): &mut (Finer, Conducting)| {
             let (state, surface, at) = finer.reach(drive, &mut stop)?;
-            let repulsion = state.repulsion();
-            let fields = [repulsion.view(), state.gap()];
-            let findings = Findings::of(args, (surface, conducting), fields, &at, Wanted::Conductivity, |_, _| {})?;
+            let touching = Touching::of(state, &at);
+            let surface = (surface, &*conducting);
+            let findings = Findings::of(&args.measure, surface, &touching, Wanted::Conductivity, |_, _| {})?;
             Ok(OnFinerGrid::of(&StateContext { measured: findings.borrowed(), ..at }))
         };
         self.finer.iter_mut().map(|finer| beside(record(finer))).collect()
@@ -526,10 +470,8 @@ impl Args {
             return Err(Failure::value(key("fields"), missing.name, allowed));
         }
         // Statistics of kept loads are measured again.
-        if self.statistics && self.resume.resume && fields.contact_and_gap(facts).is_none() {
-            let needed =
-                words![format!("with {} and gap for ", repulsion(facts)), key("statistics"), " with ", key("resume"),];
-            return Err(Failure::value(key("fields"), fields, needed));
+        if self.resume.resume {
+            self.measure.check_resumed(fields, facts)?;
         }
         Ok(())
     }

@@ -29,6 +29,7 @@ pub mod kappa_sweep;
 pub mod kinds;
 pub mod law;
 mod loads;
+mod measuring;
 pub mod path;
 mod processes;
 pub mod program;

@@ -5,7 +5,6 @@ mod args;
 mod check;
 mod course;
 mod figures;
-mod leak;
 mod legs;
 mod memory;
 mod report;
@@ -16,7 +15,8 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Drive, Load};
+use gfmd_check::statistics;
+use gfmd_contact::{Drive, Load, Solver};
 use gfmd_interface::{LimitingPressure, Path, Refinement, Step, Wear};
 use gfmd_law::LawKind;
 use gfmd_plasticity::PlasticState;
@@ -28,6 +28,7 @@ use self::args::{PathOptions, StepArgs};
 use self::course::{Followed, PathInput, PathSettings};
 use self::waypoints::WaypointArgs;
 use crate::loads::Sign;
+use crate::measuring::{Conducting, MeasureArgs};
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::lower::LowerArgs;
@@ -38,9 +39,8 @@ use gfmd_problem::options::Options;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArgs, PronyArgs, WearArgs};
 use gfmd_report::figures::{Scene, parse_prefix};
-use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome, StiffnessArgs};
+use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome, StateFile, StiffnessArgs};
 
-pub(crate) use self::report::{FLOW, GAS};
 pub use self::report::{Report, Sliding};
 
 /// Default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
@@ -90,6 +90,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     around: PathOptions,
+    #[command(flatten)]
+    #[serde(flatten)]
+    measure: MeasureArgs,
     #[command(flatten)]
     #[serde(flatten)]
     hardness: HardnessArgs,
@@ -143,15 +146,16 @@ impl Args {
             lateral: self.waypoints.moves_sideways(),
             relaxes: self.prony.relaxing(),
             wear: self.wear.fact(),
-            ..self.around.of(self.steps.resume, self.compliance.of(self.body.facts()))
+            ..self.measure.of(self.around.of(self.steps.resume, self.compliance.of(self.body.facts())))
         }
     }
 
     /// Returns the problem requested by the flags.
     fn asked(&self) -> Result<Asked<'_>, Failure> {
         let body = self.prony.long_term(&self.body)?;
-        Ok(Asked {
+        self.measure.asked(Asked {
             compliance: Cow::Borrowed(&self.compliance),
+            base: Cow::Borrowed(&self.around.base),
             lower: Cow::Borrowed(&self.lower),
             law: Cow::Borrowed(&self.law),
             hardness: self.hardness.hardness.as_ref(),
@@ -160,8 +164,6 @@ impl Args {
             wear: self.wear.wear()?,
             prony: self.prony.series()?,
             boundary: self.around.boundary,
-            fluid: self.around.fluid()?,
-            gas: self.around.gas()?,
             ..Asked::new(&self.source, Cow::Owned(body), self.steps.search.budget())
         })
     }
@@ -194,6 +196,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     warn_of_yield_stress(args, session);
     let settings = PathSettings {
         asked: args.asked()?,
+        measure: &args.measure,
         option: args.waypoints.given(),
         stiffness: args.stiffness,
         resume: args.steps.resume,
@@ -251,8 +254,9 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     if let Some(Wear { by_distance, .. }) = prepared.wear {
         check_distance(by_distance, &drives, &prepared.surface.heights)?;
     }
+    let conducting = Conducting::new(&args.measure, &prepared, Solver::Auto)?;
     let output = session.output(args.steps.out.as_ref())?;
-    Ok(PathInput { prepared, drives, places, output })
+    Ok(PathInput { prepared, conducting, drives, places, output })
 }
 
 /// Largest depth that can be worn off, divided by the range of heights; the rounding errors of the remaining heights
@@ -281,7 +285,7 @@ fn finish(
     followed: Followed,
     session: &Session,
 ) -> Result<Outcome<Report>, Failure> {
-    let Followed { contact, path, outcome, mut file, widest, unsettled } = followed;
+    let Followed { contact, path, outcome, mut file, gathered, widest, unsettled } = followed;
     warn_unsettled_steps(&unsettled, &path, args, session);
     if let (Some(file), Some(state)) = (&mut file, path.state()) {
         memory::write(file, &prepared.surface, state)?;
@@ -289,6 +293,9 @@ fn finish(
     if let Some(state) = path.state().and_then(AnyState::yielding) {
         warn_of_strain(state, prepared, session);
         file.as_mut().map_or(Ok(()), |file| strain::write(file, &prepared.surface, state))?;
+    }
+    if let Some(archive) = file.as_mut().and_then(StateFile::archive) {
+        statistics::write(archive, prepared, &gathered.states)?;
     }
     let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();

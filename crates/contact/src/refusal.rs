@@ -296,6 +296,12 @@ pub enum Refusal {
          body that relaxes"
     )]
     AllComponents,
+    /// Another part moves a surface that is held sideways.
+    #[error("the surface is held sideways; it must be free to move sideways with {with}")]
+    Held {
+        /// Other part.
+        with: &'static str,
+    },
     /// A state to start from or to certify has the wrong size.
     #[error("the given state has {found} values; it must have {expected}")]
     Start {

@@ -7,7 +7,7 @@ use gfmd_body::{BaseField, Interior};
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
-use gfmd_problem::key;
+use gfmd_problem::{MovedBase as Moved, key};
 use gfmd_surface::{Interpolation, finer};
 use gfmd_unit::Units;
 use ndarray::{Array2, ArrayD, Axis, IxDyn};
@@ -63,6 +63,15 @@ const STORED: [(Prescribed, &str, &str); 2] = [
 impl BaseArgs {
     /// Keys of these flags in a configuration.
     pub const NAMES: [&'static str; 2] = ["base_displacement", "base_traction"];
+
+    /// Returns the motion of the base; `None` at rest.
+    pub fn fact(&self) -> Option<Moved> {
+        match (&self.base_displacement, &self.base_traction) {
+            (Some(_), _) => Some(Moved::Displacement),
+            (_, Some(_)) => Some(Moved::Traction),
+            _ => None,
+        }
+    }
 
     /// Returns true if the base is moved.
     pub fn is_given(&self) -> bool {

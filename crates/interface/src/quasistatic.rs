@@ -88,7 +88,8 @@ impl QuasistaticContact {
     /// Returns an error for heights that do not match the grid or are not finite; for flat heights at a wall; for parts
     /// that are out of range; and for a body with unknown compliance of a patch, or with unknown relaxation.
     pub fn new(parts: &Parts) -> Result<Self, Refusal> {
-        let Parts { body, grid, heights, boundary, law, all_components, hardness, shear, relaxation, wear } = parts;
+        let Parts { body, grid, heights, boundary, law, all_components, held, .. } = parts;
+        let Parts { hardness, shear, relaxation, wear, .. } = parts;
         let surface = RigidSurface::new(grid, heights)?;
         let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
         let units = Units::of(body, &given)?;
@@ -98,6 +99,9 @@ impl QuasistaticContact {
         }
         if *all_components && (relaxation.is_some() || shear.is_some() || wear.is_some() || hardness.is_some()) {
             return Err(Refusal::AllComponents);
+        }
+        if *held {
+            parts.check_held()?;
         }
         let limit = shear.map(|shear| shear.limit.check()).transpose()?;
         let (stress, length) = (units.stress(), units.length());
@@ -118,10 +122,12 @@ impl QuasistaticContact {
             (None, Some(Response::Periodic(full))) => {
                 Normal::Wall(Contact::with_response(NormalResponse::of_all_components(full), &heights)?)
             }
+            (None, _) if *held => Normal::Wall(Contact::held_sideways(body, grid, &heights)?),
             (None, _) => Normal::Wall(Contact::with_boundary(*boundary, body, grid, &heights)?),
             (Some(law), _) if *all_components => {
                 Normal::Law(Interface::in_all_components_with_boundary(*boundary, body, grid, &heights, law)?)
             }
+            (Some(law), _) if *held => Normal::Law(Interface::held_sideways(body, grid, &heights, law)?),
             (Some(law), Some(Response::Periodic(full))) => {
                 Normal::Law(Interface::with_response(NormalResponse::of_all_components(full), &heights, law)?)
             }
@@ -135,6 +141,7 @@ impl QuasistaticContact {
         let components = response.as_ref().map_or(1, |response| response.components().len());
         let medium = relaxation.map(|(prony, relaxes)| {
             let medium = Relaxing::new(body, grid, *boundary, components, prony, relaxes)?;
+            let medium = if *held { medium.held_sideways()? } else { medium };
             Ok::<Arc<dyn Medium>, Refusal>(Arc::new(medium))
         });
         Ok(Self {

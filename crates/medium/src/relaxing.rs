@@ -20,6 +20,8 @@ pub struct Relaxing {
     grid: Grid,
     boundary: Boundary,
     components: usize,
+    /// True if the surface has no lateral displacement.
+    held: bool,
     spectrum: Arc<Spectrum>,
     /// Transforms, if each wave of the body has its own branches.
     transform: Option<Arc<(Transform, Mutex<Workspace>)>>,
@@ -53,7 +55,18 @@ impl Relaxing {
                 Some(Arc::new((transform, workspace)))
             }
         };
-        Ok(Self { grid: *grid, boundary, components, spectrum: spectrum.into(), transform })
+        Ok(Self { grid: *grid, boundary, components, held: false, spectrum: spectrum.into(), transform })
+    }
+
+    /// Returns the medium below a surface without lateral displacement.
+    ///
+    /// # Errors
+    /// Returns an error if only the shear modulus relaxes, each wave by branches of its own.
+    pub fn held_sideways(self) -> Result<Self, Refusal> {
+        match &*self.spectrum {
+            Spectrum::Common(_) => Ok(Self { held: true, ..self }),
+            Spectrum::Waves(_) => Err(Refusal::ShearAlone { with: "a surface held sideways" }),
+        }
     }
 
     /// Returns d + Σ c x of the [memory](Memory::normal) along z, row by row, in length: the indentation by the present
@@ -90,7 +103,8 @@ impl Relaxing {
             return Ok(None);
         }
         let grid = self.grid;
-        let (transform, stiffness) = (Transform::new(grid), stiffness(body, &grid));
+        let stiffness_of = if self.held { Body::restricted_normal_stiffness } else { Body::normal_stiffness };
+        let (transform, stiffness) = (Transform::new(grid), stiffness(body, &grid, stiffness_of));
         let mut workspace = transform.workspace();
         let mut spectra = Vec::new();
         for field in memory {
@@ -124,7 +138,8 @@ impl Relaxing {
         let Spectrum::Common(branches) = &*self.spectrum else {
             return Err(Refusal::ShearAlone { with: "a second surface" });
         };
-        let mut transforms = PlateTransforms::of(&PlateResponse::new(self.grid, &Plate::of(body)?).into());
+        let plate = if self.held { Plate::held_sideways(body)? } else { Plate::of(body)? };
+        let mut transforms = PlateTransforms::of(&PlateResponse::new(self.grid, &plate).into());
         // An incompressible plate is not squeezed as a whole, and its mean indentation is zero.
         let compliance = transforms.response().uniform_compliance();
         let uniform = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };

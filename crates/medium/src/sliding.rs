@@ -151,7 +151,7 @@ impl SlidingContact {
             return Err(SlidingError::Free);
         }
         let grid = *contact.surface().grid();
-        let stiffness = stiffness(body, &grid);
+        let stiffness = stiffness(body, &grid, Body::normal_stiffness);
         let transform = Transform::new(grid);
         let mut heights = vec![Complex64::ZERO; grid.spectrum_len()];
         let below: Vec<f64> = contact.surface().clearance().iter().map(|clearance| -clearance).collect();

@@ -42,11 +42,12 @@ impl Waves {
 }
 
 /// Returns the long-term stiffness of each mode, stress/length; infinite for the uniform mode if the level is fixed.
-pub(crate) fn stiffness(body: &Body, grid: &Grid) -> Vec<f64> {
+/// `stiffness_of` returns the stiffness of a wavenumber.
+pub(crate) fn stiffness(body: &Body, grid: &Grid, stiffness_of: fn(&Body, f64) -> f64) -> Vec<f64> {
     let [_, level] = body.level_compliance();
     let of = |index: usize| {
         let mode = grid.mode_at(index);
-        if mode.is_uniform() { 1.0 / level } else { body.normal_stiffness(mode.wavenumber()) }
+        if mode.is_uniform() { 1.0 / level } else { stiffness_of(body, mode.wavenumber()) }
     };
     (0..grid.spectrum_len()).into_par_iter().map(of).collect()
 }

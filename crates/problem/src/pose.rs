@@ -126,6 +126,7 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
         law: facts.solves_a_law().then(|| Arc::clone(law)),
         all_components: facts.shears_by_law(),
+        held: facts.unknown == Unknown::Held,
         hardness: hardness.clone(),
         shear: *shear,
         relaxation: prony.zip(facts.relaxes),

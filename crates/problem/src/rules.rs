@@ -255,6 +255,9 @@ parts! {
         Some(MovedBase::Traction) => (key("base_traction"), "given", key("base_traction")),
         _ => (key("base_displacement"), "given", key("base_displacement")),
     }, |f| f.moved_base.is_some();
+    /// Base under a traction.
+    PulledBase: |_| (key("base_traction"), "given", key("base_traction")),
+        |f| f.moved_base == Some(MovedBase::Traction);
     /// Profile.
     Line: |_| (key("dim"), "2", words!["a profile (", setting("dim", 2), ")"]), |f| f.line;
     /// Displacement known up to a constant.
@@ -320,7 +323,7 @@ const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) 
     Rule { part, with, allowed, why }
 }
 
-/// Reason of a rule that a later version may lift.
+/// Reason why a part has no derivatives.
 const NOT_IMPLEMENTED: &str = "not implemented";
 /// Reason of the rules for a law that moves all components.
 const LAW_ALONE: &str = "without friction a law that shears moves all components, which have no such part";
@@ -370,6 +373,19 @@ pub const RULES: &[Rule] = {
         rule(Held, SecondBody, "normal", "the relative displacement of two held bodies is not that of one"),
         rule(All, MovedBase, "normal", "the base moves the surface sideways, too"),
         rule(Held, MovedBase, "normal", "the base moves the surface sideways, too"),
+        rule(Held, Friction, "normal", "friction decides the lateral displacement"),
+        rule(Held, Lateral, "normal", "the law decides the lateral displacement"),
+        rule(Held, Shear, "normal", "the relaxation of each wave is not known"),
+        rule(Held, Yield, "normal", "the plastic strain moves the surface sideways"),
+        rule(MovedBase, Lateral, "left out", "the base moves the surface sideways, too"),
+        rule(MovedBase, Shear, "left out", "the surface above the base moves as the body relaxes"),
+        rule(PulledBase, Prony, "left out", "the body creeps under the traction"),
+        rule(
+            MovedBase,
+            Yield,
+            "left out",
+            "the stress by the base, which adds to the stress by the contact, is not computed",
+        ),
         rule(Hardness, OpenLaw, "left out", "without a wall nothing is pressed into the other surface"),
         rule(Friction, ShearingLaw, "left out", "the law has a shear of its own"),
         rule(Hardness, Lateral, "left out", LAW_ALONE),
@@ -414,12 +430,9 @@ pub const RULES: &[Rule] = {
         rule(Resume, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(FiniteSlope, Path, "left out", "points that move sideways would take their histories with them"),
         rule(All, Path, "normal", "lateral motion and friction make all components unknown"),
-        rule(Held, Path, "normal", NOT_IMPLEMENTED),
-        rule(MovedBase, Path, "left out", NOT_IMPLEMENTED),
-        rule(Statistics, Path, "left out", NOT_IMPLEMENTED),
         rule(FlowThreshold, Path, "left out", "the load of a path may fall, and the gap close more than once"),
         rule(History, Path, "left out", "it records one search, and a step may take several"),
-        rule(Several, Path, "left out", NOT_IMPLEMENTED),
+        rule(Several, Path, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
     ]
 };
 

@@ -21,7 +21,7 @@ use gfmd_measure::{GapGas, Gas};
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, Row};
 use gfmd_problem::{Accuracy, AnyState, Facts, Posed, Spelling, key};
-use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, STATISTICS, StateContext};
+use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, statistics_of};
 use gfmd_run::accuracy;
 use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, fields};
 use gfmd_unit::Quantity;
@@ -337,7 +337,7 @@ impl Problem {
         let (record, arrays) = measured.map_err(|failure| failed(py, failure))?;
         let grid = &self.prepared.surface.grid;
         let arrays = arrays.iter().flat_map(|found| {
-            STATISTICS.iter().map(move |statistic| Measured {
+            statistics_of(&self.prepared.facts).map(move |statistic| Measured {
                 path: statistic.path,
                 kind: statistic.unit.unwrap_or("length"),
                 meaning: statistic.meaning,

@@ -282,6 +282,26 @@ def test_the_overhead_of_a_call_is_small():
     assert best < 1e-2, best
 
 
+def test_a_step_of_a_path_has_the_numbers_of_the_contact():
+    slab, base = gfmd.Body(young=1.0, poisson=0.3, height=0.5), np.zeros((32, 32, 3))
+    base[:, 0, 2] = 1e-3
+    rubber = gfmd.Body(young=1.0, poisson=0.3)
+    same = dict(p_star=0.05, tolerance=1e-9)
+    for body, options in ((slab, {"base_displacement": base}), (rubber, {"components": "held"}), (rubber, {})):
+        pressed = gfmd.contact(SMALL, body, **same, **options)
+        path = gfmd.path(SMALL, body, **same, **options, statistics=True, conductivity=[3.0, 0.5], conductor_height=0.3)
+        step = path.steps
+        assert abs(step.approach[0] / pressed.approach - 1) < 1e-6 and np.allclose(
+            path.displacement_z[0], pressed.displacement_z, atol=1e-7
+        )
+        patches = pressed.patches()
+        assert step.patches[0] == len(patches.area) and step.largest_patch_fraction[0] == patches.area.max()
+        conductance = pressed.conductance(conductor_height=0.3)
+        assert abs(step.conductance[0] / conductance - 1) < 1e-6
+        assert abs(step.contact_conductance[0] / pressed.conductance(3.0, 0.5, conductor_height=0.3) - 1) < 1e-6
+        assert step.percolates_x.shape == (1,)
+
+
 def test_every_option_of_the_description_is_one_of_python(tmp_path):
     slab, base = gfmd.Body(young=1.0, poisson=0.3, height=0.5), np.zeros((32, 32, 3))
     base[..., 2] = 1e-3

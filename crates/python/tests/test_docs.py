@@ -147,6 +147,8 @@ def test_results_have_the_attributes_that_are_documented(words):
         p_star=0.05,
         time=[0, 1],
         steps=1,
+        statistics=True,
+        conductivity=[1.0, 2.0],
         flow=True,
         grid_error="refine",
         viscosity=1e-3,
@@ -157,6 +159,7 @@ def test_results_have_the_attributes_that_are_documented(words):
     pulled = gfmd.path(slab, gfmd.Body(), approach=[0.001, 0.002], hardness=0.05, steps=1)
     patch = gfmd.path(slab, gfmd.Body(), p_star=0.01, boundary="free", steps=1)
     law = gfmd.law("exponential", gamma=1e-4, range=5e-3)
+    measured = gfmd.path(slab, gfmd.Body(), p_star=0.05, law=law, statistics=True)
     sticking = gfmd.path(slab, gfmd.Body(), approach=0.001, lateral=0.001, law=law, steps=1)
     worn = gfmd.wear(slab, gfmd.Body(), coefficient=1.0, distance=[0, 0.1], approach=0.005, steps=1, flow=True)
     parts = dict(law=law, friction=0.3, hardness=0.05, wear=gfmd.Wear(1.0), p_star=0.05, lateral=[0, 0.001])
@@ -186,7 +189,7 @@ def test_results_have_the_attributes_that_are_documented(words):
                 flattened,
             ],
         ),
-        (gfmd.Path, [words["loop"], rubbed, indented, composed, between, *dented]),
+        (gfmd.Path, [words["loop"], rubbed, indented, composed, between, measured, *dented]),
         (gfmd.Adhesion, [adhesive.adhesion()]),
         (gfmd.Flow, [words["c"].flow()]),
         (

@@ -199,7 +199,7 @@ pub const ARRAYS: &[Array] = &[
         |rest, _| Some(rest.repulsion()),
     )
     .with("a --law with a wall (exponential, dugdale); elsewhere it is the positive part of the pressure", |facts| {
-        !path(facts) && !wall(facts)
+        (!path(facts) || facts.statistics) && !wall(facts)
     }),
 ];
 

@@ -28,5 +28,5 @@ pub use context::{Measured, NOT_SOLVED, OnFinerGrid, StateContext};
 pub use digits::with_limit;
 pub use json::{RecordError, by_reason, reason_for};
 pub use record::{ROUGH, Record, lines, reason_of, reasons};
-pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches};
+pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches, statistics_of};
 pub use table::{aligned, heads, readable, significant, table_of};

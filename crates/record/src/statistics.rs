@@ -1,10 +1,13 @@
-//! Arrays that statistics add to a load, each declared once: patches, distributions, spectra.
+//! Arrays that statistics add to a load or a waypoint of a path, each declared once: patches, distributions, spectra.
 
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_measure::{Distribution, Patches, density_over_decades};
+use gfmd_problem::Facts;
 use gfmd_surface::PowerSpectrum;
 use ndarray::ArrayView2;
+
+use crate::when::{any, loads, path};
 
 /// Number of bins of a distribution.
 const BINS: usize = 100;
@@ -15,12 +18,12 @@ const DECADES: usize = 6;
 /// Number of bins per decade.
 const BINS_PER_DECADE: usize = 10;
 
-/// Axis of the values of a load.
+/// Axis of the values of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
     /// Patches of points in contact, in the order of their first points.
     Patch,
-    /// Bins of equal width between zero and the largest value of the load.
+    /// Bins of equal width between zero and the largest value of the state.
     Bin,
     /// Rings of wavevectors of similar length, for periodic fields only.
     Ring,
@@ -30,7 +33,7 @@ pub enum Along {
     LagY,
 }
 
-/// Array of a load.
+/// Array of a load or a waypoint.
 #[derive(Clone, Copy, Debug)]
 pub struct Statistic {
     /// Path in a file.
@@ -41,7 +44,9 @@ pub struct Statistic {
     pub unit: Option<&'static str>,
     /// Definition.
     pub meaning: &'static str,
-    /// Values of a load, by its number.
+    /// True if the states of a problem have the array.
+    pub present: fn(&Facts) -> bool,
+    /// Values of a state, by its number.
     pub values: fn(&Statistics, usize) -> Vec<f64>,
 }
 
@@ -53,6 +58,15 @@ fn of_spectra(found: &Statistics, part: fn(&Spectra) -> Vec<f64>) -> Vec<f64> {
     found.spectra.as_ref().map(part).unwrap_or_default()
 }
 
+fn number_of_state(found: &Statistics, number: usize) -> Vec<f64> {
+    vec![number as f64; found.patches.len()]
+}
+
+/// Returns the arrays of the states of a problem.
+pub fn statistics_of(facts: &Facts) -> impl Iterator<Item = &'static Statistic> {
+    STATISTICS.iter().filter(|statistic| (statistic.present)(facts))
+}
+
 /// All arrays, in file order.
 pub const STATISTICS: &[Statistic] = &[
     Statistic {
@@ -60,13 +74,23 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Patch,
         unit: Some("1"),
         meaning: "load step to which the patch belongs",
-        values: |found, load| vec![load as f64; found.patches.len()],
+        present: loads,
+        values: number_of_state,
+    },
+    Statistic {
+        path: "/patches/waypoint",
+        along: Along::Patch,
+        unit: Some("1"),
+        meaning: "waypoint of the path at which the patch is found",
+        present: path,
+        values: number_of_state,
     },
     Statistic {
         path: "/patches/area",
         along: Along::Patch,
         unit: Some("length^2"),
         meaning: "area: number of points times that of a cell",
+        present: any,
         values: |found, _| of_patches(found, 0),
     },
     Statistic {
@@ -75,6 +99,7 @@ pub const STATISTICS: &[Statistic] = &[
         unit: Some("length"),
         meaning: "length of the edges between points in contact and points not in contact; the edge of a patch with \
                   free boundaries has no part in it",
+        present: any,
         values: |found, _| of_patches(found, 1),
     },
     Statistic {
@@ -82,6 +107,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Patch,
         unit: Some("stress*length^2"),
         meaning: "force on the patch",
+        present: any,
         values: |found, _| of_patches(found, 2),
     },
     Statistic {
@@ -89,6 +115,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Patch,
         unit: None,
         meaning: "x of the centre of area; NaN if the patch winds around the cell along x",
+        present: any,
         values: |found, _| of_patches(found, 3),
     },
     Statistic {
@@ -96,6 +123,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Patch,
         unit: None,
         meaning: "y of the centre of area; NaN if the patch winds around the cell along y",
+        present: any,
         values: |found, _| of_patches(found, 4),
     },
     Statistic {
@@ -103,6 +131,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Bin,
         unit: Some("1/stress"),
         meaning: "density of the positive pressures over the whole surface",
+        present: any,
         values: |found, _| found.pressure.densities.clone(),
     },
     Statistic {
@@ -110,6 +139,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Bin,
         unit: Some("stress"),
         meaning: "pressure in the middle of the bin",
+        present: any,
         values: |found, _| found.pressure.middles.clone(),
     },
     Statistic {
@@ -117,6 +147,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Bin,
         unit: Some("1/length"),
         meaning: "density of the gap of points not in contact over the whole surface",
+        present: any,
         values: |found, _| found.gap.densities.clone(),
     },
     Statistic {
@@ -124,6 +155,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Bin,
         unit: None,
         meaning: "gap in the middle of the bin",
+        present: any,
         values: |found, _| found.gap.middles.clone(),
     },
     Statistic {
@@ -131,6 +163,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::Ring,
         unit: Some("stress^2*length^2"),
         meaning: "radially averaged power spectral density of the pressure, as of heights",
+        present: any,
         values: |found, _| of_spectra(found, |spectra| spectra.radial.iter().map(|bin| bin[1]).collect()),
     },
     Statistic {
@@ -138,6 +171,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::LagX,
         unit: Some("1"),
         meaning: "autocorrelation of the pressure less its mean, along x",
+        present: any,
         values: |found, _| of_spectra(found, |spectra| spectra.correlation[0].clone()),
     },
     Statistic {
@@ -145,6 +179,7 @@ pub const STATISTICS: &[Statistic] = &[
         along: Along::LagY,
         unit: Some("1"),
         meaning: "autocorrelation of the pressure less its mean, along y",
+        present: any,
         values: |found, _| of_spectra(found, |spectra| spectra.correlation[1].clone()),
     },
 ];
@@ -159,7 +194,7 @@ pub fn patches(repulsion: ArrayView2<'_, f64>, boundary: Boundary) -> Patches {
 #[error("the spectrum of the pressure: {0}")]
 pub struct Unmeasured(String);
 
-/// Patches, distributions and spectra of a load.
+/// Patches, distributions and spectra of a state.
 #[derive(Clone, Debug)]
 pub struct Statistics {
     /// Area, perimeter, force and centre of each patch, in the order of their first points.
@@ -184,7 +219,7 @@ struct Spectra {
 }
 
 impl Statistics {
-    /// Measures the fields of a load, and its patches. `pressure` is the repulsive part only, which is zero out of
+    /// Measures the fields of a state, and its patches. `pressure` is the repulsive part only, which is zero out of
     /// contact.
     ///
     /// # Errors

@@ -118,6 +118,10 @@ const CONTACT: &[Row] = &[
     row(&["/loads/*"], Verified, Verified, "the fields of the load; without fields only the second run"),
     row(&["/fields/*"], Verified, Verified, "the pressure, with a law also the gap, on surface and body"),
     row(&["/patches/*", "/distributions/*", "/spectra/*"], Verified, Verified, "the fields of the loads"),
+];
+
+/// Rows of a base that moves.
+const BASE: &[Row] = &[
     row(&["/base/displacement", "/base/traction", "/base/lift"], Verified, Verified, "the body over this base"),
     row(&["/base/*"], Verified, Verified, "the layout that the configuration gives"),
 ];
@@ -178,6 +182,7 @@ const PATH: &[Row] = &[
          from the history, unless boundaries are free",
     ),
     row(&["/fields/*"], Verified, Verified, "each other, on surface and body"),
+    row(&["/patches/*", "/distributions/*", "/spectra/*"], Verified, Verified, "the fields at the waypoints"),
 ];
 
 const SLIDE: &[Row] = &[
@@ -256,8 +261,8 @@ const SWEEP: &[Row] = &[
 /// Returns the rows of a kind. The first row that matches a part applies to it.
 pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
-        ResultKind::Contact => &[SEARCH, CONTACT, LOWER, ALL, SURFACE],
-        ResultKind::Path => &[PATH, SEARCH, LOWER, ALL, SURFACE],
+        ResultKind::Contact => &[SEARCH, CONTACT, BASE, LOWER, ALL, SURFACE],
+        ResultKind::Path => &[PATH, SEARCH, BASE, LOWER, ALL, SURFACE],
         ResultKind::Slide => &[SLIDE, ALL, SURFACE],
         ResultKind::Punch => &[SEARCH, ALL, PUNCH],
         ResultKind::Body => &[ALL, BODY],
@@ -299,6 +304,7 @@ pub fn page() -> String {
     };
     table(&mut page, "Every result", ALL);
     table(&mut page, "Surface of `contact`, `path` and `slide`", SURFACE);
+    table(&mut page, "Base of `contact` and `path`, if it moves", BASE);
     table(&mut page, "Search of `contact`, `path` and `punch`", SEARCH);
     for (title, rows) in [
         ("`contact`", CONTACT),

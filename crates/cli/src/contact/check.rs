@@ -2,15 +2,14 @@
 
 use std::path::PathBuf;
 
-use gfmd_contact::{Fields as _, Load};
+use gfmd_contact::Load;
 use gfmd_flow::Wanted;
 use gfmd_law::LawKind;
-use gfmd_record::{NOT_SOLVED, Record, StateContext, Statistics, repulsion};
-use ndarray::{Array2, ArrayView2};
+use gfmd_record::{NOT_SOLVED, Record, StateContext, Statistics};
 
-use super::statistics::Findings;
 use super::{Args, Loads};
-use crate::checking::{Checked, Checking, check_lower};
+use crate::checking::{Checked, Checking, check_base, check_lower};
+use crate::measuring::{Findings, Touching};
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
 use gfmd_check::statistics;
@@ -25,7 +24,7 @@ impl Checked for Args {
         let args: Self = checking.problem(|args: &Self| args.problem.boundary, comparison)?;
         let mut loads = Loads::new(&args, session)?;
         loads.prepared.take_units(reader);
-        let Prepared { facts, surface, base, lower, .. } = &loads.prepared;
+        let Prepared { facts, lower, .. } = &loads.prepared;
         let others =
             [(args.problem.law.law != LawKind::HardWall, "/fields/gap"), (lower.is_some(), "/fields/lower_pressure")];
         let others = others.into_iter().filter_map(|(needed, field)| needed.then_some(field));
@@ -37,10 +36,7 @@ impl Checked for Args {
             );
             return Ok(());
         }
-        if let Some(base) = base {
-            let lift: Vec<f64> = base.lift.iter().copied().collect();
-            comparison.values("/base/lift", &reader.values::<f64>("/base/lift")?, &lift, 0.0);
-        }
+        check_base(reader, loads.prepared.lift(), comparison)?;
         check_lower(reader, lower.as_ref(), comparison);
         let contact = loads.prepared.pose(&args.problem.source, &loads.prepared.law)?;
         let stored = Stored::new(reader, &loads.prepared, &contact, args.problem.solver.search.tolerance)?;
@@ -52,7 +48,7 @@ impl Checked for Args {
         let states = (&loads.prepared, asked, args.fields.clone().unwrap_or_default());
         checking.layout_of_states(states, comparison, |mut file| {
             if let (true, Some(archive)) = (facts.statistics, file.archive()) {
-                statistics::write(archive, &surface.grid, &surface.units(), &measured)?;
+                statistics::write(archive, &loads.prepared, &measured)?;
             }
             file.finish(&records, asked, None)
         })
@@ -70,7 +66,6 @@ fn compare(
     (args, loads): (&Args, &Loads),
     comparison: &mut Comparison,
 ) -> Result<(Vec<Record>, Vec<Statistics>), Failure> {
-    let (reader, facts) = (stored.reader, &loads.prepared.facts);
     let (mut records, mut measured) = (Vec::new(), Vec::new());
     for (index, drive) in loads.drives.iter().enumerate().take(stored.count()) {
         let Some(state) = stored.state(index, *drive)? else { continue };
@@ -82,21 +77,9 @@ fn compare(
             Err(NOT_SOLVED.into())
         };
         let at = StateContext { stiffness, ..at };
-        // Use the fields of the file: a number moved to another bin by rounding would be a difference.
-        let field = |name: &str, made: ArrayView2<f64>| -> Result<Array2<f64>, Failure> {
-            let is_stored = reader.contains(&format!("/fields/{name}"));
-            if is_stored { stored.field(name, index) } else { Ok(made.to_owned()) }
-        };
-        let repulsion = field(repulsion(facts), state.repulsion().view())?.mapv(|p| p.max(0.0));
-        let gap = field("gap", state.gap())?;
-        let findings = Findings::of(
-            args,
-            (&loads.prepared.surface, &loads.conducting),
-            [repulsion.view(), gap.view()],
-            &at,
-            Wanted::Conductivity,
-            |_, _| {},
-        )?;
+        let touching = Touching::with_fields(stored.contact_and_gap(index, Some(&state))?, &at);
+        let surface = (&loads.prepared.surface, &loads.conducting);
+        let findings = Findings::of(&args.measure, surface, &touching, Wanted::Conductivity, |_, _| {})?;
         let record = Record::of(&StateContext { measured: findings.borrowed(), ..at });
         measured.extend(findings.arrays);
         stored.compare_record(index, (&record, &state), comparison);
@@ -105,6 +88,6 @@ fn compare(
         }
         records.push(record);
     }
-    statistics::compare(reader, &measured, comparison)?;
+    statistics::compare(stored.reader, &loads.prepared.facts, &measured, comparison)?;
     Ok((records, measured))
 }

@@ -8,7 +8,7 @@ use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Scale, Series};
 use ndarray::ArrayView2;
 
 use super::Report;
-use super::statistics::Gathered;
+use crate::measuring::Gathered;
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::source::Surface;
@@ -104,7 +104,7 @@ pub(super) fn measured(
         let axis = if flow.paths[0].is_some() { "x" } else { "y" };
         files.extend(flux(surface, &contiguous(&path.flux), axis).save(&named(prefix, "flow"))?);
     }
-    if gathered.loads.is_empty() {
+    if gathered.states.is_empty() {
         return Ok(files);
     }
     if !grid.is_line() {
@@ -120,12 +120,12 @@ pub(super) fn measured(
         }
         files.extend(drawn.save(&named(prefix, "patches"))?);
     }
-    let chosen = chosen(report, gathered.loads.len());
+    let chosen = chosen(report, gathered.states.len());
     let scale = report.head.e_star * report.head.rms_gradient;
     let label = |load: usize| format!("*p*\\* = {}", short(report.loads[load].number("p_star")));
     let (mut pressures, mut gaps) = (Vec::new(), Vec::new());
     for (hue, &load) in chosen.iter().enumerate() {
-        let found = &gathered.loads[load];
+        let found = &gathered.states[load];
         let bins = found.pressure.middles.iter().zip(&found.pressure.densities);
         let positive = bins.filter(|(_, density)| **density > 0.0);
         let densities = positive.map(|(p, density)| (p / scale, density * scale));
@@ -153,7 +153,7 @@ pub(super) fn measured(
     }
     let (side, power) = (sides(grid, unit), if grid.is_line() { 1 } else { 2 });
     let spectra = chosen.iter().enumerate().filter_map(|(hue, &load)| {
-        let bins = gathered.loads[load]
+        let bins = gathered.states[load]
             .spectrum()?
             .iter()
             .filter(|bin| bin[1] > 0.0)

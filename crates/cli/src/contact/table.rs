@@ -6,13 +6,9 @@ use gfmd_measure::GridLimit;
 use gfmd_record::{Table, lines, table_of, with_limit};
 
 use super::Report;
-use crate::path::{FLOW, GAS};
+use crate::measuring::legends;
 use crate::session::list_files;
 use gfmd_input::hardness::GivenHardness;
-
-/// Legend of the conductance, with its conversion to device units.
-const CONDUCTANCE: &str = "conductance: per area, times the sum of both resistivities; contact conductance: per area, \
-                           with --conductivity K1,K2";
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -35,18 +31,8 @@ impl fmt::Display for Report {
             let lines = table_of(&self.loads, &[table], &units, f.width());
             if !lines.is_empty() {
                 writeln!(f, "\n{title}{}", lines.join("\n"))?;
-                match table {
-                    Table::Patches => {
-                        let has = |name| self.loads.iter().any(|load| load.get(name).is_some());
-                        for (_, legend) in [("conductance", CONDUCTANCE), ("gas_conductance", GAS)]
-                            .into_iter()
-                            .filter(|(name, _)| has(name))
-                        {
-                            writeln!(f, "{legend}")?;
-                        }
-                    }
-                    Table::Flow => writeln!(f, "{FLOW}")?,
-                    _ => {}
+                for legend in legends(table, &self.loads) {
+                    writeln!(f, "{legend}")?;
                 }
             }
         }

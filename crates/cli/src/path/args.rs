@@ -4,20 +4,18 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_contact::Boundary;
-use gfmd_flow::Fluid;
-use gfmd_input::failure::Failure;
+use gfmd_input::base::BaseArgs;
 use gfmd_problem::options::values::within;
 use gfmd_problem::options::{named, parse_choice};
-use gfmd_problem::{Facts, GridError, Task};
-use gfmd_run::flow::FluidArgs;
-use gfmd_run::gas::{GasArgs, GivenGas};
+use gfmd_problem::{Facts, GridError, Task, Unknown};
 use gfmd_run::resume::ResumeArgs;
+use gfmd_run::series::is_normal;
 use serde::{Deserialize, Serialize};
 
 use gfmd_problem::options::Options;
 use gfmd_problem::options::SearchArgs;
 
-/// Flags of the surroundings of a path, and of the numbers of its steps.
+/// Flags of the surroundings of a path.
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct PathOptions {
@@ -30,6 +28,13 @@ pub(super) struct PathOptions {
     )]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
     pub(super) boundary: Boundary,
+    /// The components of the surface displacement that are unknown
+    #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal, help_heading = "Contact")]
+    #[serde(skip_serializing_if = "is_normal", with = "named")]
+    components: Unknown,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub(super) base: BaseArgs,
     /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
     /// too
     #[arg(
@@ -40,16 +45,6 @@ pub(super) struct PathOptions {
     )]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     grid_error: GridError,
-    /// Compute the flow of a fluid through the gap along x and along y after every step (Reynolds' equation)
-    #[arg(long, help_heading = "Measurements")]
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    flow: bool,
-    #[command(flatten)]
-    #[serde(flatten)]
-    fluid: FluidArgs,
-    #[command(flatten)]
-    #[serde(flatten)]
-    gas: GasArgs,
 }
 
 fn is_periodic(boundary: &Boundary) -> bool {
@@ -59,20 +54,9 @@ fn is_periodic(boundary: &Boundary) -> bool {
 impl PathOptions {
     /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
     pub(super) fn of(&self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
-        let Self { boundary, grid_error, flow, fluid, gas } = self;
-        let (boundary, grid_error, flow) = (*boundary, *grid_error, *flow);
-        let (leak, gas) = (fluid.viscosity.is_some(), gas.is_given());
-        Facts { task: Task::Path, boundary, flow, leak, gas, resume, grid_error, ..body }
-    }
-
-    /// Returns the fluid whose leak is computed, if there is one.
-    pub(super) fn fluid(&self) -> Result<Option<Fluid>, Failure> {
-        self.fluid.fluid(self.flow)
-    }
-
-    /// Returns the gas in the gap, if its conductance is computed.
-    pub(super) fn gas(&self) -> Result<Option<GivenGas>, Failure> {
-        self.gas.given()
+        let Self { boundary, components, base, grid_error } = self;
+        let (boundary, unknown, moved_base, grid_error) = (*boundary, *components, base.fact(), *grid_error);
+        Facts { task: Task::Path, boundary, unknown, moved_base, resume, grid_error, ..body }
     }
 }
 

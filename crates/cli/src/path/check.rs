@@ -1,24 +1,27 @@
 //! Check of a path file.
 
+mod measured;
+
 use gfmd_contact::{Boundary, Contact, Hardness, Load};
-use gfmd_flow::Wanted;
 use gfmd_interface::LimitingPressure;
 use gfmd_problem::{AnyState, WearBy};
 use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
-use ndarray::{Array2, ArrayRef2};
+use ndarray::Array2;
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use super::args::StepArgs;
-use super::leak::leak;
 use super::{Args, memory, strain};
-use crate::checking::{Checked, Checking, check_lower};
+use crate::checking::{Checked, Checking, check_base, check_lower};
+use crate::measuring::Conducting;
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
+use gfmd_check::statistics;
+use gfmd_input::base::MovedBase;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
-use gfmd_run::flow::through;
 use gfmd_run::series::{Chosen, Prepared};
 
 impl Checked for Args {
@@ -29,16 +32,20 @@ impl Checked for Args {
         let mut input = super::path_input(&args, session)?;
         input.prepared.take_units(reader);
         let prepared = &input.prepared;
+        check_base(reader, prepared.lift(), comparison)?;
         check_lower(reader, prepared.lower.as_ref(), comparison);
         let waypoints = input.places.count(input.drives.len());
+        let contact = prepared.pose(&args.source, &prepared.law)?;
+        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tolerance)?;
+        let check = StepCheck { args: &args, stored: &stored, conducting: &input.conducting };
+        let measured = check.statistics(waypoints)?;
+        statistics::compare(reader, &prepared.facts, &measured, comparison)?;
         checking.layout_of_states((prepared, waypoints, Chosen::All), comparison, |mut file| {
             memory::lay_out(&mut file, prepared)?;
             strain::lay_out(&mut file, prepared, waypoints)?;
+            file.archive().map_or(Ok(()), |archive| statistics::write(archive, prepared, &measured))?;
             file.finish(&[], input.drives.len(), None)
         })?;
-        let contact = prepared.pose(&args.source, &prepared.law)?;
-        let stored = Stored::new(reader, prepared, &contact, args.steps.search.tolerance)?;
-        let check = StepCheck { args: &args, stored: &stored };
         for (index, drive) in input.drives.iter().enumerate() {
             if !stored.compare_step(index, *drive, comparison) {
                 continue;
@@ -60,16 +67,18 @@ impl Checked for Args {
             if prepared.prony.is_some() || prepared.facts.yields || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
                 check.gas(waypoint, index, comparison)?;
+                check.patches(waypoint, index, comparison)?;
                 check.stiffness(waypoint, index, comparison)?;
                 let is_last = index + 1 == input.drives.len();
                 check.state((waypoint, index), is_last, comparison)?;
                 strain::check_waypoint(&stored, (index, waypoint), *drive, comparison)?;
                 if is_last {
-                    strain::check(&stored, (index, waypoint), *drive, args.stiffness, comparison)?;
+                    let record = |state: &AnyState, at: StateContext| check.record(waypoint, state, at);
+                    strain::check(&stored, (index, waypoint), *drive, args.stiffness, record, comparison)?;
                 }
             } else {
-                let flow = |state: &AnyState, at: &StateContext| leak(prepared, state, at, |_| {});
-                stored.compare_waypoint((index, waypoint), *drive, flow, args.stiffness, comparison)?;
+                let record = |state: &AnyState, at: StateContext| check.record(waypoint, state, at);
+                stored.compare_waypoint((index, waypoint), *drive, args.stiffness, record, comparison)?;
             }
         }
         Ok(())
@@ -101,10 +110,10 @@ struct Work {
 struct Face<'a> {
     /// Beginning of the names of its fields and numbers.
     prefix: &'static str,
-    /// Heights of the rigid surface.
-    heights: &'a Array2<f64>,
+    /// Heights of the rigid surface, with the lift of a base that moves.
+    heights: Cow<'a, Array2<f64>>,
     pressure: Array2<f64>,
-    /// Displacement out of the body.
+    /// Displacement out of the body, without the lift of a base that moves.
     displacement: Array2<f64>,
     gap: Array2<f64>,
     plastic_depth: Option<Array2<f64>>,
@@ -132,6 +141,7 @@ impl Face<'_> {
 struct StepCheck<'a> {
     args: &'a Args,
     stored: &'a Stored<'a>,
+    conducting: &'a Conducting,
 }
 
 impl StepCheck<'_> {
@@ -225,61 +235,6 @@ impl StepCheck<'_> {
         work
     }
 
-    /// Compares the flow with the flow through the stored gap.
-    fn flow(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
-        let Self { stored: file, .. } = self;
-        let (number, Prepared { facts, surface, .. }) = (|name: &str| file.number(name, step), file.prepared);
-        let mean_gap = number("mean_gap");
-        if !facts.flow || mean_gap <= 0.0 {
-            return Ok(());
-        }
-        let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
-        let (mut repulsion, floor) = self.repulsion(&pressure, &gap);
-        let least = self.args.steps.search.tolerance * floor;
-        repulsion.mapv_inplace(|p| if p > least { p } else { 0.0 });
-        let found = through(surface, [repulsion.view(), gap.view()], mean_gap, Wanted::Conductivity, |_| {})?;
-        for (row, column, name) in [(0, 0, "flow_xx"), (0, 1, "flow_xy"), (1, 0, "flow_yx"), (1, 1, "flow_yy")] {
-            comparison.number(&format!("/path/{name}"), number(name), found.conductivity[row][column], 1e-3);
-        }
-        if let Some(fluid) = self.args.around.fluid()? {
-            for (axis, name) in ["leak_x", "leak_y"].into_iter().enumerate() {
-                let through = if found.percolates[axis] { found.conductivity[axis][axis] } else { 0.0 };
-                let leak = fluid.leak(axis, through, mean_gap, surface.grid.lengths());
-                comparison.number(&format!("/path/{name}"), number(name), leak, 1e-3);
-            }
-        }
-        Ok(())
-    }
-
-    /// Compares the conductance of the gas with its value in the stored gap.
-    fn gas(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
-        let file = self.stored;
-        let Some(gas) = self.args.around.gas()? else { return Ok(()) };
-        let gas = gas.in_units(&file.prepared.surface.units())?;
-        let [pressure, gap] = [file.field("pressure", waypoint)?, file.field("gap", waypoint)?];
-        let (repulsion, floor) = self.repulsion(&pressure, &gap);
-        let least = self.args.steps.search.tolerance * floor;
-        let repulsion = repulsion.mapv(|p| if p > least { p } else { 0.0 });
-        let found = gas.conductance(repulsion.view(), gap.view());
-        let found = found.map_err(|error| Failure::refused(error.to_string()))?;
-        comparison.number("/path/gas_conductance", file.number("gas_conductance", step), found, 1e-3);
-        Ok(())
-    }
-
-    /// Compares the stiffness with its value from the stored pressure and gap; surfaces that shear have none.
-    fn stiffness(&self, waypoint: usize, step: usize, comparison: &mut Comparison) -> Result<(), Failure> {
-        let file = self.stored;
-        let faces = self.faces(waypoint)?;
-        let fields: Vec<[&ArrayRef2<f64>; 2]> = faces.iter().map(|face| [&*face.pressure, &*face.gap]).collect();
-        let found = self.args.stiffness.of_fields(file.contact, &fields);
-        // Infinite in full contact, which a file says by its reason.
-        let finite = |value: f64| if value.is_finite() { value } else { f64::NAN };
-        let [value, error] = found.map_or([f64::NAN; 2], |found| [found.value, found.error].map(finite));
-        comparison.number("/path/stiffness", file.number("stiffness", step), value, 0.0);
-        comparison.number("/path/stiffness_error", file.number("stiffness_error", step), error, 1e-3);
-        Ok(())
-    }
-
     /// Returns the pressure of the wall or of a repulsive law, and the stress scale of the tractions that a search may
     /// leave where the surfaces are apart, zero without a law.
     fn repulsion(&self, pressure: &Array2<f64>, gap: &Array2<f64>) -> (Array2<f64>, f64) {
@@ -342,7 +297,7 @@ impl StepCheck<'_> {
         is_last: bool,
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
-        let Self { args, stored: file } = self;
+        let (args, file) = (self.args, self.stored);
         let Prepared { facts, law, shear, prony, .. } = file.prepared;
         let (number, height) = (|name: &str| file.number(name, step), file.height());
         let faces = self.faces(waypoint)?;
@@ -395,14 +350,18 @@ impl StepCheck<'_> {
     /// Reads the faces of the body at a waypoint, the upper one first.
     fn faces(&self, waypoint: usize) -> Result<Vec<Face<'_>>, Failure> {
         let Prepared { facts, surface, lower, .. } = self.stored.prepared;
+        let base = self.stored.prepared.base.as_ref();
         let surfaces = [("", Some(surface)), ("lower_", lower.as_ref())];
         let mut faces = Vec::new();
         for (prefix, surface) in surfaces.into_iter().filter_map(|(prefix, surface)| Some((prefix, surface?))) {
             let field = |name: &str| self.stored.field(&format!("{prefix}{name}"), waypoint);
-            let displacement = field("displacement_z")?;
+            let displacement = match base {
+                Some(base) => field("displacement_z")? - &base.lift,
+                None => field("displacement_z")?,
+            };
             faces.push(Face {
                 prefix,
-                heights: &surface.heights,
+                heights: MovedBase::under(base, &surface.heights),
                 pressure: field("pressure")?,
                 displacement: if prefix.is_empty() { displacement } else { -displacement },
                 gap: field("gap")?,
@@ -416,7 +375,7 @@ impl StepCheck<'_> {
     /// Compares the fields of a face with each other, with its `level`, its part of the approach, and with the numbers
     /// of its step.
     fn face(&self, face: &Face, level: f64, step: usize, comparison: &mut Comparison) {
-        let Self { args, stored: file } = self;
+        let (args, file) = (self.args, self.stored);
         let Prepared { facts, law, hardness, .. } = file.prepared;
         let Face { prefix, pressure, gap, .. } = face;
         let (tolerance, height) = (args.steps.search.tolerance, file.height());
@@ -506,7 +465,7 @@ impl StepCheck<'_> {
         (pressure, displacement): (&Array2<f64>, &Array2<f64>),
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
-        let Self { args, stored: file } = self;
+        let (args, file) = (self.args, self.stored);
         let Prepared { body, surface, .. } = file.prepared;
         let plastic = file.field("plastic_displacement_z", waypoint)?;
         let lowest = plastic.iter().copied().fold(f64::INFINITY, f64::min);
@@ -545,7 +504,7 @@ impl StepCheck<'_> {
         (shears, pressure, displacement): (&[f64], &Array2<f64>, &Array2<f64>),
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
-        let Self { args, stored: file } = self;
+        let (args, file) = (self.args, self.stored);
         let Prepared { surface, body, facts, .. } = file.prepared;
         let traction: Vec<f64> = shears.iter().copied().chain(pressure.iter().map(|p| -p)).collect();
         let mut found = vec![0.0; traction.len()];

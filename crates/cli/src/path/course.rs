@@ -4,13 +4,14 @@ use std::borrow::Cow;
 
 use gfmd_contact::{Budget, Drive, Refusal, SolveError, Visit};
 use gfmd_files::Output;
+use gfmd_flow::Wanted;
 use gfmd_interface::{Path, Quasistatic as _, Refinement, Step};
 use gfmd_problem::{AnyState, Posed};
-use gfmd_record::{Measured, NOT_SOLVED, OnFinerGrid, Record, StateContext};
+use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext};
 
-use super::leak::leak;
 use super::report::Report;
 use super::strain;
+use crate::measuring::{Conducting, Findings, Gathered, MeasureArgs, Touching, recalled};
 use crate::progress::Progress;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
@@ -24,6 +25,7 @@ use gfmd_run::series::{
 /// Input of a path, checked before the first solve.
 pub(super) struct PathInput {
     pub(super) prepared: Prepared,
+    pub(super) conducting: Conducting,
     pub(super) drives: Vec<Drive>,
     pub(super) places: Places,
     pub(super) output: Option<Output>,
@@ -32,6 +34,7 @@ pub(super) struct PathInput {
 /// Settings for following a path.
 pub(super) struct PathSettings<'a> {
     pub(super) asked: Asked<'a>,
+    pub(super) measure: &'a MeasureArgs,
     /// Flag of its loads or approaches.
     pub(super) option: &'static str,
     pub(super) stiffness: StiffnessArgs,
@@ -49,6 +52,8 @@ pub(super) struct Followed<'a> {
     pub(super) outcome: SeriesOutcome,
     /// File without its scalars. An interrupted run with a kept state has none.
     pub(super) file: Option<StateFile<'a>>,
+    /// Measurements at the waypoints.
+    pub(super) gathered: Gathered,
     /// Fields of the step with the largest contact.
     pub(super) widest: Option<SceneFields>,
     /// Steps that further increments would change.
@@ -89,11 +94,11 @@ impl PathInput {
     fn follow<'a>(
         &'a self,
         contact: &'a Posed,
-        PathSettings { asked, stiffness, refinement, config, .. }: &PathSettings,
+        PathSettings { asked, measure, stiffness, refinement, config, .. }: &PathSettings,
         mut kept: Option<&mut UnfinishedRun>,
         session: &'a Session,
     ) -> Result<Followed<'a>, Failure> {
-        let Self { prepared, drives, places, output } = self;
+        let Self { prepared, conducting, drives, places, output } = self;
         let budget = asked.budget;
         let Budget { tolerance, .. } = budget;
         let mut path = Path::new(contact, budget, *refinement);
@@ -112,35 +117,43 @@ impl PathInput {
         }
         let progress = Progress::new(session.quiet, "steps", drives.len() as f64);
         let finer = on_finer_grids(asked, prepared)?;
-        let finer = finer.iter().map(|(finer, contact)| Beside {
-            prepared: finer,
-            contact,
-            path: Path::new(contact, budget, *refinement),
-            stiffness: *stiffness,
-            rise: finer.highest() - prepared.highest(),
-            ended: None,
+        let finer = finer.iter().map(|(finer, contact)| {
+            Ok(Beside {
+                prepared: finer,
+                contact,
+                measure,
+                conducting: Conducting::new(measure, finer, asked.solver)?,
+                path: Path::new(contact, budget, *refinement),
+                stiffness: *stiffness,
+                rise: finer.highest() - prepared.highest(),
+                ended: None,
+            })
         });
         let mut log = Log {
             contact,
             drives,
             stiffness: *stiffness,
-            finer: finer.collect(),
+            finer: finer.collect::<Result<_, Failure>>()?,
             tolerance,
             session,
             prepared,
+            measure,
+            conducting,
+            places,
+            gathered: Gathered::default(),
             widest: None,
             unsettled: Vec::new(),
         };
         let kept_files = (file.as_mut(), kept.as_deref_mut());
         let outcome = series.run(&mut path, || Ok(None), kept_files, &progress, &mut log)?;
         progress.finish();
-        let Log { widest, unsettled, .. } = log;
+        let Log { gathered, widest, unsettled, .. } = log;
         let is_kept = outcome.is_kept(kept.as_deref());
         if !is_kept {
             prepared.warn_about_strain(outcome.records.iter().map(|step| step.number("approach")), session);
         }
         let (widest, file) = (widest.map(|(_, shown)| shown), file.filter(|_| !is_kept));
-        Ok(Followed { contact, path, outcome, file, widest, unsettled })
+        Ok(Followed { contact, path, outcome, file, gathered, widest, unsettled })
     }
 }
 
@@ -151,6 +164,8 @@ const LONGEST_REASON: u64 = 1 << 16;
 struct Beside<'a> {
     prepared: &'a Prepared,
     contact: &'a Posed,
+    measure: &'a MeasureArgs,
+    conducting: Conducting,
     path: Path<'a, Posed>,
     stiffness: StiffnessArgs,
     /// Height of its highest point above the highest of the other grid, added to each approach.
@@ -208,10 +223,11 @@ impl Beside<'_> {
         let state = self.path.state().ok_or_else(|| Failure::computation(NOT_SOLVED))?;
         let reading = self.contact.reading(state);
         let at = resolved(self.prepared, state, tolerance);
-        let flow = leak(self.prepared, state, &at, |_| {})?;
-        let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
         let at = at.stiff(self.contact, self.stiffness.stiffness_tolerance);
-        Ok(OnFinerGrid::of(&StateContext { approach: reading.approach, step: Some((&step, reading)), measured, ..at }))
+        let (surface, touching) = ((&self.prepared.surface, &self.conducting), Touching::of(state, &at));
+        let findings = Findings::of(self.measure, surface, &touching, Wanted::Conductivity, |_, _| {})?;
+        let (step, measured) = (Some((&step, reading)), findings.borrowed());
+        Ok(OnFinerGrid::of(&StateContext { approach: reading.approach, step, measured, ..at }))
     }
 }
 
@@ -225,6 +241,12 @@ struct Log<'a> {
     tolerance: f64,
     session: &'a Session,
     prepared: &'a Prepared,
+    measure: &'a MeasureArgs,
+    conducting: &'a Conducting,
+    /// Waypoints.
+    places: &'a Places,
+    /// Measurements at the waypoints so far.
+    gathered: Gathered,
     /// Largest contact area, and its fields; the last of several, as on the page.
     widest: Option<(f64, SceneFields)>,
     /// Steps that further increments would change.
@@ -240,16 +262,18 @@ impl StateHandler for Log<'_> {
         } else {
             self.stiffness.of(self.contact, state, |text| warn("stiffness", text))
         };
-        let flow = leak(self.prepared, state, &at, |text| warn("flow", text))?;
-        let measured = Measured { flow: flow.as_ref(), ..Measured::default() };
+        let at = StateContext { stiffness, ..at };
+        let (surface, touching) = ((&self.prepared.surface, self.conducting), Touching::of(state, &at));
+        let findings = Findings::of(self.measure, surface, &touching, Wanted::Conductivity, warn);
+        let findings = findings.map_err(|failure| failure.at(format!("step {index}")))?;
+        let measured = findings.borrowed();
         let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
         let finer = self.finer.iter_mut().map(|finer| match is_cut {
             true => Ok(Err(NOT_SOLVED.to_owned())),
             false => beside(finer.record(self.drives[index], self.tolerance, self.session)),
         });
         let finer = finer.collect::<Result<_, Failure>>()?;
-        let at =
-            StateContext { approach: reading.approach, step: Some((step, reading)), stiffness, finer, measured, ..at };
+        let at = StateContext { approach: reading.approach, step: Some((step, reading)), finer, measured, ..at };
         let at = StateContext { seconds, ..at };
         let record = Record::of(&at);
         if step.is_unsettled {
@@ -257,9 +281,17 @@ impl StateHandler for Log<'_> {
         }
         let area = record.number("area_fraction");
         if self.widest.as_ref().is_none_or(|(most, _)| area >= *most) {
-            self.widest = Some((area, SceneFields::of(state, None, state.plastic_depth())));
+            self.widest = Some((area, SceneFields::of(state, self.prepared.lift(), state.plastic_depth())));
+        }
+        if self.places.of(index).is_some() {
+            self.gathered.states.extend(findings.arrays);
         }
         Ok(record)
+    }
+
+    fn recall(&mut self, fields: &[Cow<[f64]>]) -> Result<(), Failure> {
+        self.gathered.states.extend(recalled(self.prepared, &Chosen::All, fields)?);
+        Ok(())
     }
 
     fn further(&self, state: &AnyState) -> Vec<Vec<f64>> {

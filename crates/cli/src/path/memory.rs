@@ -8,7 +8,7 @@ use gfmd_input::failure::Failure;
 use gfmd_input::source::Surface;
 use gfmd_interface::QuasistaticState;
 use gfmd_medium::{Medium as _, Relaxing};
-use gfmd_problem::AnyState;
+use gfmd_problem::{AnyState, Unknown};
 use gfmd_response::{PlateResponse, PlateTransforms};
 use gfmd_run::series::{Prepared, StateFile};
 use ndarray::Array2;
@@ -73,6 +73,8 @@ fn medium_of(prepared: &Prepared) -> Result<Option<Relaxing>, Failure> {
     let Prepared { facts, surface, body, prony: Some(prony), .. } = prepared else { return Ok(None) };
     let relaxes = facts.relaxes.unwrap_or_default();
     let medium = Relaxing::new(body, &surface.grid, facts.boundary, 1, prony, relaxes);
+    let is_held = facts.unknown == Unknown::Held;
+    let medium = medium.and_then(|medium| if is_held { medium.held_sideways() } else { Ok(medium) });
     medium.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))
 }
 
@@ -84,10 +86,13 @@ enum Elastic {
 
 impl Elastic {
     fn of(Prepared { facts, surface, lower, body, .. }: &Prepared) -> Result<Self, Refusal> {
+        let is_held = facts.unknown == Unknown::Held;
+        let plate = if is_held { Plate::held_sideways } else { Plate::of };
         Ok(match lower {
+            None if is_held => Self::OneFace(Contact::held_sideways(body, &surface.grid, &surface.heights)?),
             None => Self::OneFace(Contact::with_boundary(facts.boundary, body, &surface.grid, &surface.heights)?),
             Some(_) => {
-                let response = PlateResponse::new(surface.grid, &Plate::of(body)?);
+                let response = PlateResponse::new(surface.grid, &plate(body)?);
                 Self::Plate(PlateTransforms::of(&response.into()))
             }
         })

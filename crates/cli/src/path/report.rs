@@ -9,6 +9,7 @@ use gfmd_record::{Record, Table, lines, table_of, with_limit};
 use gfmd_unit::{DisplayUnit, Units};
 use serde::Serialize;
 
+use crate::measuring::legends;
 use crate::session::list_files;
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
@@ -182,20 +183,11 @@ fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> f
     Ok(())
 }
 
-/// Legend of the flow and the leak.
-pub(crate) const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the \
-                               mean gap; leak: volume per time through the cell, with --viscosity 1mPa*s and \
-                               --pressure-drop 1bar";
-
-/// Legend of the conductance of a gas.
-pub(crate) const GAS: &str = "gas conductance: per area of the gas in the gap, radiation left out; points in contact \
-                              contribute nothing";
-
-/// Prints the table of the flow or of the gas, one line per step, below the `title`, if there is one.
-fn print_gap(
+/// Prints a table of the measurements, one line per step, below the `title`, if there is one.
+fn print_measured(
     f: &mut fmt::Formatter<'_>,
     (steps, units): (&[Record], &Units),
-    (table, legend): (Table, &str),
+    table: Table,
     title: &str,
 ) -> fmt::Result {
     let lines = table_of(steps, &[table], units, None);
@@ -203,7 +195,8 @@ fn print_gap(
         let step = index.checked_sub(1).map_or_else(|| format!("\n{title}     "), |step| format!("{step:>5}"));
         writeln!(f, "{step}{line}")?;
     }
-    if lines.is_empty() { Ok(()) } else { writeln!(f, "{legend}") }
+    let legends = if lines.is_empty() { Vec::new() } else { legends(table, steps) };
+    legends.into_iter().try_for_each(|legend| writeln!(f, "{legend}"))
 }
 
 /// Columns of the table that may lack a value although others of their kind have one.
@@ -229,8 +222,8 @@ impl fmt::Display for Report {
             writeln!(f, "{step:>5}  the surfaces part")?;
         }
         let upper = if self.head.lower.is_some() { "upper face\n" } else { "" };
-        for table in [(Table::Patches, GAS), (Table::Flow, FLOW)] {
-            print_gap(f, (&self.steps, &self.head.units()), table, upper)?;
+        for table in [Table::Patches, Table::Flow] {
+            print_measured(f, (&self.steps, &self.head.units()), table, upper)?;
         }
         for leg in &self.sliding {
             let stiffness = self.head.units().shown("stress/length", leg.tangential_stiffness);

@@ -21,6 +21,7 @@ mod help;
 mod hostile;
 mod interoperability;
 mod law;
+mod measuring;
 mod options;
 mod pictures;
 mod plastic;

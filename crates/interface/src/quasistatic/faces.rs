@@ -15,7 +15,7 @@ impl QuasistaticContact {
     /// Creates the contact of both faces of a plate as one ([`Squeezed`](crate::Squeezed)); a hardness has the points
     /// of both faces, and the heights of the parts are not used.
     pub(crate) fn squeezed(parts: &Parts, surfaces: &[Arc<RigidSurface>; 2]) -> Result<Self, Refusal> {
-        let Parts { body, boundary, law, all_components, hardness, shear, relaxation, wear, .. } = parts;
+        let Parts { body, boundary, law, all_components, held, hardness, shear, relaxation, wear, .. } = parts;
         for (is_given, with) in [
             (*boundary == Boundary::Free, "free boundaries"),
             (*all_components, "all components of the displacement"),
@@ -39,10 +39,12 @@ impl QuasistaticContact {
                 return Err(Refusal::ShearAlone { with: "a second surface" });
             }
             let medium = Relaxing::new(body, given.grid(), *boundary, 1, prony, relaxes)?;
+            let medium = if *held { medium.held_sideways()? } else { medium };
             Ok::<Arc<dyn Medium>, Refusal>(Arc::new(medium))
         });
         let (scaled, hardness) = (units.surface(&given), hardness.as_ref().map(|h| h.times(1.0 / stress)));
-        let interface = Interface::of_plate(Plate::of, &units.body(body), &scaled, law)?;
+        let plate = if *held { Plate::held_sideways } else { Plate::of };
+        let interface = Interface::of_plate(plate, &units.body(body), &scaled, law)?;
         let interface = match &hardness {
             Some(hardness) => interface.with_hardness(hardness.clone())?,
             None => interface,

@@ -24,6 +24,8 @@ pub struct Parts<'a> {
     pub law: Option<Arc<dyn Law>>,
     /// True if the law moves all components of the displacement, which needs a law that shears.
     pub all_components: bool,
+    /// True if u_x and u_y of the surface are held at zero, without shear and with periodic boundaries.
+    pub held: bool,
     /// Largest pressure that the surfaces carry, in stress. The depth by which they are pressed into each other stays.
     pub hardness: Option<Hardness>,
     /// Shear between the surfaces.
@@ -44,11 +46,25 @@ impl<'a> Parts<'a> {
             boundary: Boundary::Periodic,
             law: None,
             all_components: false,
+            held: false,
             hardness: None,
             shear: None,
             relaxation: None,
             wear: None,
         }
+    }
+}
+
+impl Parts<'_> {
+    /// Checks that no other part moves a surface that is held sideways.
+    pub(super) fn check_held(&self) -> Result<(), Refusal> {
+        let others = [
+            (self.boundary == Boundary::Free, "free boundaries"),
+            (self.all_components, "a law that moves all components"),
+            (self.shear.is_some(), "a limit of the shear"),
+            (self.body.second().is_some(), "a second body"),
+        ];
+        others.into_iter().find(|(is_given, _)| *is_given).map_or(Ok(()), |(_, with)| Err(Refusal::Held { with }))
     }
 }
 

@@ -21,5 +21,5 @@ def _class(name: str, text: str, held_in: Optional[str], attributes: dict[str, s
     return type(name, base, {"__doc__": text, "__module__": __name__, **made})
 
 
-FLOW: dict[str, str] = DEFINED["flow"]
+MEASURED: dict[str, str] = DEFINED["measured"]
 globals().update({name: _class(name, **found) for name, found in DEFINED["classes"].items()})

@@ -856,6 +856,39 @@ class Steps(Record):
         """
 
     @property
+    def patches(self) -> npt.NDArray[Any]:
+        """Count [step]: number of connected patches of points in contact. With `statistics` only."""
+
+    @property
+    def largest_patch_fraction(self) -> Array:
+        """Without unit [step]: points of the largest patch over all points. With `statistics` only."""
+
+    @property
+    def percolates_x(self) -> npt.NDArray[Any]:
+        """Flag [step]: true if a patch winds around the cell along x, with free boundaries if it spans the surface.
+        With `statistics` only.
+        """
+
+    @property
+    def percolates_y(self) -> npt.NDArray[Any]:
+        """Flag [step]: true if a patch winds around the cell along y, with free boundaries if it spans the surface.
+        With `statistics` only.
+        """
+
+    @property
+    def conductance(self) -> Array:
+        """Per length [step]: conductance per area of the points in contact between two conductors, times the sum of
+        their resistivities: current density over the potential difference less that of the bulk, with free
+        boundaries over all of it; without a value if all points of a periodic surface touch. With `statistics` only.
+        """
+
+    @property
+    def contact_conductance(self) -> Array:
+        """Stress * length/time * temperature [step]: contact conductance per area: conductance over the sum of the
+        resistivities of both conductors. In some problems only.
+        """
+
+    @property
     def gas_conductance(self) -> Array:
         """Stress * length/time * temperature [step]: conductance per area of the gas in the gap: mean of k/(g + M)
         over all points, with k the conductivity of the gas, g the gap and M the temperature-jump length; points in
@@ -1033,6 +1066,70 @@ class Steps(Record):
         """Stress/length [step]: grid error of stiffness: |stiffness - limit| + limit_error."""
 
     @property
+    def patches_limit(self) -> Array:
+        """Without unit [step]: estimate of patches on an infinitely fine grid under the same mean pressure. With
+        `statistics` only.
+        """
+
+    @property
+    def patches_limit_error(self) -> Array:
+        """Without unit [step]: 95 % of the errors of patches_limit are smaller. With `statistics` only."""
+
+    @property
+    def patches_grid_error(self) -> Array:
+        """Without unit [step]: grid error of patches: |patches - limit| + limit_error. With `statistics` only."""
+
+    @property
+    def largest_patch_fraction_limit(self) -> Array:
+        """Without unit [step]: estimate of largest_patch_fraction on an infinitely fine grid under the same mean
+        pressure. With `statistics` only.
+        """
+
+    @property
+    def largest_patch_fraction_limit_error(self) -> Array:
+        """Without unit [step]: 95 % of the errors of largest_patch_fraction_limit are smaller. With `statistics`
+        only.
+        """
+
+    @property
+    def largest_patch_fraction_grid_error(self) -> Array:
+        """Without unit [step]: grid error of largest_patch_fraction: |largest_patch_fraction - limit| + limit_error.
+        With `statistics` only.
+        """
+
+    @property
+    def conductance_limit(self) -> Array:
+        """Per length [step]: estimate of conductance on an infinitely fine grid under the same mean pressure. With
+        `statistics` only.
+        """
+
+    @property
+    def conductance_limit_error(self) -> Array:
+        """Per length [step]: 95 % of the errors of conductance_limit are smaller. With `statistics` only."""
+
+    @property
+    def conductance_grid_error(self) -> Array:
+        """Per length [step]: grid error of conductance: |conductance - limit| + limit_error. With `statistics` only."""
+
+    @property
+    def contact_conductance_limit(self) -> Array:
+        """Stress * length/time * temperature [step]: estimate of contact_conductance on an infinitely fine grid
+        under the same mean pressure. In some problems only.
+        """
+
+    @property
+    def contact_conductance_limit_error(self) -> Array:
+        """Stress * length/time * temperature [step]: 95 % of the errors of contact_conductance_limit are smaller. In
+        some problems only.
+        """
+
+    @property
+    def contact_conductance_grid_error(self) -> Array:
+        """Stress * length/time * temperature [step]: grid error of contact_conductance: |contact_conductance -
+        limit| + limit_error. In some problems only.
+        """
+
+    @property
     def gas_conductance_limit(self) -> Array:
         """Stress * length/time * temperature [step]: estimate of gas_conductance on an infinitely fine grid under
         the same mean pressure. With `gas` only.
@@ -1165,6 +1262,12 @@ class StepFields(Record):
     def lower_wear_depth(self) -> Array:
         """Length [waypoint, x, y]: depth that the lower face and surface have lost so far. With `lower_surface` and
         `wear` only. Read-only.
+        """
+
+    @property
+    def repulsion(self) -> Array:
+        """Stress [waypoint, x, y]: repulsive pressure, without attraction; positive at the points in contact. With
+        `law` and `statistics` only. Read-only.
         """
 
 class Patches(Record):
@@ -1762,4 +1865,4 @@ class SurfaceNumbers(Record):
     def rmr2(self) -> float:
         """Without unit: Rmr2 of ISO 21920: material ratio between core and valleys. Of a profile only."""
 
-FLOW: dict[str, str]
+MEASURED: dict[str, str]

@@ -71,7 +71,13 @@ class PathOptions(TypedDict, total=False):
     coarse: bool
     friction_of: Optional[Literal["repulsion", "net"]]
     boundary: Optional[Literal["periodic", "free"]]
+    components: Optional[Literal["normal", "all", "held"]]
+    base_displacement: Optional[npt.ArrayLike]
+    base_traction: Optional[npt.ArrayLike]
     grid_error: Optional[Literal["none", "estimate", "refine"]]
+    statistics: bool
+    conductor_height: Optional[Quantity]
+    conductivity: Optional[Sequence[Quantity]]
     flow: bool
     viscosity: Optional[Quantity]
     pressure_drop: Optional[Quantity]

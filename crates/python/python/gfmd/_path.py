@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _command, _gfmd, _show
 from ._body import Body, Law, as_body, as_law
 from ._check import Array, Quantity, number, quantities, quantity
-from ._columns import FLOW, StepFields, Steps
+from ._columns import MEASURED, StepFields, Steps
 from ._contact import Adhesion
 from ._errors import InputError
 from ._given import taking
@@ -278,12 +278,14 @@ def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _flow(found: dict[str, Any]) -> dict[str, Any]:
-    """Returns the flow of a step by column name."""
-    places = {name: place.split(".") for name, place in FLOW.items()}
-    there = {name: place for name, place in places.items() if place[0] in found}
+def _measured(step: dict[str, Any]) -> dict[str, Any]:
+    """Takes patches and flow out of a step. Returns their numbers by column name."""
+    places = {name: place.split(".") for name, place in MEASURED.items()}
+    found = {measured: step.pop(measured) for measured in {place[0] for place in places.values()} & step.keys()}
+    there = {name: place for name, place in places.items() if place[1] in found.get(place[0], {})}
     return {
-        name: reduce(lambda part, key: part[int(key)], keys, found[first]) for name, (first, *keys) in there.items()
+        name: reduce(lambda part, key: part[int(key)], keys, found[measured][first])
+        for name, (measured, first, *keys) in there.items()
     }
 
 
@@ -297,8 +299,8 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     undefined: dict[str, str] = {}
     for step in values["steps"]:
         undefined |= by_name(step.pop("undefined", {}))
-    flows = [_flow(step.pop("flow", {})) for step in values["steps"]]
-    rows = [{**step, **flow, **part} for step, flow, part in zip(values["steps"], flows, parts)]
+    measured = [_measured(step) for step in values["steps"]]
+    rows = [{**step, **found, **part} for step, found, part in zip(values["steps"], measured, parts)]
     names = dict.fromkeys(name for row in rows for name in row)
     columns = {name: _column([row.get(name) for row in rows]) for name in names}
     reported = {_OF_BODY.get(name, name): _command.records(value) for name, value in values.items()}
@@ -395,6 +397,12 @@ def path(
         stress_unit: unit of stresses given without one, as in `contact`.
         coarse: also solve a law with a process zone narrower than a tenth of a grid step.
         grid_error: as in `contact`; "refine" also follows the path on a grid with twice as many points along each side.
+        components: unknown components of the surface displacement, "normal", or "held" as in `contact`.
+        base_displacement, base_traction: displacement of the base, or traction on it, as in `contact`.
+        statistics: measure patches and conductance of every step: `patches`, `largest_patch_fraction`, `conductance`
+            and so on in `steps`; in files also distributions and spectra at the waypoints.
+        conductor_height, conductivity: depth of the electrodes of the two conductors, length, and their
+            conductivities, W/(m K), for `steps.contact_conductance`; with `statistics`.
         flow: compute the flow of a fluid through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in
             `steps`, and `leak_rate`.
         steps: number of steps from one waypoint to the next.
@@ -452,6 +460,9 @@ def path(
     if law is not None:
         problem.update(_command.law_keys(given))
     arrays: dict[str, Any] = {"surface": made.heights}
+    for name in ("base_displacement", "base_traction"):
+        if isinstance(problem.get(name), np.ndarray):
+            arrays[name] = problem.pop(name)
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     if lower is not None:
         arrays["lower_surface"] = lower.heights

@@ -172,7 +172,7 @@ fn inside(object: &str, json: &str) -> Option<(String, Option<String>)> {
 
 /// Returns the place of a number of steps. Numbers inside a JSON object use their name in a file.
 fn of_step(column: &Column) -> Option<(String, Option<String>)> {
-    let is_object = ["residual.", "flow."].iter().any(|object| column.json.starts_with(object));
+    let is_object = ["residual.", "flow.", "patches."].iter().any(|object| column.json.starts_with(object));
     if is_object { Some((column.name.to_owned(), None)) } else { at(column.json) }
 }
 
@@ -200,8 +200,8 @@ fn statistics(group: &str, shape: &str, name: impl Fn(&str) -> String) -> Vec<Pr
         let text = format!("{} {shape}: {}.", quantity(array.unit.unwrap_or("length")), array.meaning);
         Property { name: name(path), of: "Array", text }
     };
-    // The load number belongs to a file with several loads.
-    there.filter(|(path, _)| *path != "load").map(property).collect()
+    // The number of the state belongs to a file with several.
+    there.filter(|(path, _)| !["load", "waypoint"].contains(path)).map(property).collect()
 }
 
 #[test]
@@ -209,7 +209,9 @@ fn the_classes_of_python_have_the_columns() {
     let all: Vec<Facts> = all_facts()
         .flat_map(|facts| {
             let flow = facts.task == Task::Path;
-            [facts, Facts { flow, ..facts }, Facts { flow, leak: flow, ..facts }, Facts { gas: flow, ..facts }]
+            let measured = Facts { statistics: flow, ..facts };
+            let flows = [Facts { flow, ..facts }, Facts { flow, leak: flow, ..facts }, Facts { gas: flow, ..facts }];
+            [facts, measured, Facts { conducts: flow, ..measured }].into_iter().chain(flows)
         })
         .filter(|facts| facts.check().is_ok())
         .collect();
@@ -253,15 +255,15 @@ fn the_classes_of_python_have_the_columns() {
     let stub = classes.iter().fold(HEAD.to_owned(), |text, class| text + &class.stub());
     assert!(stub.lines().all(|line| line.chars().count() <= 120));
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../python/python/gfmd");
-    compare(&format!("{folder}/_columns.pyi"), &(stub + FLOW));
+    compare(&format!("{folder}/_columns.pyi"), &(stub + MEASURED));
     let definitions: serde_json::Map<_, _> =
         classes.iter().map(|class| (class.name.to_owned(), class.definitions())).collect();
-    let data = serde_json::json!({"classes": definitions, "flow": flow()});
+    let data = serde_json::json!({"classes": definitions, "measured": measured()});
     compare(&format!("{folder}/_columns.json"), &(serde_json::to_string_pretty(&data).unwrap() + "\n"));
 }
 
-/// Places of the numbers of a flow in its object, by name.
-const FLOW: &str = "\nFLOW: dict[str, str]\n";
+/// Places of the numbers of patches and flow in a record, by name.
+const MEASURED: &str = "\nMEASURED: dict[str, str]\n";
 
 /// Returns the numbers of sliding states. Python has their residuals one by one.
 fn states() -> Vec<Property> {
@@ -320,10 +322,10 @@ fn surface() -> Vec<Property> {
     numbers_of::<Surface>(&facts, (&OF_STATE, &words), |column| at(column.json), &[range])
 }
 
-/// Returns the numbers of a flow by name, with their places in its object.
-fn flow() -> serde_json::Map<String, serde_json::Value> {
-    let place = |column: &'static Column| Some((column.name.to_owned(), column.json.strip_prefix("flow.")?.into()));
-    COLUMNS.iter().filter_map(place).collect()
+/// Returns the numbers of patches and flow by name, with their places in a record.
+fn measured() -> serde_json::Map<String, serde_json::Value> {
+    let is_measured = |column: &&Column| ["flow.", "patches."].iter().any(|object| column.json.starts_with(object));
+    COLUMNS.iter().filter(is_measured).map(|column| (column.name.to_owned(), column.json.into())).collect()
 }
 
 /// Returns the problems with a lower surface.

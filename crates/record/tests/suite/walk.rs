@@ -126,9 +126,8 @@ fn the_page_has_the_columns() {
          reason is in\n\
          `undefined`: an object of the load or step, an attribute of the dataset.\n\n{}\n\
          Fields are `/fields/<name>[load,x,y]`, of a path `[waypoint,x,y]`:\n\n{}\n\
-         With `--statistics` the loads of a contact also have these arrays. Those of patches follow each other load \
-         by load; all\n\
-         others have one row per load.\n\n{}\n\
+         With `--statistics` the loads of a contact and the waypoints of a path, called states here, also have these\n\
+         arrays. Patches follow each other state by state; all other arrays have one row per state.\n\n{}\n\
          ## States of `slide`\n\nIn HDF5 `/states/<name>[state]`; in JSON entries of `states`.\n\n{}\n\
          ## Punches\n\nIn HDF5 `/punch/<name>`; in JSON keys of the result.\n\n{}\n\
          ## Statistics of a surface\n\nIn HDF5 `/statistics/<name>`; in JSON keys of the result.\n\n{}",
@@ -151,10 +150,10 @@ fn statistics() -> String {
     let row = |array: &gfmd_record::Statistic| {
         let along = match array.along {
             Along::Patch => "patch",
-            Along::Bin => "load,bin",
-            Along::Ring => "load,wavenumber",
-            Along::LagX => "load,lag_x",
-            Along::LagY => "load,lag_y",
+            Along::Bin => "state,bin",
+            Along::Ring => "state,wavenumber",
+            Along::LagX => "state,lag_x",
+            Along::LagY => "state,lag_y",
         };
         format!("| `{}[{along}]` | {} | {} |\n", array.path, array.unit.unwrap_or("length"), array.meaning)
     };

@@ -13,7 +13,7 @@ pub struct SeriesLayout {
     /// Meaning of the dimension of their scalars, which has the name of a part.
     pub(super) meaning: &'static str,
     /// Dimension of their fields, and its meaning.
-    pub(super) stored: (&'static str, &'static str),
+    pub stored: (&'static str, &'static str),
 }
 
 impl SeriesLayout {

@@ -7,7 +7,7 @@ use gfmd_contact::{Boundary, Drive, Dynamics, Equilibrium as _, Factors, Press, 
 use gfmd_problem::options::{
     BodyArgs, ComplianceArgs, DampedBy, DynamicsArgs, LawArgs, SolverArgs, named, parse_choice,
 };
-use gfmd_problem::{Accuracy, AnyState, Facts, GridError, MovedBase, Posed, Unknown, key, setting, words};
+use gfmd_problem::{Accuracy, AnyState, Facts, GridError, Posed, Unknown, key, setting, words};
 use serde::{Deserialize, Serialize};
 
 use super::head::is_normal;
@@ -118,11 +118,7 @@ impl ContactArgs {
             unknown: self.components,
             finite_slope: self.finite_slope,
             lower: self.lower.fact(),
-            moved_base: match (&self.base.base_displacement, &self.base.base_traction) {
-                (Some(_), _) => Some(MovedBase::Displacement),
-                (_, Some(_)) => Some(MovedBase::Traction),
-                _ => None,
-            },
+            moved_base: self.base.fact(),
             line,
             grid_error: self.grid_error,
             ..self.compliance.of(self.body.facts())

@@ -598,7 +598,7 @@ pub(crate) fn tangent(found: &mut Found, case: &Case, load: &Value, pressure: &[
     }
 }
 
-fn conductance(found: &mut Found, case: &Case, load: &Value, surely: &[bool]) {
+pub(crate) fn conductance(found: &mut Found, case: &Case, load: &Value, surely: &[bool]) {
     // Current through all points in contact at uniform potential, into half-spaces of total unit resistivity, or into
     // layers of this resistivity on electrodes. A periodic surface leaves out the bulk.
     let potential = |q: f64| match case.conductor_height {
@@ -622,7 +622,7 @@ fn conductance(found: &mut Found, case: &Case, load: &Value, surely: &[bool]) {
 }
 
 /// Checks patches and flow of a load.
-fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possibly: &[bool], gap: &[f64]) {
+pub(crate) fn measured(found: &mut Found, case: &Case, load: &Value, surely: &[bool], possibly: &[bool], gap: &[f64]) {
     let plane = case.plane;
     if case.statistics && surely == possibly {
         let all = patches(plane, surely, case.is_free);
@@ -726,11 +726,12 @@ pub(crate) fn threshold(found: &mut Found, case: &Case, report: &Value, file: &R
 }
 
 /// Checks the arrays that the statistics add to the file.
-fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
+pub(crate) fn arrays(found: &mut Found, case: &Case, loads: &[Value], file: &Reader) {
     let plane = case.plane;
     let [dx, dy] = plane.spacing();
     let values = |name: &str| file.values::<f64>(name).unwrap_or_default();
-    let names = ["load", "area", "perimeter", "force", "x", "y"].map(|name| values(&format!("/patches/{name}")));
+    let number = if case.is_path { "waypoint" } else { "load" };
+    let names = [number, "area", "perimeter", "force", "x", "y"].map(|name| values(&format!("/patches/{name}")));
     let mut first = 0;
     for k in 0..loads.len() {
         let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();

@@ -465,7 +465,7 @@ impl Case {
         let components = match kind {
             // A patch of a profile has no lateral level.
             14..19 if !(is_path || is_free && is_line) => Components::All,
-            19..24 if !is_free && !is_path => Components::Held,
+            19..24 if !is_free => Components::Held,
             _ if wild(dice, 0.3) => dice.of(&[Components::All, Components::Held]),
             _ if has_lower && dice.chance(0.3) => Components::Held,
             _ => Components::Normal,
@@ -544,7 +544,9 @@ impl Case {
             let _ = write!(text, " --lower-surface l{index}.npy");
         }
         let can_move = !is_free && !matches!(body.first.base, Base::HalfSpace(..)) || is_wild;
-        let moves = !is_path && (plain || is_wild) && !body.first.layers.is_empty() && can_move && dice.chance(0.4);
+        let may_move = (plain || is_wild) && !body.first.layers.is_empty() && can_move;
+        // Random numbers of earlier paths stay.
+        let moves = may_move && if is_path { index.is_multiple_of(3) } else { dice.chance(0.4) };
         let moved = moves.then(|| {
             let is_traction = body.first.base == Base::Free;
             let amplitude = if is_traction { 0.05 * modulus * gradient } else { 0.03 * size };
@@ -625,7 +627,8 @@ impl Case {
             let slides = friction.is_some() || shear_strength.is_some();
             // A patch needs lateral support.
             let is_held = !is_free || !is_line && body.first.base != Base::Sliding;
-            if slides || (is_held && hardness.is_none() && dice.chance(0.2)) || wild(dice, 0.3) {
+            let may_slide = is_held && hardness.is_none() && moved.is_none() && components != Components::Held;
+            if slides || (may_slide && dice.chance(0.2)) || wild(dice, 0.3) {
                 let amplitude = size * dice.scale(0.01, 0.2);
                 lateral = loads
                     .iter()
@@ -641,7 +644,7 @@ impl Case {
             text.push_str(" --steps 1");
         }
         let hard_wall = law.is_none();
-        let statistics = !is_path && (dice.chance(0.4) || wild(dice, 0.3));
+        let statistics = if is_path { index.is_multiple_of(2) } else { dice.chance(0.4) || wild(dice, 0.3) };
         let flow = !is_path && (!is_line && dice.chance(0.3) || wild(dice, 0.2));
         let threshold = !is_path
             && !is_line

@@ -6,7 +6,9 @@ use std::path::Path;
 use gfmd_files::Reader;
 use serde_json::Value;
 
-use super::contact::{Elastic, Rough, counted, elastic, has_level, repulsion, softest, tangent, wall};
+use super::contact::{
+    Elastic, Rough, arrays, conductance, counted, elastic, has_level, measured, repulsion, softest, tangent, wall,
+};
 use super::draw::{Body, Case, Control};
 use super::elastic::{Complex, Plane, without_sines};
 use super::found::{Found, number};
@@ -120,6 +122,10 @@ pub(crate) fn check(found: &mut Found, case: &Case, folder: &Path, report: &Valu
         before = Some(state);
     }
     totals(found, report, steps);
+    let reached = parted.map_or(steps.len(), |parted| steps.len().min(parted as usize));
+    if case.statistics && (case.law.is_none() || case.lateral.is_empty()) {
+        arrays(found, case, &steps[..reached], file);
+    }
 }
 
 /// Part of a state needed by the next step.
@@ -142,7 +148,8 @@ fn one(
 ) -> State {
     let plane = case.plane;
     let field = |name: &str| file.slab::<f64>(&format!("/fields/{name}"), k).unwrap();
-    let (pressure, displacement, gap) = (field("pressure"), field("displacement_z"), field("gap"));
+    let (pressure, gap) = (field("pressure"), field("gap"));
+    let displacement: Vec<f64> = field("displacement_z").iter().zip(&rough.lift).map(|(u, lift)| u - lift).collect();
     found.must(step["converged"] == true, || "not converged, with status 0".into());
     found.nulls(step, &["stick_fraction", "interface_energy", "dissipated", "dissipated_error", "lowest_curvature"]);
     let modulus = case.body.contact_modulus();
@@ -176,6 +183,12 @@ fn one(
     // Points repelled by the wall or a mixed law count, independent of sliding.
     if case.law.is_none() || case.lateral.is_empty() {
         counted(found, case, step, (&surely, &possibly, &repulsion), &gap);
+        if case.statistics {
+            measured(found, case, step, &surely, &possibly, &gap);
+            if surely == possibly {
+                conductance(found, case, step, &surely);
+            }
+        }
     }
     let has = |name: &str| file.contains(&format!("/fields/{name}"));
     let shear: Option<[Vec<f64>; 2]> = has("shear_x")

@@ -1,20 +1,20 @@
-//! Conductance of the points in contact, measured by `--statistics` for each load.
+//! Conductance of the points in contact, measured by `--statistics` for each state.
 
 use std::sync::OnceLock;
 
+use gfmd_contact::Solver;
 use gfmd_contact::{Boundary, Conductance, ConductanceError, Conductors};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Conductor, Height};
-use gfmd_law::LawKind;
-use gfmd_problem::{Unknown, key, words};
-use ndarray::ArrayRef2;
+use gfmd_problem::{Facts, Unknown, key, words};
+use ndarray::{ArrayRef, Ix2};
 
-use super::Args;
+use super::MeasureArgs;
 use gfmd_input::failure::Failure;
-use gfmd_input::source::Surface;
+use gfmd_run::series::Prepared;
 
-/// Source of the conductance of the loads of a contact.
-pub(super) struct Conducting {
+/// Source of the conductance of the states of a contact.
+pub(crate) struct Conducting {
     method: ConductanceMethod,
     boundary: Boundary,
     grid: Grid,
@@ -33,19 +33,20 @@ enum ConductanceMethod {
     Undefined(&'static str),
 }
 
-/// Reason why a load that did not converge has no conductance.
-const NOT_CONVERGED: &str = "the load did not converge";
+/// Reason why a state that did not converge has no conductance.
+const NOT_CONVERGED: &str = "the search did not converge";
 
 /// Reason why full contact has no conductance.
 const ALL_TOUCH: &str = "all points touch, which leaves no resistance but that of the bulk";
 
 impl Conducting {
-    /// Creates the source of the conductance for these flags.
+    /// Creates the source of the conductance for these options of a problem that the `solver` solves.
     ///
     /// # Errors
     /// Returns an error if the electrode depth is invalid or given without `--statistics`.
-    pub(super) fn new(args: &Args, body: &Body, surface: &Surface) -> Result<Self, Failure> {
-        let (height, Surface { grid, boundary, .. }) = (args.conductor_height, surface);
+    pub(crate) fn new(args: &MeasureArgs, prepared: &Prepared, solver: Solver) -> Result<Self, Failure> {
+        let Prepared { facts, surface, body, .. } = prepared;
+        let (height, grid, boundary) = (args.conductor_height, &surface.grid, surface.boundary);
         if let (Height::Finite(height), false) = (height, args.statistics) {
             return Err(Failure::value(
                 key("conductor_height"),
@@ -56,16 +57,14 @@ impl Conducting {
         let refuse = |error: &dyn std::fmt::Display| Failure::input(key("conductor_height"), error);
         Conductor::new(height).map_err(|error| refuse(&error))?;
         let is_endless = |body: &Body| body.height() == Height::Infinite;
-        let are_alike = args.problem.law.law == LawKind::HardWall
-            && args.problem.hardness.hardness.is_none()
-            && args.problem.components != Unknown::Held
-            && !args.facts(grid.is_line()).moves_all_by(args.problem.solver.solver)
+        let are_alike = is_elastic_wall(facts)
+            && !facts.moves_all_by(solver)
             && body.tabulated_wavenumbers().is_none()
             && [height, body.height()] == [Height::Infinite; 2]
             && body.second().is_none_or(is_endless);
-        let method = if args.problem.finite_slope {
+        let method = if facts.finite_slope {
             ConductanceMethod::Undefined("with finite slopes the points in contact have moved sideways")
-        } else if *boundary == Boundary::Free && grid.is_line() && height == Height::Infinite {
+        } else if boundary == Boundary::Free && grid.is_line() && height == Height::Infinite {
             ConductanceMethod::Undefined(
                 "below a profile with free boundaries the potential of half-spaces is known up to a constant; \
                  electrodes (--conductor-height) fix it",
@@ -75,7 +74,7 @@ impl Conducting {
         } else {
             ConductanceMethod::Solved
         };
-        let conducting = Self { method, boundary: *boundary, grid: *grid, height, conductors: OnceLock::new() };
+        let conducting = Self { method, boundary, grid: *grid, height, conductors: OnceLock::new() };
         if let (true, ConductanceMethod::Solved, Boundary::Free, Height::Finite(_)) =
             (args.statistics, &conducting.method, boundary, height)
         {
@@ -85,14 +84,14 @@ impl Conducting {
         Ok(conducting)
     }
 
-    /// Measures the conductance of the repelled points of a load. `converged` and `stiffness` describe the load.
+    /// Measures the conductance of the repelled points of a state. `converged` and `stiffness` describe the state.
     /// Returns the conductance, or the reason why there is none, and a warning if it is not exact.
     ///
     /// # Errors
     /// Returns an error if the conductance cannot be computed.
-    pub(super) fn measure(
+    pub(crate) fn measure(
         &self,
-        repulsion: &ArrayRef2<f64>,
+        repulsion: &ArrayRef<f64, Ix2>,
         converged: bool,
         stiffness: Option<f64>,
     ) -> Result<(Result<f64, &'static str>, Option<String>), Failure> {
@@ -126,4 +125,11 @@ impl Conducting {
         let made = Conductors::new(self.boundary, &self.grid, self.height)?;
         Ok(self.conductors.get_or_init(|| made))
     }
+}
+
+/// Returns true if the normal stiffness of the contact depends on the body and the points in contact alone.
+fn is_elastic_wall(facts: &Facts) -> bool {
+    let has_history = facts.yields || facts.relaxes.is_some() || facts.wear.is_some();
+    let shears = facts.friction.is_some() || facts.lateral;
+    !(facts.has_law() || facts.hardness || has_history || shears) && facts.unknown != Unknown::Held
 }
