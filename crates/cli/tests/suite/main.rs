@@ -11,6 +11,7 @@ mod common;
 mod conductance;
 mod contact;
 mod crash;
+mod estimate;
 mod extreme;
 mod free;
 mod gas;
