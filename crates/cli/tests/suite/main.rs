@@ -12,6 +12,7 @@ mod conductance;
 mod contact;
 mod crash;
 mod estimate;
+mod export_law;
 mod extreme;
 mod free;
 mod gas;

@@ -18,6 +18,7 @@ from ._cite import cite
 from ._contact import Adhesion, Contact, Contacts, Flow, Gradient
 from ._errors import Error, InputError, Interrupted, NotConverged
 from ._estimate import Estimate, estimate
+from ._fe_table import fe_table
 from ._files import load
 from ._gfmd import VERSION as __version__
 from ._kappa import KappaSweep, kappa_sweep
@@ -68,6 +69,7 @@ __all__ = [
     "cylinder",
     "ellipsoid",
     "estimate",
+    "fe_table",
     "flat_punch",
     "friction",
     "green",
