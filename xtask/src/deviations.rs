@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser};
-use gfmd_cli::estimate::{Deviations, NAMES, numbers, of};
+use gfmd_cli::estimate::{Deviations, NAMES, numbers, of, skewness_and_kurtosis};
 use gfmd_cli::progress::Progress;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
@@ -77,9 +77,10 @@ struct Words {
     body: BodyArgs,
 }
 
-/// Deviations of one surface for each load and number, with the Hurst exponent and 1/ε_f of its equivalent band.
+/// Deviations of one surface for each load and number, with the Hurst exponent and 1/ε_f of its equivalent band, and
+/// skewness and kurtosis of its heights.
 struct Found {
-    band: [f64; 2],
+    ranges: [f64; 4],
     loads: Vec<[f64; 5]>,
 }
 
@@ -107,8 +108,9 @@ fn found(surface: &str) -> Result<Found, Failure> {
         Ok([0, 1, 2, 3, 4].map(deviation))
     };
     let band = estimate.band();
+    let [ssk, sku] = skewness_and_kurtosis(&made)?;
     let loads = loads(&report).iter().map(deviations).collect::<Result<_, Failure>>()?;
-    Ok(Found { band: [band.hurst, band.eps_f_inv], loads })
+    Ok(Found { ranges: [band.hurst, band.eps_f_inv, ssk, sku], loads })
 }
 
 /// Returns the deviations of one number at one load; surfaces without an estimate are left out.
@@ -180,15 +182,19 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let every: Vec<Found> = found.into_iter().flatten().collect();
     let error = |which: usize| (0..REDUCED.len()).map(|load| covering(all(&every, load, which))).collect();
     let range = |which: usize| {
-        let values = || every.iter().map(|found| found.band[which]);
+        let values = || every.iter().map(|found| found.ranges[which]);
         [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
     };
+    // Heights of either sign are equally probable.
+    let skewest = every.iter().map(|found| found.ranges[2].abs()).fold(0.0, f64::max);
     let deviations = Deviations {
         p_star: REDUCED.to_vec(),
         error: NAMES.iter().enumerate().map(|(which, name)| ((*name).to_owned(), error(which))).collect(),
         contacts: every.len(),
         hurst: range(0),
         eps_f_inv: range(1),
+        ssk: [-skewest, skewest],
+        sku: range(3),
         percolation: percolation(&of_finite.kinds),
     };
     let report = Report { first_seed: args.first_seed, deviations, kinds: of_kinds };

@@ -9,7 +9,7 @@ use std::fmt;
 use clap::Args as ClapArgs;
 use gfmd_measure::theory::{Estimate, Estimated, Persson};
 use gfmd_problem::{key, words};
-use gfmd_surface::PowerSpectrum;
+use gfmd_surface::{Areal, PowerSpectrum};
 use gfmd_unit::Units;
 use serde::{Deserialize, Serialize};
 
@@ -127,6 +127,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let loads = args.loads.reduced(e_star * rms_gradient, &grid)?;
     let [area, area_error] = measured.percolation;
     let band = estimate.as_ref().map(Estimate::band);
+    let known = known(estimate.as_ref(), &surface, measured)?;
     Ok(Report {
         n: grid.points(),
         size: grid.lengths(),
@@ -141,7 +142,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         plasticity_index: args.hardness.map(|hardness| e_star * rms_gradient / hardness),
         percolation_area_fraction: area,
         percolation_area_fraction_error: area_error,
-        loads: loads.iter().map(|p_star| at(estimate.as_ref(), measured, *p_star, e_star * rms_gradient)).collect(),
+        loads: loads.iter().map(|p_star| at(&known, measured, *p_star, e_star * rms_gradient)).collect(),
     })
 }
 
@@ -175,14 +176,32 @@ pub fn of(surface: &Surface, source: &SourceArgs, body: &BodyArgs) -> Result<(Op
     Ok((Estimate::new(persson, grid.lengths().iter().product()), e_star))
 }
 
-/// Returns the numbers of a load; `unit` is the unit of reduced pressures.
-fn at(estimate: Option<&Estimate>, measured: &Deviations, p_star: f64, unit: f64) -> Load {
-    let mean_pressure = p_star * unit;
-    let known = match estimate {
+/// Returns skewness and kurtosis of the heights.
+///
+/// # Errors
+/// Returns an error for heights that do not fit the grid.
+pub fn skewness_and_kurtosis(surface: &Surface) -> Result<[f64; 2], Failure> {
+    let found = Areal::of(&surface.heights, &surface.grid).map_err(|error| Failure::refused(error.to_string()))?;
+    Ok([found.ssk, found.sku].map(|moment| moment.unwrap_or(f64::NAN)))
+}
+
+/// Returns the estimate of a surface that is like the measured ones, or the reason why it is not.
+fn known<'a>(
+    estimate: Option<&'a Estimate>,
+    surface: &Surface,
+    measured: &Deviations,
+) -> Result<Result<&'a Estimate, String>, Failure> {
+    let heights = skewness_and_kurtosis(surface)?;
+    Ok(match estimate {
         None => Err(UNLIKE.to_owned()),
-        Some(estimate) => measured.beyond_bands(estimate.band()).map_or(Ok(estimate), Err),
-    };
-    let known = known.map(|estimate| numbers(&estimate.at(mean_pressure)));
+        Some(estimate) => measured.beyond(estimate.band(), heights).map_or(Ok(estimate), Err),
+    })
+}
+
+/// Returns the numbers of a load; `unit` is the unit of reduced pressures.
+fn at(known: &Result<&Estimate, String>, measured: &Deviations, p_star: f64, unit: f64) -> Load {
+    let mean_pressure = p_star * unit;
+    let known = known.clone().map(|estimate| numbers(&estimate.at(mean_pressure)));
     let mut undefined: BTreeMap<String, Vec<_>> = BTreeMap::new();
     let mut number = |which: usize| {
         let found = known.clone().and_then(|numbers| {

@@ -206,7 +206,7 @@ impl ContactLaw {
         let gap = |row: &LawRow| row.numbers[GAP].map_or(f64::NAN, |known| known.value);
         let touch = (0.0, first_gap);
         let places = std::iter::once(touch).chain(rows.iter().map(|row| (row.pressure, gap(row)))).collect::<Vec<_>>();
-        if let Some((pressure, _)) = places[1..].iter().find(|(pressure, _)| !(*pressure > 0.0)) {
+        if let Some((pressure, _)) = places[1..].iter().find(|(pressure, _)| pressure.is_nan() || *pressure <= 0.0) {
             return Err(NoLaw::Pull(*pressure));
         }
         if let Some(pair) = places.windows(2).find(|pair| !(pair[1].0 > pair[0].0 && pair[1].1 < pair[0].1)) {

@@ -20,6 +20,10 @@ pub struct Deviations {
     pub hurst: [f64; 2],
     /// Least and largest ratio of the wavelengths of the equivalent bands.
     pub eps_f_inv: [f64; 2],
+    /// Least and largest skewness Ssk of the heights, of either sign.
+    pub ssk: [f64; 2],
+    /// Least and largest kurtosis Sku of the heights.
+    pub sku: [f64; 2],
     /// Area fraction at which contacts percolate, and the deviation that 95 % of the surfaces do not exceed.
     pub percolation: [f64; 2],
 }
@@ -36,16 +40,17 @@ impl Deviations {
         MEASURED.as_ref()
     }
 
-    /// Returns the reason why there is no estimate for surfaces with this band; `None` if there is one.
-    pub fn beyond_bands(&self, band: EquivalentBand) -> Option<String> {
+    /// Returns the reason why there is no estimate for surfaces with this band, skewness and kurtosis; `None` if there
+    /// is one.
+    pub fn beyond(&self, band: EquivalentBand, [ssk, sku]: [f64; 2]) -> Option<String> {
         let outside = |name: &str, value: f64, [least, most]: [f64; 2]| {
             let is_known = value >= least - ROUNDING * least.abs() && value <= most + ROUNDING * most.abs();
-            (!is_known).then(|| {
-                format!("the spectrum has {name} {value:.2}, and the errors are known from {least:.2} to {most:.2}")
-            })
+            (!is_known).then(|| format!("{name} {value:.2}, and the errors are known from {least:.2} to {most:.2}"))
         };
-        outside("the Hurst exponent", band.hurst, self.hurst)
-            .or_else(|| outside("the ratio of wavelengths", band.eps_f_inv, self.eps_f_inv))
+        outside("the spectrum has the Hurst exponent", band.hurst, self.hurst)
+            .or_else(|| outside("the spectrum has the ratio of wavelengths", band.eps_f_inv, self.eps_f_inv))
+            .or_else(|| outside("the heights have the skewness", ssk, self.ssk))
+            .or_else(|| outside("the heights have the kurtosis", sku, self.sku))
     }
 
     /// Returns the relative error of a number at a reduced pressure, the larger one of the neighbouring loads.
@@ -83,6 +88,8 @@ mod tests {
             contacts: 8,
             hurst: [0.0, 1.0],
             eps_f_inv: [6.0, 40.0],
+            ssk: [-0.5, 0.5],
+            sku: [2.0, 4.0],
             percolation: [0.41, 0.02],
         }
     }
@@ -101,11 +108,14 @@ mod tests {
     #[test]
     fn bands_beyond_the_measured_ones_have_a_reason() {
         let found = deviations();
-        let reason = |hurst, eps_f_inv| found.beyond_bands(EquivalentBand { hurst, eps_f_inv });
+        let reason = |hurst, eps_f_inv| found.beyond(EquivalentBand { hurst, eps_f_inv }, [0.0, 3.0]);
         assert_eq!(reason(0.0, 6.0), None);
         assert!(reason(-0.1, 10.0).is_some_and(|reason| reason.contains("Hurst exponent -0.10")));
         assert!(reason(0.5, 50.0).is_some_and(|reason| reason.contains("ratio of wavelengths 50.00")));
         assert!(reason(f64::NAN, 10.0).is_some());
+        let of_heights = |heights| found.beyond(EquivalentBand { hurst: 0.5, eps_f_inv: 10.0 }, heights);
+        assert!(of_heights([-0.6, 3.0]).is_some_and(|reason| reason.contains("skewness -0.60")));
+        assert!(of_heights([0.0, 9.0]).is_some_and(|reason| reason.contains("kurtosis 9.00")));
     }
 
     #[test]

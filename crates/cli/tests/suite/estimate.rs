@@ -103,6 +103,16 @@ fn numbers_beyond_the_measured_ones_have_a_reason() {
             assert_eq!(count, usize::from(!known), "{name}: {load}");
         }
     }
+    // A spike makes heights that are far from Gaussian ones.
+    let flags = "surface --n 128 --hurst 0.5 --out h.npy --json --quiet";
+    json(folder.path(), &flags.split(' ').collect::<Vec<_>>());
+    let mut heights: ndarray::Array2<f64> = ndarray_npy::read_npy(folder.path().join("h.npy")).unwrap();
+    heights[[40, 50]] += 1.0;
+    ndarray_npy::write_npy(folder.path().join("h.npy"), &heights).unwrap();
+    let report = run(folder.path(), "estimate h.npy --size 1 --p-star 0.1");
+    let text = report["loads"][0]["undefined"].to_string();
+    assert!(report["loads"][0]["area_fraction"].is_null(), "{report}");
+    assert!(["skewness", "kurtosis", "spectrum"].iter().any(|word| text.contains(word)), "{text}");
     // A wave has one wavenumber, and a sphere a spectrum of its own.
     for shape in ["wave:A=0.01,Lx=1,Ly=1", "sphere:R=1"] {
         let report = run(folder.path(), &format!("estimate --n 64 --shape {shape} --p-star 0.1"));
@@ -158,14 +168,15 @@ fn the_page_has_the_measured_errors() {
         let cells: Vec<String> = errors.map(|error| format!("{error:.1}")).collect();
         table += &format!("| {title} | {} |\n", cells.join(" | "));
     }
-    let [hurst, ratio] = ["hurst", "eps_f_inv"].map(|name| {
+    let [hurst, ratio, skewness, kurtosis] = ["hurst", "eps_f_inv", "ssk", "sku"].map(|name| {
         let ends = measured[name].as_array().unwrap();
         format!("{:.2} to {:.2}", number(&ends[0]), number(&ends[1]))
     });
     let of_area = measured["percolation"].as_array().unwrap();
     let [area, spread] = [0, 1].map(|k| number(&of_area[k]));
     table += &format!(
-        "\n{} surfaces; their equivalent spectra have H from {hurst} and 1/ε_f from {ratio}.\nContacts percolate at \
+        "\n{} surfaces; their equivalent spectra have H from {hurst} and 1/ε_f from {ratio}.\nTheir heights have \
+         the skewness {skewness} and the kurtosis {kurtosis}. Contacts percolate at \
          the area fraction {area:.3} ± {spread:.3}.\n",
         measured["contacts"]
     );

@@ -107,7 +107,8 @@ impl Estimate {
     pub fn new(persson: Persson, cell: f64) -> Option<Self> {
         let band = EquivalentBand::of(persson.variances())?;
         let hurst = band.hurst.clamp(0.0, 1.0);
-        if !((band.hurst - hurst).abs() <= HURST_MARGIN) {
+        let is_near = (band.hurst - hurst).abs() <= HURST_MARGIN;
+        if !is_near {
             return None;
         }
         let variance = persson.variance(f64::INFINITY);
@@ -150,7 +151,8 @@ impl Estimate {
         let number = |z: f64| self.patches * z * z * above(z);
         // The number of patches falls beyond the level √2.
         let [mut low, mut high] = [SQRT_2, FARTHEST];
-        if !(number(low) > 1.0) {
+        let has_patches = number(low) > 1.0;
+        if !has_patches {
             return None;
         }
         for _ in 0..HALVINGS {

@@ -89,7 +89,7 @@ fn contacts_without_a_law_have_a_reason() {
     let refused = |given: &[Realisation], units: &Units| ContactLaw::new(given, units).unwrap_err().to_string();
     let good = realisation(&[0.5, 1.0], 1.0);
     for (length, stress) in [(None, None), (Some("um"), None), (None, Some("Pa"))] {
-        assert!(refused(&[good.clone()], &Units::new(length, stress)).contains("no unit"));
+        assert!(refused(std::slice::from_ref(&good), &Units::new(length, stress)).contains("no unit"));
     }
     assert!(refused(&[realisation(&[0.5], 1.0)], &units()).contains("1 load"));
     assert!(refused(&[], &units()).contains("0 load"));
