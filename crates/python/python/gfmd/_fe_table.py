@@ -82,8 +82,9 @@ def fe_table(
     conductivity: Optional[Sequence[Quantity]] = None,
     flow: bool = False,
 ) -> str:
-    """Returns the law of a contact for finite elements as text: pressure against mean gap, area, stiffness, conductance
-    and transmissivity, in SI units, with their errors, as `gfmd contact --export-law` does.
+    """Returns the law of a contact for finite elements as text, as `gfmd contact --export-law` does.
+
+    It has pressure against mean gap, area, stiffness, conductance and transmissivity, in SI units, with their errors.
 
     Args:
         results: contacts of one surface under two or more loads, or several of them, of surfaces of one kind (seeds)
