@@ -298,7 +298,7 @@ impl fmt::Display for Report {
         }
         writeln!(
             f,
-            "±: 95 % of the solved contacts deviate by less (docs/estimate.md); elastic contact, no friction or adhesion"
+            "±: 95 % of solved contacts deviate by less (docs/estimate.md); elastic contact, no friction or adhesion"
         )
     }
 }
