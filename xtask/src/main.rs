@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 use gfmd_cli::program::{print, start};
-use gfmd_xtask::{accuracy, bench_peers, finite, reproduce, results, verify};
+use gfmd_xtask::{accuracy, bench_peers, deviations, finite, reproduce, results, verify};
 
 #[derive(Subcommand)]
 enum Command {
@@ -19,6 +19,8 @@ enum Command {
     /// Solve one contact for bench-peers
     #[command(hide = true)]
     BenchSolve(bench_peers::SolveArgs),
+    /// Measure the deviations of the numbers of estimate from solved contacts
+    Deviations(deviations::Args),
     /// Compute mean gap, stiffness, pressure and percolation of self-affine surfaces of finite spectra
     Finite(finite::Args),
     /// Compute and draw the figures of the thesis, chapters 2 to 4, and write docs/source/README.md
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Command::BenchPeers(args) => print(&bench_peers::run(args, session)?, session),
         Command::BenchRows(args) => print(&bench_peers::rows(args, session)?, session),
         Command::BenchSolve(args) => print(&bench_peers::solve(args)?, session),
+        Command::Deviations(args) => print(&deviations::run(args, session)?, session),
         Command::Finite(args) => print(&finite::run(args, session)?, session),
         Command::Reproduce(args) => print(&reproduce::run(args, session)?, session),
         Command::Results(args) => print(&results::run(args)?, session),

@@ -2,6 +2,7 @@
 
 mod check;
 mod figures;
+mod law_file;
 mod measure;
 mod report;
 mod stored;
@@ -46,6 +47,7 @@ use gfmd_run::series::{
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
 use gfmd_problem::options::Options;
+use law_file::{LawFile, LawFileArgs};
 pub use measure::measure;
 pub use report::Report;
 use report::{Accurate, GridUsed};
@@ -64,6 +66,7 @@ use whole::Whole;
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
   gfmd contact --n 512 --p-star 0.05 --vtk contact.vtp
+  gfmd contact --n 512 --unit um --size 100um --young 70GPa --pressure 1MPa:1GPa:7 --export-law law.inp
   gfmd contact --n 128 --height 1 --p-star 0.01 --components all --solver verlet-critical --history --out dynamics.h5
   gfmd contact --n 256 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.01,0.05 --plots squeezed
   gfmd contact --surface a.x3p --second-surface b.x3p --shift 3e-6,0 --detrend plane --p-star 0.02
@@ -103,6 +106,9 @@ pub struct Args {
     #[arg(long, value_name = "FILE.vti|FILE.vtp", help_heading = "Output")]
     #[serde(skip)]
     vtk: Option<PathBuf>,
+    #[command(flatten)]
+    #[serde(skip)]
+    law_file: LawFileArgs,
     /// Draw the last load, and area against pressure: PREFIX-map.svg, .png (pressure), PREFIX-gap, PREFIX-section (both
     /// surfaces and the pressure along x), with an attraction PREFIX-traction, PREFIX-area; with a lower surface also
     /// PREFIX-lower-map and so on, with the statistics also patches, distributions and spectrum, with the flow its flux
@@ -123,7 +129,7 @@ fn help_of_fields() -> String {
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let Some(asked) = args.problem.accuracy else { return on_one_grid(args, session) };
     // The first grid only estimates the required grid and writes no files.
-    let mut now = Args { out: None, vtk: None, plots: None, ..args.clone() };
+    let mut now = Args { out: None, vtk: None, plots: None, law_file: LawFileArgs::default(), ..args.clone() };
     now.problem.accuracy = None;
     session.agree(
         Loads::new(&now, session)
@@ -151,7 +157,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         let times = worst.as_ref().map_or(1, |worst| worst.times);
         grids.push(GridUsed { n: report.head.n, seconds: started.elapsed().as_secs_f64(), worst });
         report.accuracy = Some(Accurate { asked: asked.relative(), grids: grids.clone() });
-        let has_files = now.out == args.out && now.vtk == args.vtk && now.plots == args.plots;
+        let has_files =
+            now.out == args.out && now.vtk == args.vtk && now.plots == args.plots && now.law_file == args.law_file;
         if failure.is_some() || (times == 1 && has_files) {
             return Ok(Outcome { report, failure });
         }
@@ -178,6 +185,7 @@ struct Loads {
     drives: Vec<Drive>,
     output: Option<Output>,
     vtk: Option<VtkFile>,
+    law: Option<LawFile>,
 }
 
 impl Loads {
@@ -197,11 +205,12 @@ impl Loads {
         args.trace.tracer(&surface.grid, args.axes(surface))?;
         let conducting = Conducting::new(&args.measure, &prepared, args.problem.solver.solver)?;
         let drives = args.control.loads(&prepared)?.map(Into::into).collect();
+        let law = LawFile::claim(args, &prepared, count, session)?;
         let own = |path: &Option<PathBuf>| path.clone().filter(|_| session.is_first());
         let output =
             own(&args.out).map(Output::claim).transpose().map_err(|error| Failure::input(key("out"), error))?;
         let vtk = own(&args.vtk).as_deref().map(VtkFile::claim).transpose()?;
-        Ok(Self { prepared, conducting, drives, output, vtk })
+        Ok(Self { prepared, conducting, drives, output, vtk, law })
     }
 
     /// Returns the variance of the pressure in full contact, from the spectrum of the heights of the whole `surface`;
@@ -300,6 +309,7 @@ impl Loads {
             peak_bytes: 0,
             out: None,
             vtk: None,
+            export_law: None,
             plots: Vec::new(),
         };
         if failure.is_none() && args.flow_threshold {
@@ -323,6 +333,14 @@ impl Loads {
             let whole = Whole::of(prepared, shown, fields);
             session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
         }
+        let law = self.law.as_ref().filter(|_| failure.is_none()).map(|law| law.write(&report, prepared)).transpose();
+        let failure = match law {
+            Ok(written) => {
+                report.export_law = written;
+                failure
+            }
+            Err(without_law) => Some(without_law),
+        };
         Ok(Outcome { report, failure })
     }
 

@@ -42,11 +42,6 @@ const OTHER_NAMES: &[(&[&str], &str)] = &[
 /// Options unknown to a command, the commands (all if empty), and the replacement to suggest.
 const INSTEAD: &[(&[&str], &[&str], &str)] = &[
     (
-        &["pressure", "load", "force"],
-        &["theory"],
-        "write the reduced pressure p/(E* g), with the contact modulus E* and the rms gradient g: --p-star 0.02",
-    ),
-    (
         &["prony", "time", "relaxes"],
         &["contact"],
         "a body that relaxes is followed in time: gfmd path --prony 1s:0.5 --pressure 1MPa --time 0,10s",

@@ -11,7 +11,7 @@ use gfmd_problem::{Words, key, words};
 use toml::{Table, Value};
 
 /// Options that name an output file.
-const WRITTEN: [&str; 3] = ["out", "vtk", "report"];
+const WRITTEN: [&str; 4] = ["out", "vtk", "report", "export_law"];
 
 /// Suffixes of files written beside an output.
 const BESIDE: [&str; 5] = ["", ".part", ".journal", ".state", ".checkpoint"];

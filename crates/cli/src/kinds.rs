@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use gfmd_problem::options::{KindsByKey, add_kinds};
 
-use crate::{body, contact, green, law, path, prony, punch, slide, surface, theory};
+use crate::{body, contact, estimate, green, law, path, prony, punch, slide, surface, theory};
 
 /// Returns the kinds of the numbers of all options, by key. Options with the same key have the same kinds in all
 /// commands.
@@ -22,6 +22,7 @@ pub fn kinds() -> &'static KindsByKey {
         add_kinds::<law::Args>(&mut all);
         add_kinds::<prony::Args>(&mut all);
         add_kinds::<theory::Args>(&mut all);
+        add_kinds::<estimate::Args>(&mut all);
         all
     })
 }
@@ -46,6 +47,7 @@ mod tests {
         law::Args::kinds(&mut see);
         prony::Args::kinds(&mut see);
         theory::Args::kinds(&mut see);
+        estimate::Args::kinds(&mut see);
         assert!(seen.len() > kinds().len(), "commands share options");
         for (key, found) in seen {
             assert_eq!(kinds()[key], found, "{key}");

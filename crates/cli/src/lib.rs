@@ -22,6 +22,7 @@ pub mod check;
 mod checking;
 pub mod completions;
 pub mod contact;
+pub mod estimate;
 pub mod green;
 mod guess;
 pub mod inputs;

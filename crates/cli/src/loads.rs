@@ -2,11 +2,12 @@
 
 use clap::Args;
 use gfmd_contact::Load;
+use gfmd_field::Grid;
 use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_problem::{key, words};
-use gfmd_run::series::Prepared;
+use gfmd_run::series::{Prepared, unit_of_load};
 use serde::{Deserialize, Serialize};
 
 /// Flags of the loads, or of the loads at waypoints. Exactly one is given.
@@ -118,5 +119,82 @@ impl LoadArgs {
     /// Returns the function from a value to its load.
     pub(crate) fn kind(&self) -> fn(f64) -> Load {
         if self.is_approach() { Load::Approach } else { Load::MeanPressure }
+    }
+}
+
+/// Flags of the loads of a theory, which needs no approach. At most one is given.
+#[derive(Args, Options, Clone, Debug, Deserialize)]
+#[serde(default)]
+#[group(multiple = false)]
+#[command(next_help_heading = "Load")]
+pub(crate) struct PressingArgs {
+    /// Mean pressures, stress; A:B:N is N values from A to B in geometric steps
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::STRESS)]
+    pressure: Vec<Entry>,
+    /// Reduced pressures p/(E* g) [default: 0.001,0.01,0.05,0.1,0.3,1]
+    #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(deserialize_with = "from_numbers")]
+    p_star: Vec<Entry>,
+    /// Forces on the whole surface, stress * length^2, such as 5N: mean pressures times the area of the cell
+    #[arg(long, value_delimiter = ',', value_name = "F1|A:B:N,..", allow_negative_numbers = true)]
+    #[serde(deserialize_with = "from_numbers")]
+    #[option(kinds = Kinds::FORCE)]
+    force: Vec<Entry>,
+}
+
+/// Reduced pressures of a theory without a load.
+const REDUCED: [f64; 6] = [0.001, 0.01, 0.05, 0.1, 0.3, 1.0];
+
+impl PressingArgs {
+    /// Returns the key of the given loads and their values; the default loads if there are none.
+    ///
+    /// # Errors
+    /// Returns an error if several options are given, or a value is not positive.
+    pub(crate) fn given(&self) -> Result<(&'static str, Vec<f64>), Failure> {
+        let all = [("pressure", &self.pressure), ("p_star", &self.p_star), ("force", &self.force)];
+        let mut given = all.into_iter().filter(|(_, values)| !values.is_empty());
+        let (option, values) = match (given.next(), given.next()) {
+            (None, _) => return Ok(("p_star", REDUCED.to_vec())),
+            (Some((option, values)), None) => (option, numbers(values).collect::<Vec<f64>>()),
+            (Some(_), Some(_)) => {
+                let names = words![key("pressure"), ", ", key("p_star"), ", ", key("force")];
+                return Err(Failure::refused(words![
+                    "loads are given by several of ",
+                    names,
+                    "; it must be one of them"
+                ]));
+            }
+        };
+        match values.iter().find(|value| !(**value > 0.0 && value.is_finite())) {
+            Some(found) => Err(Failure::value(key(option), found, "positive")),
+            None => Ok((option, values)),
+        }
+    }
+
+    /// Returns the reduced pressures on a surface on `grid` with the `unit` of pressures, E* times the rms gradient.
+    ///
+    /// # Errors
+    /// Returns an error as [`given`](Self::given), for a force on a profile, and for a load so small or so large that
+    /// the pressure has lost digits.
+    pub(crate) fn reduced(&self, unit: f64, grid: &Grid) -> Result<Vec<f64>, Failure> {
+        let (option, values) = self.given()?;
+        let factor = match option {
+            "p_star" => 1.0,
+            option => unit_of_load(option, grid, unit)? / unit,
+        };
+        for value in &values {
+            let p_star = value * factor;
+            let pressure = p_star * unit;
+            if unit > 0.0 && !(pressure.is_normal() && p_star.is_normal()) {
+                let bounds = [1.0, 1.0 / unit].map(|unit| [f64::MIN_POSITIVE * unit, f64::MAX * unit]);
+                let [least, most] =
+                    [bounds[0][0].max(bounds[1][0]), bounds[0][1].min(bounds[1][1])].map(|p| p / factor);
+                let allowed = format!("from {least:e} to {most:e} (the pressure p* E* g is {pressure:e})");
+                return Err(Failure::value(key(option), value, &allowed));
+            }
+        }
+        Ok(values.into_iter().map(|value| value * factor).collect())
     }
 }

@@ -17,8 +17,8 @@ use serde::Serialize;
 use crate::kinds::kinds;
 use crate::session::Common;
 use crate::{
-    body, check, completions, contact, green, guess, inputs, kappa_sweep, law, path, processes, prony, punch, report,
-    session, slide, surface, theory,
+    body, check, completions, contact, estimate, green, guess, inputs, kappa_sweep, law, path, processes, prony, punch,
+    report, session, slide, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -63,6 +63,8 @@ pub enum Command {
     Prony(Box<prony::Args>),
     /// Evaluate theories of rough contact for a surface and a body, without solving a contact
     Theory(Box<theory::Args>),
+    /// Estimate area, gap, stiffness and pressures of a contact from the spectrum of the surface, with their errors
+    Estimate(Box<estimate::Args>),
     /// Recompute the numbers of a result file from its inputs, and compare
     Check(Box<check::Args>),
     /// Make a page of HTML of a result: the answer, figures, certificates, cost, how to repeat it
@@ -243,8 +245,9 @@ impl Command {
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
             "prony" => Self::Prony(Box::new(of_keys(table, arrays)?)),
+            "estimate" => Self::Estimate(Box::new(of_keys(table, arrays)?)),
             _ => {
-                let allowed = "path, slide, punch, body, kappa-sweep, green or prony";
+                let allowed = "path, slide, punch, body, kappa-sweep, green, prony or estimate";
                 return Err(Failure::value("the command", name, allowed));
             }
         })
@@ -278,6 +281,7 @@ impl Command {
             Self::Law(args) => whole(law::run(args)?),
             Self::Prony(args) => whole(prony::run(args, session)?),
             Self::Theory(args) => whole(theory::run(args, session)?),
+            Self::Estimate(args) => whole(estimate::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),
             Self::Report(args) => whole(report::run(args, session)?),
             Self::Completions(args) => whole(Plain(completions::run(args, command()))),

@@ -13,6 +13,7 @@ use gfmd_problem::key;
 use gfmd_surface::PowerSpectrum;
 use serde::Serialize;
 
+use crate::loads::PressingArgs;
 use crate::session::list_files;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
@@ -27,22 +28,15 @@ use gfmd_report::figures::parse_prefix;
 #[command(after_help = "Examples:
   gfmd theory --n 512 --hurst 0.8 --p-star 0.001,0.01,0.1
   gfmd theory --n 512 --height 0.05 --poisson 0.49 --p-star 0.02 --plots theory
+  gfmd theory --n 512 --unit um --size 100um --young 70GPa --pressure 1MPa,10MPa
   gfmd theory --surface scan.txt --detrend plane --e-star 1e9 --p-star 0.02 --wavelength 1e-4,1e-5,1e-6 --json")]
 pub struct Args {
     #[command(flatten)]
     source: SourceArgs,
     #[command(flatten)]
     body: BodyArgs,
-    /// Reduced pressures p/(E* g)
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "P1,P2,..",
-        default_values_t = [0.001, 0.01, 0.05, 0.1, 0.3, 1.0],
-        allow_negative_numbers = true,
-        help_heading = "Load"
-    )]
-    p_star: Vec<f64>,
+    #[command(flatten)]
+    loads: PressingArgs,
     /// Wavelengths below which the roughness is not seen, for the area at a magnification
     #[arg(long, value_delimiter = ',', value_name = "L1,L2,..", allow_negative_numbers = true, help_heading = "Load")]
     #[option(kinds = Kinds::LENGTH)]
@@ -162,7 +156,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             Some(found) => Err(Failure::value(key(option), found, "positive")),
             None => Ok(()),
         };
-    positive("p_star", &args.p_star)?;
+    args.loads.given()?;
     positive("wavelength", &args.wavelength)?;
     let surface = args.source.surface(session)?;
     args.body.check_modulus(surface.unit.as_deref())?;
@@ -171,16 +165,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let e_star = body.contact_modulus();
     let rms_gradient = surface.rms_gradient();
     args.body.check_on(&grid, e_star * rms_gradient)?;
-    let unit_pressure = e_star * rms_gradient;
-    for p_star in &args.p_star {
-        let pressure = p_star * unit_pressure;
-        if unit_pressure > 0.0 && !(pressure.is_normal() && p_star.is_normal()) {
-            let [least, most] = [1.0, 1.0 / unit_pressure].map(|unit| [f64::MIN_POSITIVE * unit, f64::MAX * unit]);
-            let [least, most] = [least[0].max(most[0]), least[1].min(most[1])];
-            let allowed = format!("from {least:e} to {most:e} (the pressure p* E* g is {pressure:e})");
-            return Err(Failure::value(key("p_star"), p_star, &allowed));
-        }
-    }
+    let loads = args.loads.reduced(e_star * rms_gradient, &grid)?;
     let spectrum = PowerSpectrum::of(&surface.heights, &grid).map_err(|error| Failure::refused(error.to_string()))?;
     let waves = grid.modes().zip(spectrum.power()).filter(|(mode, _)| !mode.is_uniform());
     let waves = waves.map(|(mode, power)| (mode.wavenumber(), mode.weight * power));
@@ -224,7 +209,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         rms_gradient,
     };
     let plots = match &args.plots {
-        Some(prefix) => figures::draw(prefix, &theories, &args.p_star, surface.unit())?,
+        Some(prefix) => figures::draw(prefix, &theories, &loads, surface.unit())?,
         None => Vec::new(),
     };
     Ok(Report {
@@ -239,7 +224,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         e_star,
         full_contact_deviation: theories.persson.variance(f64::INFINITY).sqrt(),
         hurst,
-        loads: args.p_star.iter().map(|p_star| theories.at(*p_star, &args.wavelength)).collect(),
+        loads: loads.iter().map(|p_star| theories.at(*p_star, &args.wavelength)).collect(),
         plots,
     })
 }

@@ -27,7 +27,7 @@ const LAW: &str = "law";
 
 /// True if the lengths of a command have no unit.
 fn without_units(command: &str) -> bool {
-    !matches!(command, "contact" | "path" | "slide" | "surface" | "theory" | BODY | LAW)
+    !matches!(command, "contact" | "path" | "slide" | "surface" | "theory" | "estimate" | BODY | LAW)
 }
 
 /// The refusal of a quantity with a unit by a command without units.

@@ -125,6 +125,16 @@ impl SelfAffineArea {
     }
 
     fn with_band(&self, coefficients: &[f64; 6], eps_f: f64, p_star: f64) -> f64 {
+        libm::erf(SQRT_2 * self.factor_with(coefficients, eps_f, p_star) * p_star)
+    }
+
+    /// Returns q of the area erf(√2 q p*) of [`of_band`](Self::of_band): the standard deviation of the pressure in
+    /// Persson's theory divided by the deviation with which it has this area.
+    pub fn factor(&self, eps_f: f64, p_star: f64) -> f64 {
+        self.factor_with(&Self::COEFFICIENTS, eps_f, p_star)
+    }
+
+    fn factor_with(&self, coefficients: &[f64; 6], eps_f: f64, p_star: f64) -> f64 {
         let [c0, c1, c2, c3, c4, c5] = *coefficients;
         let [b0, b1, b2, b3, b4, b5] = Self::BAND;
         let rest = 1.0 - self.hurst;
@@ -133,7 +143,7 @@ impl SelfAffineArea {
         let falls = c2 * rest * p_star
             + (c3 + c4 * self.hurst) * p_star * p_star
             + b3 * (1.0 + b5 * rest) * band * p_star.powf(b4);
-        libm::erf(SQRT_2 * (1.0 + 1.0 / (1.0 / first + falls)) * p_star)
+        1.0 + 1.0 / (1.0 / first + falls)
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod asperities;
 mod elastoplastic;
+mod estimate;
 mod persson;
 mod quadrature;
 #[cfg(test)]
@@ -12,6 +13,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 pub use asperities::{Asperities, AsperityContact, AsperityTheory};
 pub use elastoplastic::ElastoplasticArea;
+pub use estimate::{EquivalentBand, Estimate, Estimated, HURST_MARGIN};
 pub use persson::{ENERGY_FACTOR, Persson};
 
 use crate::GapGas;

@@ -7,6 +7,7 @@ mod command;
 mod contact;
 mod failure;
 mod files;
+mod law;
 mod surface;
 mod unit;
 mod worker;
@@ -23,6 +24,8 @@ mod _gfmd {
     };
     #[pymodule_export]
     use crate::files::{read_array, read_config, read_records, read_text, save};
+    #[pymodule_export]
+    use crate::law::law_text;
     #[pymodule_export]
     use crate::surface::{
         composite, detrend, fill, finer, periodise, prepared, psd, read, self_affine, statistics, surface_report,

@@ -176,7 +176,10 @@ def test_results_have_the_attributes_that_are_documented(words):
     sliding = [gfmd.slide(slab, rubber, **warm), gfmd.slide(slab, gfmd.Body(), **warm), refined]
     curves = dict(frequency=[1.0, 10.0, 100.0], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1], branches=1)
     series = gfmd.prony(**curves, temperature=[20.0] * 3, wlf=(17.0, 51.0, 20.0), stress_unit="MPa")
+    rough = gfmd.self_affine(n=64, unit="um")
+    known = gfmd.estimate(rough, gfmd.Body(young="1 GPa"), p_star=[0.1, 5.0], hardness="1 GPa", stress_unit="MPa")
     examples = [
+        (gfmd.Estimate, [known]),
         (
             gfmd.Contact,
             [

@@ -33,7 +33,7 @@ pub use finer::{Finer, at_same_place, beside, on_finer_grids, resolved, sources}
 pub use head::is_normal;
 pub use head::{Head, Lower};
 pub use layout::SeriesLayout;
-pub use prepared::{Asked, Prepared, check_drive};
+pub use prepared::{Asked, Prepared, check_drive, unit_of_load};
 pub use pressed::ContactArgs;
 pub use slopes::Slopes;
 pub use stiffness::StiffnessArgs;

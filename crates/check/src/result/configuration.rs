@@ -14,8 +14,20 @@ use gfmd_problem::options::flags::{self, keys, line};
 use gfmd_problem::options::given::ArrayOption;
 
 /// Keys that affect how a run was shown and kept, but no number of a result. They are left out.
-const SHOWN: [&str; 10] =
-    ["out", "plots", "vtk", "resume", "checkpoint", "compare", "draw", "levels", "deepest", "scan"];
+const SHOWN: [&str; 12] = [
+    "out",
+    "plots",
+    "vtk",
+    "export_law",
+    "export_law_format",
+    "resume",
+    "checkpoint",
+    "compare",
+    "draw",
+    "levels",
+    "deepest",
+    "scan",
+];
 
 /// Keys of files or parts of files (`hardness` only as a text). Their values are stored in the result and taken from
 /// it.

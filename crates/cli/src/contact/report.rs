@@ -34,6 +34,9 @@ pub struct Report {
     /// VTK file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vtk: Option<PathBuf>,
+    /// Law for finite elements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub export_law: Option<PathBuf>,
     pub plots: Vec<PathBuf>,
 }
 

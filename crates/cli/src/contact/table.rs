@@ -44,6 +44,7 @@ impl fmt::Display for Report {
             writeln!(f, "grid: {used}")?;
         }
         list_files(f, self.vtk.as_deref(), &[])?;
+        list_files(f, self.export_law.as_deref(), &[])?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

@@ -445,6 +445,7 @@ fn histories_tables_and_theories() {
             format!("contact {rough} --compliance 1:2,10:0.2,100:0.02,1000:0.002 --e-star 1 --p-star 0.05 --out c.h5"),
         ),
         ("theory", format!("theory {rough} --p-star 0.01,0.1")),
+        ("estimate", format!("estimate {rough} --p-star 0.01,0.1 --hardness 0.1")),
         ("body-relaxing", "body --surface r.h5 --depths 0,0.1 --out b.h5".into()),
     ] {
         check(folder, case, &flags);

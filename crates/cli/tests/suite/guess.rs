@@ -185,7 +185,7 @@ fn other_names_of_options_are_answered_with_theirs() {
     for (flags, reason) in [
         ("contact scan.npy --load=1N", "write --force"),
         ("path scan.npy --weight 1 N", "write --force"),
-        ("theory scan.npy --pressure 1MPa", "--p-star 0.02"),
+        ("theory scan.npy --load 1N", "write --force"),
         ("contact scan.npy --prony 1:0.5", "gfmd path --prony"),
         ("contact scan.npy --time 1", "gfmd path --prony"),
         ("contact scan.npy --nu 0.3", "write --poisson"),

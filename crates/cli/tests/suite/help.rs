@@ -26,6 +26,7 @@ fn every_command_has_examples_under_the_name_of_the_program() {
         "law",
         "prony",
         "theory",
+        "estimate",
         "report",
         "completions",
     ] {

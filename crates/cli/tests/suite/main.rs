@@ -11,6 +11,8 @@ mod common;
 mod conductance;
 mod contact;
 mod crash;
+mod estimate;
+mod export_law;
 mod extreme;
 mod free;
 mod gas;

@@ -134,6 +134,8 @@ fn unusable_input_is_one_clear_line() {
     ndarray_npy::write_npy(folder.path().join("flat.npy"), &ndarray::Array2::<f64>::zeros((16, 16))).unwrap();
     for (flags, part) in [
         ("--p-star 0.1,0", "--p-star is 0; it must be positive"),
+        ("--pressure 0.1,-1", "--pressure is -1; it must be positive"),
+        ("--n 16 --dim 2 --force 1", "--force is given; it must be left out of a profile"),
         ("--p-star nan", "--p-star is NaN; it must be positive"),
         ("--wavelength=-1", "--wavelength is -1; it must be positive"),
         ("--surface flat.npy", "flat.npy is flat"),
@@ -148,4 +150,25 @@ fn unusable_input_is_one_clear_line() {
             "{message}"
         );
     }
+}
+
+/// Pressures and forces, with units, are the reduced pressures that they make.
+#[test]
+fn pressures_and_forces_are_loads_like_reduced_pressures() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |loads: &str| {
+        let flags = format!("theory --n 64 --unit um --size 100um --young 70GPa {loads} --json --quiet");
+        json(folder.path(), &flags.split_whitespace().collect::<Vec<_>>())
+    };
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let wanted = run("--p-star 0.05");
+    let pressure = number(&wanted["loads"][0]["mean_pressure"]);
+    for loads in [format!("--pressure {:?}MPa", 1e-6 * pressure), format!("--force {:?}mN", 1e-5 * pressure)] {
+        let found = run(&loads);
+        for place in ["/loads/0/p_star", "/loads/0/mean_pressure", "/loads/0/persson/area_fraction"] {
+            let [one, other] = [&found, &wanted].map(|report| number(report.pointer(place).unwrap()));
+            assert!((one / other - 1.0).abs() < 1e-12, "{loads} {place}");
+        }
+    }
+    assert_eq!(run("")["loads"].as_array().unwrap().len(), 6);
 }

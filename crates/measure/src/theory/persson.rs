@@ -102,6 +102,17 @@ impl Persson {
         if mean_pressure <= 0.0 {
             return f64::INFINITY;
         }
+        self.sum_of(mean_pressure, energy_factor, Separation::at)
+    }
+
+    /// Returns the slope of the mean pressure against the approach of the mean planes, −dp̄/dū with the gap of
+    /// [`mean_gap`](Self::mean_gap), at a positive pressure; stress/length. Infinite in full contact.
+    pub fn stiffness(&self, mean_pressure: f64, energy_factor: f64) -> f64 {
+        self.sum_of(mean_pressure, energy_factor, Separation::slope).recip()
+    }
+
+    /// Returns Σ ½ k|h̃|² times the mean of `part` over the variance of each wave.
+    fn sum_of(&self, mean_pressure: f64, energy_factor: f64, part: fn(&Separation, f64) -> f64) -> f64 {
         let separation = Separation { mean_pressure, energy_factor, rule: unit_rule(12).collect() };
         let rules = [2, 6].map(|count| unit_rule(count).collect::<Vec<_>>());
         let mut longer = 0.0;
@@ -109,10 +120,16 @@ impl Persson {
         for shell in &self.shells {
             let variances = [longer, longer + shell.variance()];
             longer = variances[1];
-            let separated = separation.mean_over(variances, &rules);
+            let separated = separation.mean_over(variances, &rules, part);
             sum += 0.5 * shell.stiffness * shell.mean_square_height * separated;
         }
         sum
+    }
+
+    /// Returns the wavenumbers of the shells, ascending, each with its contribution to the variance of the pressure in
+    /// full contact; 1/length and stress².
+    pub(super) fn variances(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
+        self.shells.iter().map(|shell| (shell.wavenumber, shell.variance()))
     }
 }
 
@@ -152,15 +169,15 @@ const NOTHING: f64 = 1e-30;
 const NARROW: f64 = 1.05;
 
 impl Separation {
-    /// Returns the mean of [`at`](Self::at) over the variances between `low` and `high`; 1/stress. `rules` are the
-    /// quadrature rules for a narrow and a wide interval.
-    fn mean_over(&self, [low, high]: [f64; 2], rules: &[Vec<(f64, f64)>; 2]) -> f64 {
+    /// Returns the mean of `part` over the variances between `low` and `high`. `rules` are the quadrature rules for a
+    /// narrow and a wide interval.
+    fn mean_over(&self, [low, high]: [f64; 2], rules: &[Vec<(f64, f64)>; 2], part: fn(&Separation, f64) -> f64) -> f64 {
         // dV = 2 r dr with r = √V, starting where the surfaces begin to separate.
         let least = self.mean_pressure / (2.0_f64.sqrt() * FAR);
         let ends = [low.sqrt().max(least).max(high.sqrt() * NOTHING), high.sqrt()];
         if ends[0] >= ends[1] {
             // There is no separation, or the waves add less than the last digit.
-            return if high.sqrt() > least { self.at(high) } else { 0.0 };
+            return if high.sqrt() > least { part(self, high) } else { 0.0 };
         }
         let ratio = ends[1] / ends[0];
         let rule = if ratio < NARROW { &rules[0] } else { &rules[1] };
@@ -169,7 +186,7 @@ impl Separation {
         let edge = |panel: f64| ends[0] * ratio.powf(panel / panels);
         let integral: f64 = (0..panels as usize)
             .flat_map(|panel| scaled(rule, [edge(panel as f64), edge(panel as f64 + 1.0)]))
-            .map(|(deviation, weight)| weight * 2.0 * deviation * self.at(deviation * deviation))
+            .map(|(deviation, weight)| weight * 2.0 * deviation * part(self, deviation * deviation))
             .sum();
         integral / (high - low)
     }
@@ -198,5 +215,17 @@ impl Separation {
             })
             .sum();
         2.0 / PI.sqrt() / unit * sum
+    }
+
+    /// Returns minus the slope of [`at`](Self::at) against the mean pressure, (1/p) da/dp [γ + 3(1 − γ) a²]; 1/stress².
+    fn slope(&self, variance: f64) -> f64 {
+        let unit = (2.0 * variance).sqrt();
+        let s = self.mean_pressure / unit;
+        if s >= FAR {
+            return 0.0;
+        }
+        let area = libm::erf(s);
+        let energy = self.energy_factor + 3.0 * (1.0 - self.energy_factor) * area * area;
+        2.0 / PI.sqrt() / unit * (-s * s).exp() * energy / self.mean_pressure
     }
 }

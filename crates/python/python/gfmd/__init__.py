@@ -17,6 +17,8 @@ from ._below import FieldsBelow, Green, Punch, green, interior, punch
 from ._cite import cite
 from ._contact import Adhesion, Contact, Contacts, Flow, Gradient
 from ._errors import Error, InputError, Interrupted, NotConverged
+from ._estimate import Estimate, estimate
+from ._fe_table import fe_table
 from ._files import load
 from ._gfmd import VERSION as __version__
 from ._kappa import KappaSweep, kappa_sweep
@@ -39,6 +41,7 @@ __all__ = [
     "Contact",
     "Contacts",
     "Error",
+    "Estimate",
     "FieldsBelow",
     "Flow",
     "Gradient",
@@ -65,6 +68,8 @@ __all__ = [
     "contacts",
     "cylinder",
     "ellipsoid",
+    "estimate",
+    "fe_table",
     "flat_punch",
     "friction",
     "green",

@@ -241,20 +241,7 @@ impl Prepared {
     /// # Errors
     /// Returns an error for a force on a profile.
     pub fn unit_of_load(&self, control: &str) -> Result<f64, Failure> {
-        let grid = &self.surface.grid;
-        match control {
-            "p_star" => Ok(self.unit_pressure()),
-            "force" if grid.is_line() => {
-                let allowed = words![
-                    "left out of a profile, which has a force per length: ",
-                    key("pressure"),
-                    " is this divided by the length of the profile"
-                ];
-                Err(Failure::value(key("force"), "given", allowed))
-            }
-            "force" => Ok(grid.lengths().iter().product::<f64>().recip()),
-            _ => Ok(1.0),
-        }
+        unit_of_load(control, &self.surface.grid, self.unit_pressure())
     }
 
     /// Returns the lift that a moved base adds to the displacement.
@@ -471,6 +458,27 @@ impl Prepared {
             + &base
             + &lower
             + &hardness::identity(self.hardness.as_ref())
+    }
+}
+
+/// Returns the load or approach of the value 1 of the option `control` on a surface on `grid`; `unit` is the unit of
+/// reduced pressures ([`Prepared::unit_of_load`]).
+///
+/// # Errors
+/// Returns an error for a force on a profile.
+pub fn unit_of_load(control: &str, grid: &Grid, unit: f64) -> Result<f64, Failure> {
+    match control {
+        "p_star" => Ok(unit),
+        "force" if grid.is_line() => {
+            let allowed = words![
+                "left out of a profile, which has a force per length: ",
+                key("pressure"),
+                " is this divided by the length of the profile"
+            ];
+            Err(Failure::value(key("force"), "given", allowed))
+        }
+        "force" => Ok(grid.lengths().iter().product::<f64>().recip()),
+        _ => Ok(1.0),
     }
 }
 

@@ -1,0 +1,271 @@
+//! Numbers of a rough contact from its spectrum alone: the formula of the area for finite spectra, and Persson's
+//! theory with the pressure distribution that has this area (theory.md, section 10).
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use super::quadrature::gauss_legendre;
+use super::{ENERGY_FACTOR, Persson};
+use crate::SelfAffineArea;
+
+/// Self-affine band-limited spectrum that spreads its mean square gradient over the wavenumbers as a surface does: the
+/// logarithm of the wavenumber has the same variance and skewness. A band of the Hurst exponent H has the density
+/// q^{2(1 − H)} per logarithm of the wavenumber q, from 2π/λ_l to 2π/λ_s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EquivalentBand {
+    /// Hurst exponent, not restricted to \[0, 1\].
+    pub hurst: f64,
+    /// Longest divided by shortest wavelength.
+    pub eps_f_inv: f64,
+}
+
+/// Largest magnitude of the exponent t of a density e^{t x} on (0, 1).
+const STEEPEST: f64 = 60.0;
+
+/// Number of bisections of an interval.
+const HALVINGS: usize = 60;
+
+/// Returns variance and skewness of the density proportional to e^{t x} on (0, 1).
+fn exponential(t: f64, rule: &[(f64, f64)]) -> [f64; 2] {
+    let largest = t.max(0.0);
+    let moments = rule.iter().fold([0.0; 4], |mut sums, (x, weight)| {
+        let part = weight * (t * x - largest).exp();
+        (0..4).for_each(|k| sums[k] += part * x.powi(k as i32));
+        sums
+    });
+    let [m1, m2, m3] = [1, 2, 3].map(|k| moments[k] / moments[0]);
+    let variance = m2 - m1 * m1;
+    [variance, (m3 - 3.0 * m1 * m2 + 2.0 * m1.powi(3)) / variance.powf(1.5)]
+}
+
+impl EquivalentBand {
+    /// Returns the band of the waves, each a wavenumber with its contribution to the mean square gradient. `None` if
+    /// no band has their skewness, for one wavenumber for example.
+    fn of(waves: impl Iterator<Item = (f64, f64)> + Clone) -> Option<Self> {
+        let logarithms = waves.map(|(wavenumber, square)| (wavenumber.ln(), square));
+        let total: f64 = logarithms.clone().map(|(_, square)| square).sum();
+        let mean = logarithms.clone().map(|(x, square)| x * square).sum::<f64>() / total;
+        let moment = |k: i32| logarithms.clone().map(|(x, square)| square * (x - mean).powi(k)).sum::<f64>() / total;
+        let variance = moment(2);
+        let skewness = moment(3) / variance.powf(1.5);
+        let rule = gauss_legendre(80, [0.0, 1.0]);
+        // The skewness falls as t grows.
+        let [mut low, mut high] = [-STEEPEST, STEEPEST];
+        let ends = [low, high].map(|t| exponential(t, &rule)[1]);
+        if !(skewness < ends[0] && skewness > ends[1]) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let t = 0.5 * (low + high);
+            if exponential(t, &rule)[1] > skewness { low = t } else { high = t }
+        }
+        let t = 0.5 * (low + high);
+        let length = (variance / exponential(t, &rule)[0]).sqrt();
+        Some(Self { hurst: 1.0 - 0.5 * t / length, eps_f_inv: length.exp() })
+    }
+}
+
+/// Estimate of the contacts of a surface with a half-space, without a solution: no friction, no adhesion.
+///
+/// The area is [`SelfAffineArea::of_band`] of the equivalent band. Mean gap and stiffness are of Persson's theory.
+/// Pressures have Persson's distribution, with the variance W with which its area is this area (theory.md, section 11):
+/// on the points in contact the mean square is M₂/a, with M₂ = (p̄² + W) a + 2 p̄ √(W/2π) e^{−p̄²/2W}. The largest
+/// pressure is the level that one patch of the cell exceeds on average: of a Gaussian field they are A ⟨q²⟩/(4π) z² P
+/// for high levels, z the level above the mean in standard deviations, P the area fraction above it, and ⟨q²⟩ the mean
+/// square wavenumber of the pressure (Adler 1981).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    persson: Persson,
+    band: EquivalentBand,
+    formula: SelfAffineArea,
+    /// Variance of the pressure in full contact, stress².
+    variance: f64,
+    /// Area of the cell times its mean square wavenumber of the pressure in full contact, divided by 4π.
+    patches: f64,
+}
+
+/// Numbers of a contact under one load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimated {
+    /// Contact area fraction.
+    pub area_fraction: f64,
+    /// Mean gap, length.
+    pub mean_gap: f64,
+    /// Slope of the mean pressure against the approach, stress/length.
+    pub stiffness: f64,
+    /// Rms pressure on the points in contact, stress.
+    pub rms_pressure: f64,
+    /// Largest pressure, stress; `None` if the cell has less than one patch of high pressure.
+    pub max_pressure: Option<f64>,
+}
+
+/// Distance of a Hurst exponent from 0 to 1 within which it counts as the end of this range.
+pub const HURST_MARGIN: f64 = 0.5;
+
+impl Estimate {
+    /// Takes Persson's theory of the surface on a half-space, and the area of the cell, length². `None` if the spectrum
+    /// is unlike all self-affine ones: no equivalent band, or one with a Hurst exponent below −0.5 or above 1.5.
+    pub fn new(persson: Persson, cell: f64) -> Option<Self> {
+        let band = EquivalentBand::of(persson.variances())?;
+        let hurst = band.hurst.clamp(0.0, 1.0);
+        let is_near = (band.hurst - hurst).abs() <= HURST_MARGIN;
+        if !is_near {
+            return None;
+        }
+        let variance = persson.variance(f64::INFINITY);
+        let square: f64 = persson.variances().map(|(q, part)| q * q * part).sum();
+        let patches = cell * square / variance / (2.0 * TAU);
+        Some(Self { band, formula: SelfAffineArea::new(hurst)?, variance, patches, persson })
+    }
+
+    /// Returns the equivalent band.
+    pub fn band(&self) -> EquivalentBand {
+        self.band
+    }
+
+    /// Returns E* times the rms gradient, the unit of reduced pressures.
+    pub fn unit_pressure(&self) -> f64 {
+        2.0 * self.variance.sqrt()
+    }
+
+    /// Returns the numbers at a positive mean pressure, stress.
+    pub fn at(&self, mean_pressure: f64) -> Estimated {
+        let p_star = mean_pressure / self.unit_pressure();
+        let factor = self.formula.factor(1.0 / self.band.eps_f_inv, p_star);
+        let area = libm::erf(SQRT_2 * factor * p_star);
+        let deviation = self.variance.sqrt() / factor;
+        let z = mean_pressure / deviation;
+        let square = deviation * deviation * ((1.0 + z * z) * area + 2.0 * z * (-0.5 * z * z).exp() / TAU.sqrt());
+        Estimated {
+            area_fraction: area,
+            mean_gap: self.persson.mean_gap(mean_pressure, ENERGY_FACTOR),
+            stiffness: self.persson.stiffness(mean_pressure, ENERGY_FACTOR),
+            rms_pressure: (square / area).sqrt(),
+            max_pressure: self.highest(z).map(|level| mean_pressure + level * deviation),
+        }
+    }
+
+    /// Returns the level above the mean pressure, in standard deviations, that one patch of the cell exceeds; `mean` is
+    /// the mean pressure divided by the standard deviation.
+    fn highest(&self, mean: f64) -> Option<f64> {
+        let above = |z: f64| 0.5 * (libm::erfc(z / SQRT_2) - libm::erfc((z + 2.0 * mean) / SQRT_2));
+        let number = |z: f64| self.patches * z * z * above(z);
+        // The number of patches falls beyond the level √2.
+        let [mut low, mut high] = [SQRT_2, FARTHEST];
+        let has_patches = number(low) > 1.0;
+        if !has_patches {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let z = 0.5 * (low + high);
+            if number(z) > 1.0 { low = z } else { high = z }
+        }
+        Some(0.5 * (low + high))
+    }
+}
+
+/// Standard deviations that no pressure of a cell exceeds.
+const FARTHEST: f64 = 36.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::persson_pressure;
+
+    /// Waves of a band in the plane: power q^{−2(1 + H)}, mean square gradient q^{2(1 − H)} d ln q.
+    fn band(hurst: f64, longest: f64, shortest: f64) -> Persson {
+        let (first, last) = ((TAU / longest).ln(), (TAU / shortest).ln());
+        let waves = (0..4000).map(|k| {
+            let q = (first + (last - first) * (f64::from(k) + 0.5) / 4000.0).exp();
+            (q, 1e-8 * q.powf(-2.0 * hurst))
+        });
+        Persson::new(waves, |q| 0.5 * q).unwrap()
+    }
+
+    #[test]
+    fn the_band_of_a_band_is_the_band() {
+        for hurst in [0.0, 0.3, 0.8, 1.0] {
+            for ratio in [8.0, 32.0, 200.0] {
+                let found = Estimate::new(band(hurst, 0.5, 0.5 / ratio), 1.0).unwrap().band();
+                assert!((found.hurst - hurst).abs() < 2e-3, "{hurst} {ratio}: {found:?}");
+                assert!((found.eps_f_inv / ratio - 1.0).abs() < 0.03, "{hurst} {ratio}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn spectra_unlike_all_self_affine_ones_have_no_estimate() {
+        let one = Persson::new([(1.0, 1.0)], |q| 0.5 * q).unwrap();
+        assert!(Estimate::new(one, 1.0).is_none());
+        for hurst in [-0.8, 1.8] {
+            assert!(Estimate::new(band(hurst, 0.5, 0.01), 1.0).is_none(), "{hurst}");
+        }
+    }
+
+    /// The area, the force and the mean square of the pressures are integrals of one distribution.
+    #[test]
+    fn the_mean_square_pressure_is_of_the_distribution_with_the_area() {
+        let estimate = Estimate::new(band(0.8, 0.5, 0.02), 1.0).unwrap();
+        for p_star in [0.001, 0.05, 0.5, 2.0] {
+            let p = p_star * estimate.unit_pressure();
+            let found = estimate.at(p);
+            let factor = estimate.formula.factor(1.0 / estimate.band().eps_f_inv, p_star);
+            let deviation = estimate.variance.sqrt() / factor;
+            let rule = gauss_legendre(400, [0.0, p + 12.0 * deviation]);
+            let moment = |k: i32| -> f64 {
+                rule.iter().map(|(s, w)| w * s.powi(k) * persson_pressure(*s, p, deviation * deviation)).sum()
+            };
+            assert!((moment(0) / found.area_fraction - 1.0).abs() < 1e-9, "{p_star}");
+            assert!((moment(1) / p - 1.0).abs() < 1e-9, "{p_star}");
+            let rms = (moment(2) / moment(0)).sqrt();
+            assert!((found.rms_pressure / rms - 1.0).abs() < 1e-9, "{p_star}");
+            assert!(found.max_pressure.unwrap() > found.rms_pressure, "{p_star}");
+        }
+    }
+
+    #[test]
+    fn the_stiffness_is_the_slope_of_the_mean_gap() {
+        let estimate = Estimate::new(band(0.5, 0.5, 0.02), 1.0).unwrap();
+        for p_star in [1e-6, 0.01, 0.3, 1.5] {
+            let p = p_star * estimate.unit_pressure();
+            let [low, high] = [-1e-4_f64, 1e-4].map(|step| p * step.exp());
+            let slope = (high - low) / (estimate.at(low).mean_gap - estimate.at(high).mean_gap);
+            let found = estimate.at(p).stiffness;
+            assert!((found / slope - 1.0).abs() < 1e-5, "{p_star}: {found} {slope}");
+        }
+    }
+
+    /// A larger cell has a higher peak; the numbers scale with the modulus and the heights.
+    #[test]
+    fn peaks_grow_with_the_cell_and_all_numbers_scale() {
+        let one = Estimate::new(band(0.8, 0.5, 0.02), 1.0).unwrap();
+        let large = Estimate::new(band(0.8, 0.5, 0.02), 100.0).unwrap();
+        let p = 0.05 * one.unit_pressure();
+        assert!(large.at(p).max_pressure > one.at(p).max_pressure);
+        assert_eq!(large.at(p).area_fraction, one.at(p).area_fraction);
+        let waves = band(0.8, 0.5, 0.02);
+        let waves = waves.variances().map(|(q, v)| (q, 4.0 * v / (0.25 * q * q))).collect::<Vec<_>>();
+        let stiffer = Estimate::new(Persson::new(waves, |q| 3.0 * 0.5 * q).unwrap(), 1.0).unwrap();
+        let (a, b) = (one.at(p), stiffer.at(6.0 * p));
+        for (a, b, factor) in [
+            (a.area_fraction, b.area_fraction, 1.0),
+            (a.mean_gap, b.mean_gap, 2.0),
+            (a.stiffness, b.stiffness, 3.0),
+            (a.rms_pressure, b.rms_pressure, 6.0),
+            (a.max_pressure.unwrap(), b.max_pressure.unwrap(), 6.0),
+        ] {
+            assert!((b / a / factor - 1.0).abs() < 1e-6, "{a} {b} {factor}");
+        }
+    }
+
+    /// A Gaussian field in full contact: one patch above the level, by the formula for its zeros of order one.
+    #[test]
+    fn in_full_contact_the_peak_is_of_a_gaussian_field() {
+        let estimate = Estimate::new(band(0.8, 0.5, 0.02), 1.0).unwrap();
+        let p = 6.0 * estimate.unit_pressure();
+        let deviation = estimate.variance.sqrt();
+        let z = (estimate.at(p).max_pressure.unwrap() - p) / deviation;
+        let gaussian = (-0.5 * z * z).exp() * z / TAU.sqrt();
+        // 1/z² corrections of the tail.
+        assert!((estimate.patches * gaussian * (1.0 - 1.0 / (z * z)) - 1.0).abs() < 0.03, "{z}");
+    }
+}

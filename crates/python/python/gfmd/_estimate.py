@@ -1,0 +1,142 @@
+"""Estimates of contacts from the spectrum of a surface, without a solution."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _command
+from ._body import Body, as_body
+from ._check import Array, Quantity, frozen, quantities, quantity
+from ._errors import InputError
+from ._hints import hinted
+from ._load import LOADS
+from ._record import LINES, Record, table
+from ._surface import Surface, as_surface
+from ._units import Units
+
+
+class Estimate(Record):
+    """Numbers of contacts estimated from the spectrum of the surface.
+
+    Each has its error: 95 % of solved contacts deviate by less. An estimate that is not known is NaN.
+
+    Attributes:
+        p_star, mean_pressure: the loads [load], without unit and stress.
+        area_fraction, area_fraction_error: contact area fraction [load], without unit.
+        mean_gap, mean_gap_error: mean gap [load], length.
+        stiffness, stiffness_error: slope of the mean pressure against the approach [load], stress/length.
+        rms_pressure, rms_pressure_error: rms pressure on the points in contact [load], stress.
+        max_pressure, max_pressure_error: largest pressure [load], stress.
+        percolation_distance, percolation_distance_error: area fraction of percolation less the area fraction [load].
+        percolation_area_fraction, percolation_area_fraction_error: area fraction at which contacts percolate.
+        plasticity_index: E* times the rms gradient, divided by the hardness; with `hardness` only.
+        hurst, eps_f_inv: Hurst exponent and ratio of the wavelengths of the self-affine spectrum most like the one of
+            the surface; NaN if there is none.
+        rms_height, rms_gradient, e_star: of the surface, length and without unit, and contact modulus, stress.
+        undefined: reasons why numbers are NaN, by name; present only if a number is NaN.
+        unit, stress_unit: units of lengths and stresses, if known.
+        warnings: a Record for each warning: `code`, `text`.
+
+    Example:
+        >>> e = gfmd.estimate(gfmd.self_affine(n=256, hurst=0.8), gfmd.Body(), p_star=[0.01, 0.1])
+        >>> bool(abs(e.area_fraction[1] / 0.19 - 1) < 0.1), e.mean_gap.shape
+        (True, (2,))
+    """
+
+    p_star: Array
+    mean_pressure: Array
+    area_fraction: Array
+    area_fraction_error: Array
+    mean_gap: Array
+    mean_gap_error: Array
+    stiffness: Array
+    stiffness_error: Array
+    rms_pressure: Array
+    rms_pressure_error: Array
+    max_pressure: Array
+    max_pressure_error: Array
+    percolation_distance: Array
+    percolation_distance_error: Array
+    percolation_area_fraction: float
+    percolation_area_fraction_error: float
+    plasticity_index: float
+    hurst: float
+    eps_f_inv: float
+    rms_height: float
+    rms_gradient: float
+    e_star: float
+    undefined: dict[str, str]
+    unit: str
+    stress_unit: str
+    warnings: list[Record]
+
+    @property
+    def units(self) -> Units:
+        """The length unit and the stress unit of all numbers, None where unknown."""
+        return self.get("unit"), self.get("stress_unit")
+
+    def __repr__(self) -> str:
+        names = ("p_star", "mean_pressure", "area_fraction", "mean_gap", "stiffness", "rms_pressure", "max_pressure")
+        columns = {}
+        for name in names:
+            errors = self.get(f"{name}_error")
+            cells = [f"{value:.4g}" for value in self[name]]
+            if errors is not None:
+                cells = [f"{cell} ± {error:.1g}" for cell, error in zip(cells, errors)]
+            columns[name] = cells
+        return f"Estimate of {len(self.p_star)} contacts{table(columns, LINES - 1)}"
+
+
+@hinted
+def estimate(
+    surface: Surface | npt.ArrayLike | Any,
+    body: Body,
+    *,
+    pressure: Any = None,
+    p_star: Any = None,
+    force: Any = None,
+    hardness: Optional[Quantity] = None,
+    stress_unit: Optional[str] = None,
+) -> Estimate:
+    """Estimates contacts from the spectrum of a surface, without a solution, as `gfmd estimate` does.
+
+    Args:
+        surface: as in `contact`; periodic, and no profile.
+        body: an elastic half-space.
+        pressure, p_star, force: the loads, one of the three, a number or a sequence (stress, 1, stress * length^2), or
+            strings with a unit, such as "10MPa", if the surface has one; by default reduced pressures from 0.001 to 1.
+        hardness: largest pressure, stress, for the plasticity index.
+        stress_unit: unit of stresses given without one, as in `contact`.
+
+    Raises:
+        InputError: invalid arguments, a profile, a flat surface, or a body that is not a half-space.
+
+    Example:
+        >>> scan = gfmd.self_affine(n=128, hurst=0.8, size="50 um", unit="um")
+        >>> e = gfmd.estimate(scan, gfmd.Body(young="70 GPa"), pressure="10 MPa", hardness="1 GPa")
+        >>> round(e.plasticity_index, 2), bool(e.area_fraction_error[0] < e.area_fraction[0])
+        (7.0, True)
+    """
+    made, elastic = as_surface(surface), as_body(body, of_moduli=True)
+    loads = {"pressure": pressure, "p_star": p_star, "force": force}
+    given = {name: quantities(name, value, LOADS[name]) for name, value in loads.items() if value is not None}
+    if len(given) > 1:
+        raise InputError(f"the load is given by {', '.join(given)}; it must be given by one of pressure, p_star, force")
+    problem: dict[str, Any] = dict(unit=made.unit, size=list(made.size), **given, **_command.body_keys(elastic))
+    problem["hardness"] = None if hardness is None else quantity("hardness", hardness, "stress")
+    problem["stress_unit"] = stress_unit
+    values, *_ = _command.solve("estimate", problem, {"surface": made.heights})
+    rows = values.pop("loads")
+    undefined = {name: reason for row in rows for reason, names in row.pop("undefined", {}).items() for name in names}
+    columns = {name: [np.nan if row[name] is None else row[name] for row in rows] for name in rows[0]}
+    values = {name: value for name, value in values.items() if name not in _OF_SURFACE}
+    kept = {name: np.nan if value is None else _command.records(value) for name, value in values.items()}
+    found = {**kept, **{name: frozen(np.array(column)) for name, column in columns.items()}}
+    return Estimate({**found, "undefined": undefined} if undefined else found, (made.unit, values.get("stress_unit")))
+
+
+# Keys of the report that the surface has.
+_OF_SURFACE = ("n", "size", "surface")

@@ -1,0 +1,115 @@
+"""Estimates without a solution, and laws for finite elements."""
+
+import gfmd
+import numpy as np
+import pytest
+
+BODY = gfmd.Body(young="70 GPa")
+
+
+def rough(seed=1):
+    return gfmd.self_affine(n=64, eps_f_inv=8, eps_t_inv=2, hurst=0.8, size="100 um", unit="um", seed=seed)
+
+
+def test_an_estimate_agrees_with_the_contact_within_twice_its_error():
+    estimate, contact = (call(rough(), BODY, p_star=[0.03, 0.1]) for call in (gfmd.estimate, gfmd.contact))
+    for name in ("area_fraction", "mean_gap", "stiffness"):
+        wanted = contact.__getattr__(f"{name}_limit")
+        assert np.all(np.abs(estimate[name] - wanted) < 2 * estimate[f"{name}_error"]), name
+    assert estimate.units == ("um", "Pa") or estimate.units[0] == rough().unit
+
+
+def test_loads_beyond_the_range_are_nan_with_a_reason():
+    estimate = gfmd.estimate(rough(), BODY, p_star=[1e-6, 0.1])
+    assert np.isnan(estimate.area_fraction[0]) and estimate.area_fraction[1] > 0
+    assert "known from p*" in estimate.undefined["area_fraction"]
+    assert len(gfmd.estimate(rough(), BODY).p_star) == 6
+    assert "undefined" not in gfmd.estimate(rough(), BODY, p_star=0.1)
+
+
+@pytest.mark.parametrize(
+    "given, words",
+    [
+        (dict(p_star=0.1, pressure=1.0), "given by pressure, p_star"),
+        (dict(p_star=-0.1), "p_star is -0.1; it must be positive"),
+        (dict(p_star=0.1, hardness=-1.0), "hardness is -1"),
+        (dict(pressure="1 um"), "pressure is"),
+        (dict(approach=1.0), "approach"),
+    ],
+)
+def test_bad_loads_are_refused(given, words):
+    with pytest.raises((gfmd.InputError, TypeError), match=words) as error:
+        gfmd.estimate(rough(), BODY, **given)
+    assert "\n" not in str(error.value)
+
+
+def test_profiles_slabs_and_relaxing_bodies_have_no_estimate():
+    with pytest.raises(gfmd.InputError, match="profile"):
+        gfmd.estimate(np.sin(np.arange(16.0)), gfmd.Body(), p_star=0.1)
+    with pytest.raises(gfmd.InputError, match="half-space"):
+        gfmd.estimate(np.random.default_rng(1).random((16, 16)), gfmd.Body(height=0.1), p_star=0.1)
+    with pytest.raises(gfmd.InputError, match="viscoelastic"):
+        gfmd.estimate(rough(), gfmd.Body(prony=[(0.1, 0.3)]), p_star=0.1)
+
+
+def rows(text, keyword):
+    lines = iter(text.splitlines())
+    for line in lines:
+        if line.startswith(keyword):
+            break
+    found = []
+    for line in lines:
+        if line.startswith("*"):
+            break
+        found.append([float(number) for number in line.split(",")])
+    return np.array(found)
+
+
+def test_a_law_has_the_numbers_of_the_contacts():
+    contacts = gfmd.contact(rough(), BODY, pressure=["1 GPa", "10 MPa", "0.1 GPa"])
+    text = gfmd.fe_table(contacts, format="abaqus", conductivity=("16 W/(m K)", "200 W/(m K)"))
+    law = rows(text, "*SURFACE BEHAVIOR")
+    order = [1, 2, 0]
+    assert law[0, 0] == 0 and np.all(np.diff(law, axis=0) > 0)
+    np.testing.assert_allclose(law[1:, 0], contacts.mean_pressure[order], rtol=1e-8)
+    np.testing.assert_allclose(-law[1:, 1], 1e-6 * contacts.mean_gap[order], rtol=1e-8)
+    conductance = rows(text, "*GAP CONDUCTANCE")
+    wanted = [contacts[index].conductance("16 W/(m K)", "200 W/(m K)") for index in order]
+    # The column is 2 stiffness/E*, whose relative error is at most 5e-6 (stiffness_tolerance).
+    np.testing.assert_allclose(conductance[1:, 0], wanted, rtol=1e-5)
+    flow = gfmd.fe_table(contacts, flow=True).splitlines()
+    heads = next(line for line in flow if not line.startswith("#")).split(",")
+    last = flow[-2].split(",")
+    through = contacts[2].flow().transmissivity[0, 0] * 1e-18
+    assert float(last[heads.index("transmissivity_x [m3]")]) == pytest.approx(through, rel=1e-8)
+
+
+def test_seeds_have_a_mean_and_a_standard_error():
+    loads = ["10 MPa", "0.1 GPa"]
+    seeds = [gfmd.contact(rough(seed), BODY, pressure=loads) for seed in (1, 2, 3)]
+    lines = [line.split(",") for line in gfmd.fe_table(seeds).splitlines() if not line.startswith("#")]
+    gaps = 1e-6 * np.array([contacts.mean_gap for contacts in seeds])
+    for row, of_load in zip(lines[2:], gaps.T):
+        value, error = (float(row[lines[0].index(f"mean_gap{end} [m]")]) for end in ("", "_standard_error"))
+        assert value == pytest.approx(of_load.mean(), rel=1e-8)
+        assert error == pytest.approx(of_load.std(ddof=1) / np.sqrt(3), rel=1e-6)
+
+
+def test_contacts_without_a_law_are_refused():
+    two = gfmd.contact(rough(), BODY, pressure=["10 MPa", "0.1 GPa"])
+    bare = gfmd.contact(gfmd.self_affine(n=16), gfmd.Body(), p_star=[0.01, 0.1])
+    free = gfmd.contact(rough(), BODY, pressure=["10 MPa", "0.1 GPa"], boundary="free")
+    for given, options, words in [
+        (gfmd.contacts(rough(), BODY, pressure=["10 MPa"]), {}, "1 load"),
+        (bare, {}, "no unit"),
+        (free, {}, "boundary"),
+        (two[0], {}, "Contact"),
+        ([two, gfmd.contact(rough(), BODY, pressure=["10 MPa", "0.2 GPa"])], {}, "realisation 1"),
+        (two, {"format": "vtk"}, "csv, abaqus or ansys"),
+        (two, {"flow": 1}, "flow"),
+        (two, {"conductivity": (1.0,)}, "two numbers"),
+        (two, {"conductivity": (1.0, -1.0)}, "positive"),
+    ]:
+        with pytest.raises((gfmd.InputError, TypeError), match=words) as error:
+            gfmd.fe_table(given, **options)
+        assert "\n" not in str(error.value)
