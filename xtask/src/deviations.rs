@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser};
-use gfmd_cli::estimate::{Deviations, NAMES, numbers, of, skewness_and_kurtosis};
+use gfmd_cli::estimate::{Deviations, NAMES, numbers, of, shape};
 use gfmd_cli::progress::Progress;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
@@ -78,9 +78,9 @@ struct Words {
 }
 
 /// Deviations of one surface for each load and number, with the Hurst exponent and 1/ε_f of its equivalent band, and
-/// skewness and kurtosis of its heights.
+/// skewness and kurtosis of its heights, and the anisotropy of its slopes.
 struct Found {
-    ranges: [f64; 4],
+    ranges: [f64; 5],
     loads: Vec<[f64; 5]>,
 }
 
@@ -108,9 +108,9 @@ fn found(surface: &str) -> Result<Found, Failure> {
         Ok([0, 1, 2, 3, 4].map(deviation))
     };
     let band = estimate.band();
-    let [ssk, sku] = skewness_and_kurtosis(&made)?;
+    let [ssk, sku, anisotropy] = shape(&made)?;
     let loads = loads(&report).iter().map(deviations).collect::<Result<_, Failure>>()?;
-    Ok(Found { ranges: [band.hurst, band.eps_f_inv, ssk, sku], loads })
+    Ok(Found { ranges: [band.hurst, band.eps_f_inv, ssk, sku, anisotropy], loads })
 }
 
 /// Returns the deviations of one number at one load; surfaces without an estimate are left out.
@@ -195,6 +195,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         eps_f_inv: range(1),
         ssk: [-skewest, skewest],
         sku: range(3),
+        anisotropy: range(4),
         percolation: percolation(&of_finite.kinds),
     };
     let report = Report { first_seed: args.first_seed, deviations, kinds: of_kinds };

@@ -9,7 +9,7 @@ use std::fmt;
 use clap::Args as ClapArgs;
 use gfmd_measure::theory::{Estimate, Estimated, Persson};
 use gfmd_problem::{key, words};
-use gfmd_surface::{Areal, PowerSpectrum};
+use gfmd_surface::{Areal, Direction, PowerSpectrum, SurfaceError};
 use gfmd_unit::Units;
 use serde::{Deserialize, Serialize};
 
@@ -176,13 +176,16 @@ pub fn of(surface: &Surface, source: &SourceArgs, body: &BodyArgs) -> Result<(Op
     Ok((Estimate::new(persson, grid.lengths().iter().product()), e_star))
 }
 
-/// Returns skewness and kurtosis of the heights.
+/// Returns skewness and kurtosis of the heights, and the anisotropy of their mean square slopes.
 ///
 /// # Errors
 /// Returns an error for heights that do not fit the grid.
-pub fn skewness_and_kurtosis(surface: &Surface) -> Result<[f64; 2], Failure> {
-    let found = Areal::of(&surface.heights, &surface.grid).map_err(|error| Failure::refused(error.to_string()))?;
-    Ok([found.ssk, found.sku].map(|moment| moment.unwrap_or(f64::NAN)))
+pub fn shape(surface: &Surface) -> Result<[f64; 3], Failure> {
+    let refused = |error: SurfaceError| Failure::refused(error.to_string());
+    let found = Areal::of(&surface.heights, &surface.grid).map_err(refused)?;
+    let spectrum = PowerSpectrum::of(&surface.heights, &surface.grid).map_err(refused)?;
+    let direction = Direction::of(&spectrum, None);
+    Ok([found.ssk, found.sku, direction.anisotropy].map(|number| number.unwrap_or(f64::NAN)))
 }
 
 /// Returns the estimate of a surface that is like the measured ones, or the reason why it is not.
@@ -191,7 +194,7 @@ fn known<'a>(
     surface: &Surface,
     measured: &Deviations,
 ) -> Result<Result<&'a Estimate, String>, Failure> {
-    let heights = skewness_and_kurtosis(surface)?;
+    let heights = shape(surface)?;
     Ok(match estimate {
         None => Err(UNLIKE.to_owned()),
         Some(estimate) => measured.beyond(estimate.band(), heights).map_or(Ok(estimate), Err),

@@ -17,7 +17,9 @@ use gfmd_files::{Output, Provenance};
 use gfmd_problem::key;
 use gfmd_record::{Record, SurfaceFacts, by_reason};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
-use gfmd_surface::{MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError, Texture};
+use gfmd_surface::{
+    MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError, Texture,
+};
 use gfmd_unit::Units;
 use ndarray::Array2;
 use serde::Serialize;

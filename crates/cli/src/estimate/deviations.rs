@@ -24,6 +24,8 @@ pub struct Deviations {
     pub ssk: [f64; 2],
     /// Least and largest kurtosis Sku of the heights.
     pub sku: [f64; 2],
+    /// Least and largest anisotropy of the mean square slopes.
+    pub anisotropy: [f64; 2],
     /// Area fraction at which contacts percolate, and the deviation that 95 % of the surfaces do not exceed.
     pub percolation: [f64; 2],
 }
@@ -40,9 +42,9 @@ impl Deviations {
         MEASURED.as_ref()
     }
 
-    /// Returns the reason why there is no estimate for surfaces with this band, skewness and kurtosis; `None` if there
-    /// is one.
-    pub fn beyond(&self, band: EquivalentBand, [ssk, sku]: [f64; 2]) -> Option<String> {
+    /// Returns the reason why there is no estimate for surfaces with this band, skewness, kurtosis and anisotropy;
+    /// `None` if there is one.
+    pub fn beyond(&self, band: EquivalentBand, [ssk, sku, anisotropy]: [f64; 3]) -> Option<String> {
         let outside = |name: &str, value: f64, [least, most]: [f64; 2]| {
             let is_known = value >= least - ROUNDING * least.abs() && value <= most + ROUNDING * most.abs();
             (!is_known).then(|| format!("{name} {value:.2}, and the errors are known from {least:.2} to {most:.2}"))
@@ -51,6 +53,7 @@ impl Deviations {
             .or_else(|| outside("the spectrum has the ratio of wavelengths", band.eps_f_inv, self.eps_f_inv))
             .or_else(|| outside("the heights have the skewness", ssk, self.ssk))
             .or_else(|| outside("the heights have the kurtosis", sku, self.sku))
+            .or_else(|| outside("the slopes have the anisotropy", anisotropy, [0.0, self.anisotropy[1]]))
     }
 
     /// Returns the relative error of a number at a reduced pressure, the larger one of the neighbouring loads.
@@ -90,6 +93,7 @@ mod tests {
             eps_f_inv: [6.0, 40.0],
             ssk: [-0.5, 0.5],
             sku: [2.0, 4.0],
+            anisotropy: [0.01, 0.3],
             percolation: [0.41, 0.02],
         }
     }
@@ -108,14 +112,15 @@ mod tests {
     #[test]
     fn bands_beyond_the_measured_ones_have_a_reason() {
         let found = deviations();
-        let reason = |hurst, eps_f_inv| found.beyond(EquivalentBand { hurst, eps_f_inv }, [0.0, 3.0]);
+        let reason = |hurst, eps_f_inv| found.beyond(EquivalentBand { hurst, eps_f_inv }, [0.0, 3.0, 0.0]);
         assert_eq!(reason(0.0, 6.0), None);
         assert!(reason(-0.1, 10.0).is_some_and(|reason| reason.contains("Hurst exponent -0.10")));
         assert!(reason(0.5, 50.0).is_some_and(|reason| reason.contains("ratio of wavelengths 50.00")));
         assert!(reason(f64::NAN, 10.0).is_some());
         let of_heights = |heights| found.beyond(EquivalentBand { hurst: 0.5, eps_f_inv: 10.0 }, heights);
-        assert!(of_heights([-0.6, 3.0]).is_some_and(|reason| reason.contains("skewness -0.60")));
-        assert!(of_heights([0.0, 9.0]).is_some_and(|reason| reason.contains("kurtosis 9.00")));
+        assert!(of_heights([-0.6, 3.0, 0.1]).is_some_and(|reason| reason.contains("skewness -0.60")));
+        assert!(of_heights([0.0, 9.0, 0.1]).is_some_and(|reason| reason.contains("kurtosis 9.00")));
+        assert!(of_heights([0.0, 3.0, 0.9]).is_some_and(|reason| reason.contains("anisotropy 0.90")));
     }
 
     #[test]

@@ -168,16 +168,17 @@ fn the_page_has_the_measured_errors() {
         let cells: Vec<String> = errors.map(|error| format!("{error:.1}")).collect();
         table += &format!("| {title} | {} |\n", cells.join(" | "));
     }
-    let [hurst, ratio, skewness, kurtosis] = ["hurst", "eps_f_inv", "ssk", "sku"].map(|name| {
-        let ends = measured[name].as_array().unwrap();
-        format!("{:.2} to {:.2}", number(&ends[0]), number(&ends[1]))
-    });
+    let [hurst, ratio, skewness, kurtosis, anisotropy] =
+        ["hurst", "eps_f_inv", "ssk", "sku", "anisotropy"].map(|name| {
+            let ends = measured[name].as_array().unwrap();
+            format!("{:.2} to {:.2}", number(&ends[0]), number(&ends[1]))
+        });
     let of_area = measured["percolation"].as_array().unwrap();
     let [area, spread] = [0, 1].map(|k| number(&of_area[k]));
     table += &format!(
         "\n{} surfaces; their equivalent spectra have H from {hurst} and 1/ε_f from {ratio}.\nTheir heights have \
-         the skewness {skewness} and the kurtosis {kurtosis}. Contacts percolate at \
-         the area fraction {area:.3} ± {spread:.3}.\n",
+         the skewness {skewness} and the kurtosis {kurtosis}; their mean square slopes have the anisotropy \
+         {anisotropy}. Contacts percolate at the area fraction {area:.3} ± {spread:.3}.\n",
         measured["contacts"]
     );
     let file = format!("{}/../../docs/estimate.md", env!("CARGO_MANIFEST_DIR"));

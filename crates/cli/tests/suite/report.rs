@@ -306,7 +306,10 @@ fn surfaces_have_pages_and_functions() {
     let difference = numbers(&made["autocorrelation"]["x"]["difference"])[1];
     let slope = numbers(&made["scale_dependence"]["slope_x"]["slope"])[0];
     assert!((slope * 3.0 / 48.0 - (2.0 * difference).sqrt()).abs() < 1e-12);
-    assert!(made["std"].is_null() == made["lay"].is_null() && made["undefined"].as_object().is_none_or(|all| all.len() == 1));
+    assert!(
+        made["std"].is_null() == made["lay"].is_null()
+            && made["undefined"].as_object().is_none_or(|all| all.len() == 1)
+    );
 
     // The file is read again; it does not state that its surface is periodic.
     let read = run("surface --surface h.h5 --report again.html --json -q");

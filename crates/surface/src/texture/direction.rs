@@ -19,6 +19,10 @@ pub struct Direction {
     /// Direction of the largest mean square slope, above −90 to 90: what a contact feels. `None` if all directions are
     /// equal to rounding, or for a profile.
     pub steepest: Option<f64>,
+    /// Anisotropy of the mean square slopes: their largest minus their smallest value over all directions, divided by
+    /// the sum of both. 0 if all directions are equal, 1 if all waves are parallel, (r² − 1)/(r² + 1) for a spectrum
+    /// with the aspect ratio r; `None` for a flat surface or a profile.
+    pub anisotropy: Option<f64>,
     /// Ssw: wavelength of the wave with the largest amplitude, length; `None` for a flat surface.
     pub ssw: Option<f64>,
 }
@@ -49,6 +53,7 @@ impl Direction {
             wave: str.filter(|str| is_surface && *str <= ISOTROPIC).map(|_| ray(spectrum)),
             steepest: (is_surface && anisotropy > 1e-12 * (xx + yy))
                 .then(|| (0.5 * (2.0 * xy).atan2(xx - yy)).to_degrees()),
+            anisotropy: is_surface.then(|| anisotropy / (xx + yy)),
             ssw: largest.filter(|_| !flat).map(|(_, wavelength)| wavelength),
         }
     }

@@ -144,7 +144,7 @@ fn a_wave_has_its_direction() {
     assert!((upside.wave.unwrap() - (180.0 - expected)).abs() <= 1.0, "{upside:?}");
     assert!((upside.steepest.unwrap() + found.steepest.unwrap()).abs() < 1e-9, "{upside:?}");
     let flat = Direction::of(&PowerSpectrum::of(&Array2::zeros((8, 8)), &Grid::square(8, 1.0).unwrap()).unwrap(), None);
-    assert_eq!(flat, Direction { wave: None, steepest: None, ssw: None });
+    assert_eq!(flat, Direction { wave: None, steepest: None, anisotropy: None, ssw: None });
 }
 
 #[test]

@@ -325,7 +325,10 @@ fn waves_are_longer_along_the_lay() {
         let heights = surface.heights(&grid, 3).unwrap();
         let found = PowerSpectrum::of(&heights, &grid).unwrap();
         assert!((found.moments().rms_gradient() - 0.1).abs() < 1e-12);
-        let steepest = Direction::of(&found, Some(0.2)).steepest.unwrap();
+        let direction = Direction::of(&found, Some(0.2));
+        let (steepest, anisotropy) = (direction.steepest.unwrap(), direction.anisotropy.unwrap());
+        let square = aspect.powi(2);
+        assert!((anisotropy - (square - 1.0) / (square + 1.0)).abs() < 0.02, "{aspect}: {anisotropy}");
         let off = (steepest - lay - 90.0).rem_euclid(180.0);
         assert!(off.min(180.0 - off) < 1.0, "{lay}: {steepest}");
     }
