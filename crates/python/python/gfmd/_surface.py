@@ -265,9 +265,7 @@ class Surface:
         if given is not None and len(given) != 2:
             raise InputError(f"fit_range is {fit_range!r}; it must be (longest, shortest)")
         if motif_edges not in (None, "all", "leave-out", "periodic"):
-            raise InputError(
-                f"motif_edges is {_check.shown(motif_edges)}; it must be 'all', 'leave-out' or 'periodic'"
-            )
+            raise InputError(f"motif_edges is {_check.shown(motif_edges)}; it must be 'all', 'leave-out' or 'periodic'")
         detail = None
         if features:
             detail = ("periodic" if self._repeats(boundary) else "free", number("wolf", wolf), motif_edges)
