@@ -15,7 +15,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Output, Provenance};
 use gfmd_problem::key;
-use gfmd_record::{Record, SurfaceFacts, by_reason};
+use gfmd_record::{Cell, Record, SurfaceFacts, by_reason};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
 use gfmd_surface::{
     MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError, Texture,
@@ -551,9 +551,11 @@ impl fmt::Display for Report {
             }
         };
         let units = Units::new(self.unit.as_deref(), None);
-        for Number { name, value, unit, meaning } in self.listed() {
+        for (column, cell) in self.numbers.cells() {
+            let Number { name, value, unit, meaning } = Number::of(column, cell, column.meaning(&self.facts));
             let Some(value) = value else { continue };
             let (unit, number) = match units.shown(unit, value) {
+                _ if matches!(cell, Cell::Count(_)) => (String::new(), value.to_string()),
                 Some(shown) => (shown.name, format!("{:.6}", value * shown.factor)),
                 None => (units.name(unit), format!("{value:.6e}")),
             };

@@ -139,6 +139,8 @@ def test_results_have_the_attributes_that_are_documented(words):
     squeezed = gfmd.contact(
         gfmd.self_affine(n=16), gfmd.Body(height=0.5), p_star=0.05, lower_surface=np.zeros((16, 16))
     )
+    flat = gfmd.Surface(np.zeros((4, 4))).statistics()
+    filtered = gfmd.self_affine(n=256, dim=2, eps_f_inv=16, seed=5).filter(l=0.2, edges="periodic")
     slab = gfmd.self_affine(n=16)
     rubber = gfmd.Body(prony=[(0.1, 0.3)])
     creeping = gfmd.path(
@@ -212,7 +214,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
         (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),
         (gfmd.KappaSweep, [words["k"]]),
-        (gfmd.Statistics, [words["s"].statistics(), gfmd.Surface(np.zeros((4, 4))).statistics()]),
+        (gfmd.Statistics, [words["s"].statistics(features=True), flat, filtered.statistics()]),
         (gfmd.Body, [gfmd.Body(), curve]),
         (gfmd.PronyFit, [series]),
         (

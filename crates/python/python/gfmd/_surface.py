@@ -234,8 +234,9 @@ class Surface:
         motif_edges: Literal["all", "leave-out", "periodic", None] = None,
         boundary: Boundary = None,
     ) -> Statistics:
-        """Returns the statistics: rms height, gradient and curvature, Nayak's parameter, Hurst exponent, cut-offs,
-        height and volume parameters of ISO 25178, parameters of a profile of ISO 21920.
+        """Returns the statistics: moments, Hurst exponent, cut-offs, parameters of ISO 25178 and ISO 21920.
+
+        ISO 21920 is for profiles: they have values after an L filter, whose index is the section length.
 
         Args:
             fit_range: (longest, shortest) wavelength for the fit of the Hurst exponent; from half of the cell to 4
