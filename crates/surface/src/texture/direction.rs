@@ -41,10 +41,10 @@ impl Direction {
             if *power > largest.map_or(0.0, |(power, _)| power) {
                 largest = Some((*power, TAU / mode.wavenumber()));
             }
-            if mode.nyquist == [false, false] {
-                let ([x, y], own) = (mode.wavevector, mode.weight * power);
-                (xx, yy, xy) = (xx + own * x * x, yy + own * y * y, xy + own * x * y);
-            }
+            // The derivative of a wave at the Nyquist number of its axis is zero at the points.
+            let [x, y] = [0, 1].map(|axis| if mode.nyquist[axis] { 0.0 } else { mode.wavevector[axis] });
+            let own = mode.weight * power;
+            (xx, yy, xy) = (xx + own * x * x, yy + own * y * y, xy + own * x * y);
         }
         let flat = spectrum.cut_offs().is_none();
         let is_surface = !grid.is_line() && !flat;
