@@ -97,7 +97,8 @@ pub struct Args {
     #[serde(skip)]
     plots: Option<PathBuf>,
     /// Add correlation lengths, direction, hills and dales of ISO 25178 to the numbers; spectrum, autocorrelation,
-    /// distributions of height, slope and curvature, both against distance, bearing curve to JSON, a .h5 file and figures
+    /// distributions of height, slope and curvature, both against distance, bearing curve to JSON, a .h5 file and
+    /// figures
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
@@ -109,7 +110,13 @@ pub struct Args {
     boundary: Option<Boundary>,
     /// Height of a hill above its saddle, or depth of a dale, below which it is pruned and joins its neighbour: a
     /// fraction of the height range
-    #[arg(long, default_value_t = USUAL_WOLF, requires = "statistics", value_name = "FRACTION", help_heading = "Measurements")]
+    #[arg(
+        long,
+        default_value_t = USUAL_WOLF,
+        requires = "statistics",
+        value_name = "FRACTION",
+        help_heading = "Measurements"
+    )]
     #[serde(skip_serializing_if = "is_usual_wolf")]
     wolf: f64,
     /// Treatment of hills and dales that touch the edge [default: periodic for a periodic boundary, else leave-out]

@@ -5,7 +5,8 @@ use crate::SurfaceError;
 use crate::statistics::checked;
 use crate::texture::ratio::{Core, MaterialRatio, Volumes};
 
-/// Height, function and volume parameters of ISO 25178-2 (ISO 4287 for a profile) about the mean height, without form removal and filter.
+/// Height, function and volume parameters of ISO 25178-2 (ISO 4287 for a profile) about the mean height, without form
+/// removal and filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Areal {
     /// Sa: mean distance from the mean height, length.

@@ -115,8 +115,8 @@ pub struct GeneratorArgs {
     #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value_t = Amplitudes::Gaussian)]
     #[serde(with = "named")]
     pub amplitudes: Amplitudes,
-    /// Correlation length along the lay divided by the correlation length across it, at least 1: waves along the lay are
-    /// longer by the square root, waves across it shorter
+    /// Correlation length along the lay divided by the correlation length across it, at least 1: waves along the lay
+    /// are longer by the square root, waves across it shorter
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,

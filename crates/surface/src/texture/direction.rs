@@ -30,9 +30,9 @@ pub struct Direction {
 impl Direction {
     /// Computes the direction from the spectrum, and from Str of the autocorrelation.
     ///
-    /// Std of ISO 25178-2, 4.3, is the largest ∫ |h̃|² f df over rays of frequencies f from the inverse of the shorter
-    /// side to the lower Nyquist frequency. |h̃|² is bilinear between the modes: sums of modes over sectors would prefer
-    /// the axes, on which more modes lie.
+    /// Std of ISO 25178-2, 4.3, is the largest ∫ |h̃|² f df over rays of frequencies f, from the inverse of the shorter
+    /// side to the lower Nyquist frequency. |h̃|² is bilinear between the modes: sums of modes over sectors would
+    /// prefer the axes, on which more modes lie.
     pub fn of(spectrum: &PowerSpectrum, str: Option<f64>) -> Self {
         let grid = spectrum.grid();
         let mut largest: Option<(f64, f64)> = None;
