@@ -62,8 +62,8 @@ impl Features {
     /// equal heights the one that is stored first counts as higher. Returns `None` for a profile and a flat surface.
     ///
     /// # Errors
-    /// Heights that do not have the shape of the grid or are not finite, or more than 2³² − 2 of them; a fraction outside
-    /// 0 to 1.
+    /// Heights that do not have the shape of the grid or are not finite, or more than 2³² − 2 of them; a
+    /// fraction outside 0 to 1.
     pub fn of(heights: &Array2<f64>, grid: &Grid, wolf: f64, edges: MotifEdges) -> Result<Option<Self>, SurfaceError> {
         let all = checked(heights, grid)?;
         if !(0.0..=1.0).contains(&wolf) {
