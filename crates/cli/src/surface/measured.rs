@@ -1,4 +1,4 @@
-//! What is measured of a surface, for the command, pages and Python.
+//! Measurement of a surface, shared by the command, pages and Python.
 
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
@@ -27,7 +27,7 @@ pub struct Choices {
     pub boundary: Boundary,
     /// Length of the sections of a profile.
     pub section: Option<f64>,
-    /// What else is measured.
+    /// Choices of the detailed measurement; `None` without one.
     pub detail: Option<Detail>,
 }
 

@@ -42,7 +42,7 @@ pub struct SurfaceContext<'a> {
     pub cut_offs: Option<[f64; 2]>,
     /// Parameters of a profile; `None` without a section length.
     pub profile: Option<&'a ProfileNumbers>,
-    /// What takes longer to compute; `None` without [`SurfaceFacts::detailed`].
+    /// Detailed numbers; `None` without [`SurfaceFacts::detailed`].
     pub detail: Option<&'a SurfaceDetail>,
 }
 

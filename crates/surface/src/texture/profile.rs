@@ -9,8 +9,8 @@ use crate::statistics::checked;
 /// Height of a hill or depth of a dale that counts as an element, as a fraction of the highest or lowest height.
 const ELEMENT: f64 = 0.1;
 
-/// Parameters of a profile of ISO 21920-2 about its mean line, over the evaluation length unless stated. The names are
-/// those of a roughness profile, after its filters.
+/// Parameters of a profile of ISO 21920-2 about its mean line, over the evaluation length unless stated, under the
+/// names for a filtered roughness profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileNumbers {
     /// Number of whole sections in the evaluation length.
