@@ -18,7 +18,7 @@ use gfmd_problem::key;
 use gfmd_record::{Cell, Record, SurfaceFacts, by_reason};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
 use gfmd_surface::{
-    MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError, Texture,
+    MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError,
 };
 use gfmd_unit::Units;
 use ndarray::Array2;
@@ -40,7 +40,7 @@ use gfmd_report::figures::parse_prefix;
 pub use curves::Curves;
 use file::Target;
 use listing::Listing;
-pub use measured::{Choices, Detail, Measured, USUAL_WOLF};
+pub use measured::{Choices, Detail, Functions, Measured, USUAL_WOLF};
 
 /// Flags of `surface`.
 #[derive(ClapArgs, Options, Clone, Debug, Serialize)]
@@ -91,8 +91,8 @@ pub struct Args {
     #[serde(skip)]
     out: Option<PathBuf>,
     /// Draw the heights, a profile through them and the spectrum: PREFIX-map, PREFIX-profile, PREFIX-spectrum (.svg,
-    /// .png); with --statistics also PREFIX-autocorrelation, -correlation-map, -distributions, -slopes, -curvatures and
-    /// -bearing
+    /// .png); with --statistics also PREFIX-hills, -autocorrelation, -correlation-map, -distributions, -slopes,
+    /// -curvatures and -bearing
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -138,6 +138,9 @@ pub enum Window {
     /// A cosine to zero at the edges over the whole side, divided by its rms value
     Hann,
 }
+
+/// Fewest points of a bearing curve without a warning.
+const FEWEST_POINTS: usize = 100;
 
 fn is_usual_wolf(wolf: &f64) -> bool {
     *wolf == USUAL_WOLF
@@ -274,9 +277,17 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     (report.source, report.unit) = (surface.description, surface.unit);
     (report.scan, report.second) = (surface.scan, surface.second);
     (report.asked, report.window) = (asked, args.window);
+    let points = surface.heights.len();
+    if args.statistics && points < FEWEST_POINTS {
+        let text = format!(
+            "the surface has {points} points: parameters of the bearing curve, hills and dales need at least \
+             {FEWEST_POINTS}"
+        );
+        session.warn("few-points", text);
+    }
     let radial = measured.spectrum.radial();
-    let texture = measured.texture;
-    if let Some(texture) = &texture {
+    let functions = measured.functions;
+    if let Some(Functions { texture, .. }) = &functions {
         report.boundary = Some(boundary.name());
         report.wolf = Some(detail.wolf);
         report.motif_edges = Some(detail.edges().name());
@@ -293,7 +304,7 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         target.write(&surface.heights, &grid, &radial, &report, &provenance)?;
         report.out.clone_from(&args.out);
     }
-    let (mut plots, shown) = (Vec::new(), texture.as_ref().filter(|_| args.statistics));
+    let (mut plots, shown) = (Vec::new(), functions.as_ref().filter(|_| args.statistics));
     if let Some(prefix) = &args.plots {
         plots = report.subject(&surface.heights, &grid, &radial, shown).draw(prefix)?;
     }
@@ -302,7 +313,7 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
         let warnings = provenance.warnings.list().into_iter().map(|warning| warning.text).collect();
         let of_page = of_page.or_else(|| report.curves.clone());
         let report = Report { curves: of_page, ..report.clone() };
-        let subject = report.subject(&surface.heights, &grid, &radial, texture.as_ref());
+        let subject = report.subject(&surface.heights, &grid, &radial, functions.as_ref());
         report.write_page(&page, &subject, (&*name, origin, Some(again()), warnings), &provenance)?;
     }
     report.plots = plots;
@@ -352,10 +363,10 @@ pub fn write_report(
         source,
         unit,
         boundary: Some(boundary.name()),
-        curves: measured.texture.as_ref().map(|texture| Curves::of(texture, &radial, grid)),
+        curves: measured.functions.as_ref().map(|functions| Curves::of(&functions.texture, &radial, grid)),
         ..Report::new(&measured, grid)
     };
-    let subject = report.subject(heights, grid, &radial, measured.texture.as_ref());
+    let subject = report.subject(heights, grid, &radial, measured.functions.as_ref());
     report.write_page(&page, &subject, ("array", None, None, Vec::new()), &session.provenance(String::new()))
 }
 
@@ -466,7 +477,7 @@ impl Report {
         heights: &'a Array2<f64>,
         grid: &'a Grid,
         spectrum: &'a [RadialBin],
-        texture: Option<&'a Texture>,
+        functions: Option<&'a Functions>,
     ) -> Subject<'a> {
         Subject {
             heights,
@@ -478,7 +489,8 @@ impl Report {
             hurst: self.numbers.value("hurst").map(|hurst| {
                 (hurst, ["hurst_range_longest", "hurst_range_shortest"].map(|name| self.numbers.number(name)))
             }),
-            texture,
+            texture: functions.map(|functions| &functions.texture),
+            course_lines: functions.and_then(|functions| functions.course_lines.as_ref()),
         }
     }
 

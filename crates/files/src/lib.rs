@@ -33,8 +33,8 @@ pub use fields::axes;
 pub use gfmd_field::contiguous;
 pub use gfmd_topography::unit::{convert_lengths, is_length as is_length_unit};
 pub use gfmd_topography::{
-    CONSISTENT_UNITS, Checksum, Input, ListedChannel, Listing, Number, Topography, TopographyError, cell_lengths,
-    input, legible, split_dataset,
+    CONSISTENT_UNITS, Checksum, Input, ListedChannel, Listing, Number, Reading, Topography, TopographyError,
+    cell_lengths, input, legible, split_dataset,
 };
 pub use journal::{Journal, JournalError};
 pub use output::{Output, folder, is_one_file, replace, sync_folder, target};

@@ -42,7 +42,8 @@ pub struct SourceArgs {
         value_name = "FILE",
         conflicts_with_all = [
             "n", "shape", "hurst", "eps_t_inv", "eps_f_inv", "eps_c_inv", "rms_gradient", "rms_height", "seed", "dim",
-            "method", "roll_off", "roll_off_shape", "amplitudes", "aspect", "lay"
+            "method", "roll_off", "roll_off_shape", "amplitudes", "aspect", "lay",
+            "marginal"
         ]
     )]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,6 +54,10 @@ pub struct SourceArgs {
     #[arg(long, value_name = "NAME|NUMBER", requires = "surface")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
+    /// Take the grey of an image with 8 bits for heights; without it such an image is refused, since most are pictures
+    #[arg(long, requires = "surface")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub image_heights: bool,
     /// Way to give heights to undefined points of a file, which are refused without it
     #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
     #[serde(with = "named_if", skip_serializing_if = "Option::is_none")]
@@ -430,6 +435,7 @@ impl SourceArgs {
         // The parser accepts these flags beside a flag of the generator.
         let of_files = [
             ("channel", self.channel.is_some()),
+            ("image_heights", self.image_heights),
             ("fill", self.fill.is_some()),
             ("refine", self.refine.is_some() && self.second_surface.is_none()),
         ];
@@ -589,7 +595,7 @@ impl SourceArgs {
         if self.surface.is_some() || self.second_surface.is_some() {
             finer.refine = Some(times.saturating_mul(self.refine.unwrap_or(1)));
             finer.interpolation = how;
-        } else if self.generator.is_shared() {
+        } else if self.generator.has_finer_grids() {
             finer.generator.n.iter_mut().for_each(|n| *n = n.saturating_mul(times as usize));
         } else {
             let method = format!("{:?}", self.generator.method).to_lowercase();

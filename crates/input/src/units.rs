@@ -1,9 +1,9 @@
 //! Replaces quantities with units among words and tables by bare numbers in the units of their surface, before they are
 //! parsed.
 
-use gfmd_files::{Reader, Topography, split_dataset};
+use gfmd_files::{Reader, Reading, Topography, split_dataset};
 use gfmd_problem::options::given::{ArrayOption, Arrays};
-use gfmd_problem::options::quantities::{Sought, is_rows, text_in_units, value_in_units};
+use gfmd_problem::options::quantities::{Sought, text_in_units, value_in_units};
 use gfmd_problem::options::{Kinds, KindsByKey};
 use gfmd_problem::{flag, key};
 use gfmd_unit::Units;
@@ -55,6 +55,7 @@ struct Source {
     stress_unit: Option<String>,
     surface: Option<String>,
     channel: Option<String>,
+    image_heights: bool,
 }
 
 impl Source {
@@ -70,7 +71,10 @@ impl Source {
         if let Some(units) = Reader::open(file).ok().and_then(|reader| units_of_result(&reader)) {
             return Ok((Units::new(units.length(), stress.or(units.stress())), None));
         }
-        let topography = Topography::read(surface, self.channel.as_deref());
+        let topography = Topography::read_as(
+            surface,
+            Reading { channel: self.channel.as_deref(), image_heights: self.image_heights },
+        );
         let topography = topography.map_err(|error| Failure::refused(error.to_string()))?;
         let units = Units::new(topography.unit.as_deref(), stress);
         Ok((units, Some(NamedMap { file: surface.clone(), channel: self.channel.clone(), topography })))
@@ -145,11 +149,10 @@ pub fn of_words(
     kinds: &KindsByKey,
 ) -> Result<(Vec<Word>, Option<NamedMap>), Failure> {
     for word in &mut words {
-        let columns = word.quantity(kinds).map_or(&[][..], |(_, kinds)| kinds.columns());
-        let rows = match word.given() {
+        let rows = match word.quantity(kinds) {
             // A command without units takes the numbers of the table, whatever its units.
-            Some((key, text)) if !columns.is_empty() && !is_rows(text) => {
-                table::rows(key, text, columns, !without_units(name))?
+            Some(((key, text), kinds)) if kinds.names_a_table(text) => {
+                table::rows(key, text, kinds.columns(), !without_units(name))?
             }
             _ => continue,
         };
@@ -174,6 +177,7 @@ pub fn of_words(
         stress_unit: value_of(STRESS_UNIT),
         surface: value_of("surface"),
         channel: value_of("channel"),
+        image_heights: words.iter().any(|word| word.text() == flag("image_heights")),
     };
     let mut added = Vec::new();
     if let (LAW, Some(rows)) = (name, value_of("law_table")) {
@@ -232,8 +236,13 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &Kinds
         return Err(refused(command, found.0, &found.1.to_string()));
     }
     let text = |key: &str| table.get(key).and_then(Value::as_str).map(str::to_owned);
-    let mut source =
-        Source { unit: text(UNIT), stress_unit: text(STRESS_UNIT), surface: text("surface"), channel: text("channel") };
+    let mut source = Source {
+        unit: text(UNIT),
+        stress_unit: text(STRESS_UNIT),
+        surface: text("surface"),
+        channel: text("channel"),
+        image_heights: table.get("image_heights").and_then(Value::as_bool) == Some(true),
+    };
     if let Some(ArrayOption::Load(load)) = arrays.get("surface") {
         let recorded = |key: &str| load.config.get(key).and_then(Value::as_str).map(str::to_owned);
         source.unit = source.unit.or_else(|| recorded(UNIT));

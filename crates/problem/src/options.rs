@@ -13,9 +13,9 @@ mod law;
 mod plasticity;
 mod prony;
 pub mod quantities;
-mod shape;
 mod sliding;
 mod solver;
+pub mod text;
 pub mod values;
 
 pub use body::{BodyArgs, HEIGHTS, Layer, OtherArgs, RecordedBodyArgs, height, height_if, parse_height, sides};

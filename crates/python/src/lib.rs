@@ -28,7 +28,7 @@ mod _gfmd {
     use crate::law::law_text;
     #[pymodule_export]
     use crate::surface::{
-        composite, detrend, fill, finer, periodise, prepared, psd, read, self_affine, statistics, surface_report,
+        composite, detrend, even, fill, finer, periodise, prepared, psd, read, self_affine, statistics, surface_report,
         texture,
     };
     #[pymodule_export]

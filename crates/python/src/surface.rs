@@ -1,11 +1,13 @@
 //! Generation, reading, preparation and statistics of surfaces.
 
+use std::fmt::Display;
 use std::path::Path;
+use std::str::FromStr;
 
 use gfmd_cli::surface::{Choices, Curves, Detail, Measured, Report, Window, whole_band, write_report};
 use gfmd_contact::Boundary;
 use gfmd_field::Grid;
-use gfmd_files::{Topography, TopographyError};
+use gfmd_files::{Reading, Topography, TopographyError};
 use gfmd_input::failure::Failure;
 use gfmd_input::json;
 use gfmd_input::memory;
@@ -16,9 +18,10 @@ use gfmd_problem::Spelling;
 use gfmd_problem::options::quantities::text_in_units;
 use gfmd_problem::options::{GeneratorArgs, Kinds, Method};
 use gfmd_surface::{
-    Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, Shape, finer as finer_heights,
+    Autocorrelation, Bearing, Distributions, Fill, Interpolation, PowerSpectrum, Scales, finer as finer_heights,
 };
 use gfmd_unit::Units;
+use ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -30,7 +33,7 @@ pub(crate) type Array<'py> = Bound<'py, PyArray2<f64>>;
 /// Generates a self-affine surface: heights, cell lengths, description. Arguments are the flags of `gfmd surface`.
 #[pyfunction]
 #[pyo3(signature = (*, n, size, shape, unit, hurst, eps_t_inv, eps_f_inv, eps_c_inv, rms_gradient, rms_height, seed,
-    dim, method, roll_off, roll_off_shape, amplitudes, aspect, lay))]
+    dim, method, roll_off, roll_off_shape, amplitudes, aspect, lay, marginal))]
 #[expect(clippy::too_many_arguments, reason = "keywords")]
 pub(crate) fn self_affine<'py>(
     py: Python<'py>,
@@ -52,6 +55,7 @@ pub(crate) fn self_affine<'py>(
     amplitudes: &str,
     aspect: Option<f64>,
     lay: Option<f64>,
+    marginal: Option<&str>,
 ) -> PyResult<(Array<'py>, [f64; 2], String, bool)> {
     let method = match method {
         "psd" => Method::Psd,
@@ -62,9 +66,11 @@ pub(crate) fn self_affine<'py>(
     if !(2..=3).contains(&dim) {
         return Err(refused(py, &format!("dim is {dim}; it must be 2 (a profile) or 3")));
     }
+    let of_shape = |text| with_units(("shape", Kinds::SHAPE), text, unit);
+    let of_marginal = |text| with_units(("marginal", Kinds::MARGINAL), text, unit);
     let args = GeneratorArgs {
         n,
-        shape: shape.map(|text| shape_of(text, unit)).transpose().map_err(|error| refused(py, &error))?,
+        shape: shape.map(of_shape).transpose().map_err(|error| refused(py, &error))?,
         hurst,
         eps_t_inv,
         eps_f_inv,
@@ -79,6 +85,7 @@ pub(crate) fn self_affine<'py>(
         amplitudes: amplitudes.parse().map_err(|error| refused(py, &error))?,
         aspect,
         lay,
+        marginal: marginal.map(of_marginal).transpose().map_err(|error| refused(py, &error))?,
     };
     let made = quick(py, || {
         let grid = gfmd_input::source::grid_of(&args, &size)?;
@@ -89,12 +96,16 @@ pub(crate) fn self_affine<'py>(
     Ok((heights.into_pyarray(py), lengths, args.to_string(), args.is_periodic()))
 }
 
-/// Reads a shape, whose lengths may have units if the lengths of the surface have one.
-fn shape_of(text: &str, unit: Option<&str>) -> Result<Shape, String> {
+/// Reads a shape or a distribution, whose lengths may have units if the lengths of the surface have one.
+fn with_units<T: FromStr<Err: Display>>(
+    (key, kinds): (&str, Kinds),
+    text: &str,
+    unit: Option<&str>,
+) -> Result<T, String> {
     let units = Units::new(unit, None);
-    let bare = text_in_units(("shape", Kinds::SHAPE), text, &mut &units);
+    let bare = text_in_units((key, kinds), text, &mut &units);
     let bare = bare.map_err(|error| error.spelled(Spelling::Argument))?;
-    bare.as_deref().unwrap_or(text).parse().map_err(|error| format!("shape: {error}"))
+    bare.as_deref().unwrap_or(text).parse().map_err(|error| format!("{key}: {error}"))
 }
 
 /// Heights (NaN where undefined), lengths of the cell, unit, description, and the file's other entries as JSON.
@@ -102,10 +113,15 @@ type HeightMap<'py> = (Array<'py>, Option<[f64; 2]>, Option<String>, String, Str
 
 /// Reads a height map from a file.
 #[pyfunction]
-#[pyo3(signature = (name, channel=None))]
-pub(crate) fn read<'py>(py: Python<'py>, name: &str, channel: Option<&str>) -> PyResult<HeightMap<'py>> {
+#[pyo3(signature = (name, channel=None, image_heights=false))]
+pub(crate) fn read<'py>(
+    py: Python<'py>,
+    name: &str,
+    channel: Option<&str>,
+    image_heights: bool,
+) -> PyResult<HeightMap<'py>> {
     let read = || {
-        let found = Topography::read(name, channel)?;
+        let found = Topography::read_as(name, Reading { channel, image_heights })?;
         found.warnings.iter().for_each(|text| tracing::warn!("{name}: {text}"));
         Ok::<_, TopographyError>(found)
     };
@@ -155,6 +171,20 @@ pub(crate) fn detrend<'py>(py: Python<'py>, heights: PyReadonlyArray2<'py, f64>,
     let heights = heights.as_array().to_owned();
     let rest = quick(py, || gfmd_surface::remove(&heights, trend))?.map_err(|error| refused(py, &error))?;
     Ok(rest.into_pyarray(py))
+}
+
+/// Returns heights at even spacing from heights at uneven places, and the spacing.
+#[pyfunction]
+pub(crate) fn even<'py>(
+    py: Python<'py>,
+    places: Vec<f64>,
+    heights: Vec<f64>,
+    points: Option<usize>,
+) -> PyResult<(Array<'py>, f64)> {
+    let made = quick(py, || gfmd_prepare::even(&places, &heights, points))?;
+    let (heights, spacing) = made.map_err(|error| refused(py, &error))?;
+    let rows = Array2::from_shape_vec((heights.len(), 1), heights).map_err(|error| refused(py, &error))?;
+    Ok((rows.into_pyarray(py), spacing))
 }
 
 /// Heights, lengths, words and record of a step of the preparation.

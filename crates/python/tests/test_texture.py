@@ -305,3 +305,36 @@ def test_a_filtered_profile_has_the_parameters_of_profiles():
     assert found.rzx == pytest.approx(np.max(sections.max(axis=1) - sections.min(axis=1)))
     assert found.rq == pytest.approx(np.std(heights)) and found.ra == pytest.approx(np.mean(np.abs(heights)))
     assert 0 < found.rsm < 0.8 and found.rk == found.sk
+
+
+def test_heights_of_a_given_distribution():
+    options = dict(n=128, eps_t_inv=4, eps_f_inv=8, rms_gradient=0.1, seed=2)
+    s = gfmd.self_affine(marginal="weibull:-1.5", **options)
+    numbers = s.statistics()
+    assert abs(numbers.skewness + 1.072) < 0.02 and abs(numbers.kurtosis - 4.39) < 0.1
+    assert s.rms_gradient == pytest.approx(0.1, rel=1e-12)
+    assert "heights weibull:-1.5" in s.description
+    # The rms height is that of the normal surface, whose amplitudes it has.
+    assert numbers.rms_height == pytest.approx(gfmd.self_affine(**options).statistics().rms_height, rel=1e-12)
+    uniform = gfmd.self_affine(marginal=[(-1, 0), (1, 1)], **options).statistics()
+    assert abs(uniform.kurtosis - 1.8) < 0.05
+    with pytest.raises(gfmd.InputError, match="marginal: it is 'normal'|marginal: it is \"normal\""):
+        gfmd.self_affine(marginal="normal", **options)
+    with pytest.raises(gfmd.InputError, match="marginal has the shape"):
+        gfmd.self_affine(marginal=[1.0, 2.0], **options)
+    with pytest.raises(gfmd.InputError, match="marginal: the heights lie .* away from the distribution"):
+        gfmd.self_affine(marginal="lognormal:1", **options)
+
+
+def test_an_uneven_profile():
+    x = np.array([3.0, 0.0, 1.0, 1.5])
+    s = gfmd.profile(x, 2 * x, n=7, unit="um")
+    assert s.heights.shape == (7, 1) and s.unit == "µm"
+    assert s.size[0] == pytest.approx(3.5) and np.allclose(s.heights[:, 0], np.arange(7.0))
+    assert gfmd.profile(x, 2 * x).heights.shape == (3, 1)
+    with pytest.raises(gfmd.InputError, match="given once"):
+        gfmd.profile([0, 0, 1], [1, 2, 3])
+    with pytest.raises(gfmd.InputError, match="at most 10, ten median spacings"):
+        gfmd.profile([0, 1, 2, 13], [1, 2, 3, 4])
+    with pytest.raises(gfmd.InputError, match="2 places with heights"):
+        gfmd.profile([0, 1, 2], [1, 2])

@@ -214,6 +214,10 @@ fn asked(page: &mut Page, config: &Config) {
         (_, 1.0) => "isotropic surfaces".to_owned(),
         (_, aspect) => format!("surfaces with the aspect ratio {aspect}, lay {}°", surface.lay),
     };
+    let kind = match &surface.marginal {
+        Some(marginal) => format!("{kind}, heights {}", marginal.name()),
+        None => kind,
+    };
     let height = match body.height {
         gfmd_green::Height::Infinite => "half-space".to_owned(),
         gfmd_green::Height::Finite(height) => format!("slab of {height} cell lengths"),

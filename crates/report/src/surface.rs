@@ -46,6 +46,8 @@ pub struct Subject<'a> {
     pub hurst: Option<(f64, [f64; 2])>,
     /// Autocorrelation, distributions, slopes against distance and bearing curve, if requested.
     pub texture: Option<&'a Texture>,
+    /// Points at the course lines between hills, if there are hills and they were requested.
+    pub course_lines: Option<&'a Array2<bool>>,
 }
 
 /// Number of a surface.
@@ -95,8 +97,8 @@ impl Subject<'_> {
     }
 
     /// Draws `PREFIX-map` (not for a profile), `PREFIX-profile` and `PREFIX-spectrum`; with a texture also
-    /// `PREFIX-autocorrelation`, `PREFIX-correlation-map` (not for a profile), `PREFIX-distributions`, `PREFIX-slopes`,
-    /// `PREFIX-curvatures`, `PREFIX-bearing`.
+    /// `PREFIX-hills` (not for a profile), `PREFIX-autocorrelation`, `PREFIX-correlation-map` (not for a profile),
+    /// `PREFIX-distributions`, `PREFIX-slopes`, `PREFIX-curvatures`, `PREFIX-bearing`.
     ///
     /// # Errors
     /// Returns an error if a file cannot be written or the heights cannot be drawn.
@@ -109,6 +111,7 @@ impl Subject<'_> {
             Ok(())
         };
         keep(self.map(|map| map.save(&named(prefix, "map"))))?;
+        keep(self.hills(|map| map.save(&named(prefix, "hills"))))?;
         keep(Some(self.profile().save(&named(prefix, "profile"))))?;
         keep(self.spectrum().map(|chart| chart.save(&named(prefix, "spectrum"))))?;
         if let Some(texture) = self.texture {
@@ -248,6 +251,13 @@ impl Subject<'_> {
                 @if self.resolved.is_some() { " The broken lines bound the band that the points resolve." }
             };
             page.chart(&chart, "power spectral density", &caption);
+        }
+        let hills = html! {
+            "Heights, with the course lines between hills. Hills lower than the pruned height have joined others, and the "
+            "lines bound the " i { "mean hill area" } " of the table."
+        };
+        if let Some(map) = self.hills(|map| map.clone().element(&page.next_name(), "map of the hills")) {
+            page.drawn(map, "map of the hills", &hills);
         }
         let Some(texture) = self.texture else { return };
         if let Some(chart) = self.autocorrelation(texture) {

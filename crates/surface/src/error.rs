@@ -31,6 +31,23 @@ pub enum SurfaceError {
         /// Twice the (larger) grid spacing.
         allowed: f64,
     },
+    /// A shortest wavelength of two grid spacings, whose phase a grid does not show.
+    #[error(
+        "the shortest wavelength is {shortest}, two grid spacings; with a distribution of the heights it must be longer"
+    )]
+    NoRoomForPhases {
+        /// Shortest wavelength λ_s, length.
+        shortest: f64,
+    },
+    /// A distribution of heights that no surface with these waves has.
+    #[error(
+        "the heights lie {:.0} % of their rms height away from the distribution; its tails or gaps must be such that \
+         waves of this spectrum have them within 10 %", 100.0 * found
+    )]
+    Marginal {
+        /// Root-mean-square distance in the order of the heights, relative to the rms height.
+        found: f64,
+    },
     /// A roll-off wavelength outside the cut-offs.
     #[error("the roll-off wavelength is {found}; it must be between {shortest} and {longest}")]
     RollOff {

@@ -4,6 +4,7 @@
 //! | question                                           | start at                                     |
 //! |----------------------------------------------------|----------------------------------------------|
 //! | a periodic surface with this spectrum              | [`SelfAffine`], then [`SelfAffine::heights`] |
+//! | heights with this distribution                     | [`Marginal`]                                 |
 //! | the grid for these ε_t, ε_f, ε_c                   | [`Discretisation`]                           |
 //! | rms height, gradient, curvature, Nayak's parameter | [`Statistics`]                               |
 //! | power spectral density, Hurst exponent, cut-offs   | [`PowerSpectrum`]                            |
@@ -22,6 +23,7 @@
 #![warn(missing_docs)]
 
 mod discretisation;
+mod marginal;
 mod self_affine;
 mod synthesis;
 
@@ -49,6 +51,7 @@ pub use error::SurfaceError;
 pub use fill::{Fill, fill};
 pub use finer::{Interpolation, centred, finer, finer_inside};
 pub use gfmd_field::Grid;
+pub use marginal::{Marginal, MarginalError};
 pub use moments::{Dimension, Moments};
 pub use pair::{composite, composite_inside};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};

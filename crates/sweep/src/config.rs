@@ -7,7 +7,8 @@ use gfmd_contact::{Budget, Solver};
 use gfmd_fit::{Edge, Exponent, Model};
 use gfmd_green::{BaseKind, Body, Height};
 use gfmd_measure::LongWaves;
-use gfmd_surface::Discretisation;
+use gfmd_problem::options::text;
+use gfmd_surface::{Discretisation, Marginal};
 use serde::{Deserialize, Serialize};
 
 use crate::SweepError;
@@ -70,6 +71,9 @@ pub struct SurfaceConfig {
     /// Direction of the lay from the x axis, degrees.
     #[serde(skip_serializing_if = "is_zero")]
     pub lay: f64,
+    /// Distribution of the heights; normal if left out.
+    #[serde(with = "text", skip_serializing_if = "Option::is_none")]
+    pub marginal: Option<Marginal>,
 }
 
 /// Methods to generate heights (theory.md, section 9).
@@ -291,7 +295,16 @@ fn is_one(value: &f64) -> bool {
 
 impl Default for SurfaceConfig {
     fn default() -> Self {
-        Self { dim: 3, hurst: vec![0.8], rms_gradient: 0.1, method: Method::Psd, roll_off: 1.0, aspect: 1.0, lay: 0.0 }
+        Self {
+            dim: 3,
+            hurst: vec![0.8],
+            rms_gradient: 0.1,
+            method: Method::Psd,
+            roll_off: 1.0,
+            aspect: 1.0,
+            lay: 0.0,
+            marginal: None,
+        }
     }
 }
 
@@ -401,8 +414,8 @@ impl Config {
     pub fn composes(&self, hurst: f64) -> bool {
         let high = self.body.is_high();
         let wanted = self.fit.long_waves == LongWavesConfig::Composed && self.fit.estimator == Estimator::Ratio;
-        let SurfaceConfig { dim, method, roll_off, aspect, .. } = self.surface;
-        let endless = dim == 3 && method == Method::Psd && roll_off == 1.0 && aspect == 1.0;
+        let SurfaceConfig { dim, method, roll_off, aspect, ref marginal, .. } = self.surface;
+        let endless = dim == 3 && method == Method::Psd && roll_off == 1.0 && aspect == 1.0 && marginal.is_none();
         wanted
             && endless
             && self.loads.control == Control::Load
@@ -488,6 +501,13 @@ impl Config {
                 let allowed = format!("at most {}", eps_t_inv.min(0.5 * eps_c_inv).powi(2));
                 let allowed = format!("{allowed} with eps_t_inv = {eps_t_inv} and eps_c_inv = {eps_c_inv}");
                 return Err(SweepError::Field { field: "surface.aspect", found, allowed });
+            }
+            if let Some(marginal) = &self.surface.marginal
+                && eps_c_inv <= 2.0 * stretch
+            {
+                let found = marginal.to_string();
+                let allowed = format!("left out with eps_c_inv = {eps_c_inv}: the shortest waves have two points");
+                return Err(SweepError::Field { field: "surface.marginal", found, allowed });
             }
             if (*largest_n == 0 || n <= *largest_n) && !points.iter().any(|(other, _)| *other == point) {
                 points.push((point, n));

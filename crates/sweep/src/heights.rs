@@ -10,9 +10,16 @@ use crate::plan::Point;
 impl SurfaceConfig {
     /// Generates the heights of realisation `seed` of a point, on a cell of length 1, scaled to the rms gradient.
     pub(crate) fn heights(&self, point: &Point, seed: u64) -> Result<Array2<f64>, SurfaceError> {
+        let of_spectrum = |hurst: f64| {
+            let spectrum = self.spectrum(point, hurst);
+            match &self.marginal {
+                Some(marginal) => marginal.heights(&spectrum, &point.grid, seed),
+                None => spectrum.heights(&point.grid, seed),
+            }
+        };
         let displaced = match self.method {
-            Method::Psd => return self.spectrum(point, point.hurst).heights(&point.grid, seed),
-            Method::Printed => return self.spectrum(point, 1.0 + 2.0 * point.hurst).heights(&point.grid, seed),
+            Method::Psd => return of_spectrum(point.hurst),
+            Method::Printed => return of_spectrum(1.0 + 2.0 * point.hurst),
             Method::Sra => Displaced::AllPoints,
             Method::Rmd => Displaced::Midpoints,
         };

@@ -15,6 +15,8 @@ pub(crate) struct File {
     input: Option<Input>,
     head: Vec<u8>,
     whole: OnceLock<Vec<u8>>,
+    /// True if numbers of 8 bits in an image are heights.
+    image_heights: bool,
 }
 
 impl File {
@@ -25,14 +27,32 @@ impl File {
     pub(crate) fn open(path: &str) -> Result<Self, String> {
         let input = Input::settled(path).map_err(text)?;
         let head = input.head(HEAD as u64).map_err(text)?;
-        Ok(Self { input: Some(input), head, whole: OnceLock::new() })
+        Ok(Self { input: Some(input), head, whole: OnceLock::new(), image_heights: false })
     }
 
     /// Creates a file from bytes in memory.
     pub(crate) fn from_bytes(bytes: Vec<u8>) -> Self {
-        let file = Self { input: None, head: Vec::new(), whole: OnceLock::new() };
+        let file = Self { input: None, head: Vec::new(), whole: OnceLock::new(), image_heights: false };
         file.whole.get_or_init(|| bytes);
         file
+    }
+
+    /// Takes numbers of 8 bits in an image for heights if `image_heights`.
+    pub(crate) fn with_image_heights(self, image_heights: bool) -> Self {
+        Self { image_heights, ..self }
+    }
+
+    /// Checks that numbers of 8 bits in an image are heights; otherwise they are taken for the brightness of a picture.
+    ///
+    /// # Errors
+    /// Returns an error if nobody says so.
+    pub(crate) fn check_image_heights(&self) -> Result<(), String> {
+        if self.image_heights {
+            return Ok(());
+        }
+        Err("the image has 8 bits a pixel, as pictures have; if they are heights, say so by --image-heights \
+             (image_heights=True), or save the heights with 16 bits, or as text"
+            .into())
     }
 
     /// Returns the first 64 KiB, or all bytes of a shorter file.

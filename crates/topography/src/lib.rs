@@ -251,6 +251,16 @@ pub struct TopographyError {
     pub reason: String,
 }
 
+/// Choices of a reader.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading<'a> {
+    /// Name of the channel, or its number from 0; `None` for the default of the file.
+    pub channel: Option<&'a str>,
+    /// True if grey numbers of 8 bits in an image are heights, which are otherwise refused: most such images are
+    /// pictures.
+    pub image_heights: bool,
+}
+
 impl Topography {
     /// Reads a channel of the file `name`, in one of the formats in `docs/formats.md`.
     ///
@@ -260,6 +270,14 @@ impl Topography {
     /// # Errors
     /// A file that cannot be read or has another format; a channel that does not exist.
     pub fn read(name: &str, channel: Option<&str>) -> Result<Self, TopographyError> {
+        Self::read_as(name, Reading { channel, ..Reading::default() })
+    }
+
+    /// Reads a channel of the file `name` as [`read`](Self::read) does, with other choices.
+    ///
+    /// # Errors
+    /// The errors of [`read`](Self::read).
+    pub fn read_as(name: &str, Reading { channel, image_heights }: Reading) -> Result<Self, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
         let (path, dataset) = coordinates::split(name).unwrap_or((name, ""));
         let channel = match (dataset, channel) {
@@ -270,7 +288,8 @@ impl Topography {
             }
         };
         let decode = |file: File| Self::decode(&file, name, channel).map_err(|reason| file.cause(reason));
-        File::open(path).and_then(decode).map_err(fail)
+        let file = File::open(path).map(|file| file.with_image_heights(image_heights));
+        file.and_then(decode).map_err(fail)
     }
 
     /// Reads a channel of a file from its bytes in memory; `name` is used in messages.
@@ -316,7 +335,7 @@ impl Topography {
     pub fn list(name: &str) -> Result<Listing, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
         let (path, _) = coordinates::split(name).unwrap_or((name, ""));
-        File::open(path).and_then(|file| Listing::of(&file)).map_err(fail)
+        File::open(path).and_then(|file| Listing::of(&file.with_image_heights(true))).map_err(fail)
     }
 
     /// Returns an error with the number of undefined points and the first of them, if any.

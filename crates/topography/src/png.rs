@@ -1,4 +1,4 @@
-//! Images as PNG, with 16 bits of grey.
+//! Images as PNG, with 16 bits of grey, or 8 if the caller says that they are heights.
 //!
 //! The numbers are heights without a unit, unless Gwyddion wrote the size, the units, and the heights of the smallest
 //! and largest number as texts.
@@ -16,9 +16,6 @@ pub(crate) const FORMAT: Format = Format { name: "PNG", sniff, open, first_line:
 
 /// Largest ratio of compression by deflate.
 const LARGEST_RATIO: usize = 1032;
-
-/// Largest number of a point.
-const LARGEST: f64 = 65535.0;
 
 /// Memory for texts and lines beside the image.
 const MOST_OTHER: usize = 1 << 20;
@@ -45,6 +42,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let info = reader.info();
     match (info.color_type, info.bit_depth) {
         (ColorType::Grayscale, BitDepth::Sixteen) => {}
+        (ColorType::Grayscale, BitDepth::Eight) => file.check_image_heights()?,
         (ColorType::Grayscale, depth) => {
             let bits = depth as u8;
             return Err(format!(
@@ -53,8 +51,10 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         }
         _ => return Err("the image has colours or a palette; heights must be grey, with 16 bits".into()),
     }
+    let size = if info.bit_depth == BitDepth::Eight { 1 } else { 2 };
+    let largest = if size == 1 { 255.0 } else { 65535.0 };
     let points = [count("the number of columns", info.width)?, count("the number of lines", info.height)?];
-    let needed = points[0].saturating_mul(points[1]).saturating_mul(2);
+    let needed = points[0].saturating_mul(points[1]).saturating_mul(size);
     let most = file.bytes()?.len().saturating_mul(LARGEST_RATIO);
     if needed > most {
         let [nx, ny] = points;
@@ -73,26 +73,27 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     }
     let mut scale = [1.0, 0.0];
     if let (Some(low), Some(high)) = (number("Gwy::ZMin")?, number("Gwy::ZMax")?) {
-        scale = [factor("the range of the heights", (high - low) / LARGEST)?, low];
-        map.notes.push("the numbers 0 and 65535 are taken as Gwy::ZMin and Gwy::ZMax".into());
+        scale = [factor("the range of the heights", (high - low) / largest)?, low];
+        map.notes.push(format!("the numbers 0 and {largest} are taken as Gwy::ZMin and Gwy::ZMax"));
     } else if map.lengths.is_some() {
         map.notes.push("the heights have no scale; heights and lengths are given without a unit".into());
         (map.length_unit, map.height_unit) = (None, None);
     }
     let unit = map.height_unit.clone();
-    let read = move || Ok(Map { heights: heights(file, points, scale)?, ..map });
+    let read = move || Ok(Map { heights: heights(file, points, size, scale)?, ..map });
     Ok(Channel { name: String::new(), unit, points, read: Box::new(read) }.into())
 }
 
 /// Decodes the numbers.
-fn heights(file: &File, [nx, ny]: [usize; 2], [scale, offset]: [f64; 2]) -> Result<Array2<f64>, String> {
+fn heights(file: &File, [nx, ny]: [usize; 2], size: usize, [scale, offset]: [f64; 2]) -> Result<Array2<f64>, String> {
     let mut reader = reader(file)?;
-    let size = reader.output_buffer_size().filter(|size| *size == 2 * nx * ny);
-    let mut bytes = vec![0; size.ok_or("the image has another number of bytes than its points")?];
+    let length = reader.output_buffer_size().filter(|length| *length == size * nx * ny);
+    let mut bytes = vec![0; length.ok_or("the image has another number of bytes than its points")?];
     reader.next_frame(&mut bytes).map_err(damaged)?;
     let mut heights = Array2::zeros((nx, ny));
-    for (k, pair) in bytes.chunks_exact(2).enumerate() {
-        heights[[k % nx, k / nx]] = scale * f64::from(u16::from_be_bytes([pair[0], pair[1]])) + offset;
+    for (k, number) in bytes.chunks_exact(size).enumerate() {
+        let number = number.iter().fold(0, |number, byte| number << 8 | u32::from(*byte));
+        heights[[k % nx, k / nx]] = scale * f64::from(number) + offset;
     }
     Ok(heights)
 }

@@ -86,6 +86,7 @@ const SURFACE: &[Row] = &[
         "the file, if it exists",
     ),
     row(&["/surface/hardness"], InPart, InPart, "the loads, where the hardness is reached"),
+    row(&["/surface/preparation/shifts", "/surface/preparation/scan_line"], Checksum, Checksum, ""),
     row(&["/surface@*"], Checksum, Checksum, ""),
 ];
 

@@ -61,13 +61,22 @@ impl Detail {
     ///
     /// # Errors
     /// Heights or a fraction that cannot be used.
-    pub fn measure(&self, heights: &Array2<f64>, grid: &Grid) -> Result<(Texture, SurfaceDetail), SurfaceError> {
+    pub fn measure(&self, heights: &Array2<f64>, grid: &Grid) -> Result<(Functions, SurfaceDetail), SurfaceError> {
         let texture = Texture::of(heights, grid, self.boundary == Boundary::Periodic)?;
         let lengths = texture.autocorrelation.lengths();
         let direction = Direction::of(&PowerSpectrum::of(heights, grid)?, lengths.aspect());
-        let features = Features::of(heights, grid, self.wolf, self.edges())?;
-        Ok((texture, SurfaceDetail { lengths, direction, features }))
+        let found = Features::with_course_lines(heights, grid, self.wolf, self.edges())?;
+        let (features, course_lines) = found.unzip();
+        Ok((Functions { texture, course_lines }, SurfaceDetail { lengths, direction, features }))
     }
+}
+
+/// Functions of a detailed measurement.
+pub struct Functions {
+    /// Autocorrelation, distributions, slopes and curvatures against distance, bearing curve.
+    pub texture: Texture,
+    /// Points at the course lines between hills, `[nx, ny]`; `None` for a profile and a flat surface.
+    pub course_lines: Option<Array2<bool>>,
 }
 
 /// Measured numbers and functions of a surface.
@@ -78,8 +87,8 @@ pub struct Measured {
     pub numbers: Record<Surface>,
     /// Facts for which the numbers are printed.
     pub facts: SurfaceFacts,
-    /// Functions of a detailed measurement.
-    pub texture: Option<Texture>,
+    /// Functions, after a detailed measurement.
+    pub functions: Option<Functions>,
 }
 
 impl Measured {
@@ -101,7 +110,7 @@ impl Measured {
         let areal = Areal::of(heights, grid)?;
         let section = choices.section.filter(|_| grid.is_line());
         let profile = section.map(|section| ProfileNumbers::of(heights, grid, section)).transpose()?;
-        let (texture, detail) = choices.detail.map(|detail| detail.measure(heights, grid)).transpose()?.unzip();
+        let (functions, detail) = choices.detail.map(|detail| detail.measure(heights, grid)).transpose()?.unzip();
         let free = choices.boundary == Boundary::Free;
         let facts = SurfaceFacts { free, line: grid.is_line(), detailed: detail.is_some() };
         let moments = if free { statistics.moments_inside() } else { statistics.moments };
@@ -116,6 +125,6 @@ impl Measured {
             detail: detail.as_ref(),
         };
         let numbers = Record::compute(&facts, &at);
-        Ok(Self { numbers, facts, texture, spectrum })
+        Ok(Self { numbers, facts, functions, spectrum })
     }
 }

@@ -16,6 +16,7 @@ mod export_law;
 mod extreme;
 mod free;
 mod gas;
+mod generated;
 mod golden;
 mod grid;
 mod guess;

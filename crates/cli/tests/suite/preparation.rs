@@ -68,6 +68,9 @@ fn all_steps_act_in_one_order_and_are_recorded() {
     let kept: serde_json::Value = serde_json::from_str(&reader.text("/surface", "preparation").unwrap()).unwrap();
     assert_eq!(&kept, &found["scan"]["preparation"]);
     assert_eq!(reader.number("/surface", "nesting_index_s").unwrap(), 2000.0);
+    let shifts: Vec<f64> = reader.values("/surface/preparation/shifts").unwrap();
+    assert_eq!(shifts.len(), 44);
+    assert!(shifts.iter().sum::<f64>().abs() < 1e-9 * shifts.iter().map(|shift| shift.abs()).sum::<f64>());
     // The order of the flags does not matter.
     let turned = "surface --surface scan.txt --crop :30um,2um: --invalid 30um:,20um: --invalid above:500nm --exclude \
                   1um:2um,1um:2um --despike 5,5 --descar --level rows:median --detrend polynomial:4 --fill harmonic \

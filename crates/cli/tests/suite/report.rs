@@ -267,14 +267,14 @@ fn surfaces_have_pages_and_functions() {
     let made =
         run("surface --n 48,32 --size 3,2 --eps-f-inv 4 --statistics --out h.h5 --report h.html --plots h --json -q");
     assert_eq!(made["boundary"], "periodic");
-    // Map, profile, spectrum, autocorrelation and its map, three distributions, slopes, curvatures, bearing curve.
+    // Map, profile, spectrum, hills, autocorrelation and its map, three distributions, slopes, curvatures, bearing curve.
     let text = page(folder, "h.html");
     check_page(&text);
     let sections = ["answer", "asked", "figures", "numbers", "repeat", "cite"];
-    assert_eq!(outline(&text), (sections.to_vec(), 11, 1));
+    assert_eq!(outline(&text), (sections.to_vec(), 12, 1));
     assert!(text.contains("<span class=\"word\">3,2</span>") && text.contains("<code>sal</code>"));
-    assert_eq!(made["plots"].as_array().unwrap().len(), 18);
-    for name in ["autocorrelation", "correlation-map", "distributions", "slopes", "curvatures", "bearing"] {
+    assert_eq!(made["plots"].as_array().unwrap().len(), 20);
+    for name in ["hills", "autocorrelation", "correlation-map", "distributions", "slopes", "curvatures", "bearing"] {
         assert!(folder.join(format!("h-{name}.svg")).exists(), "{name}");
     }
     // JSON, the file and identities between them.

@@ -124,6 +124,8 @@ pub(super) struct Preparing<'a> {
     pub(super) warnings: Vec<String>,
     /// Steps in words, each after a comma.
     pub(super) words: String,
+    /// Height taken from each row, or column, by levelling; empty without levelling by a shift.
+    pub(super) shifts: Vec<f64>,
     /// Points left out of fits.
     excluded: Option<Array2<bool>>,
 }
@@ -131,7 +133,8 @@ pub(super) struct Preparing<'a> {
 impl<'a> Preparing<'a> {
     pub(super) fn new(heights: Array2<f64>, grid: Grid, unit: Option<&'a str>) -> Self {
         let (steps, notes, warnings) = (Vec::new(), Vec::new(), Vec::new());
-        Self { heights, grid, unit, steps, notes, warnings, words: String::new(), excluded: None }
+        let (words, shifts) = (String::new(), Vec::new());
+        Self { heights, grid, unit, steps, notes, warnings, words, shifts, excluded: None }
     }
 
     /// Returns the rms gradient by differences between defined neighbours.
@@ -254,8 +257,9 @@ impl<'a> Preparing<'a> {
         }
         if let Some(level @ Level { rows, how }) = args.level {
             let along = if rows == Rows::Rows { level_rows } else { level_columns };
-            let Levelled { heights, .. } =
+            let Levelled { heights, shifts } =
                 along(&self.heights, how, self.excluded.as_ref()).map_err(refuse("level"))?;
+            self.shifts = shifts;
             let words = format!("levelled by {level}");
             self.replace("level", json!({"how": level.to_string()}), heights, &words);
             let axis = if rows == Rows::Rows { "y" } else { "x" };

@@ -7,7 +7,7 @@ use std::fmt;
 
 use gfmd_field::Grid;
 use gfmd_files::legible::line;
-use gfmd_files::{Archive, Topography};
+use gfmd_files::{Archive, Dimension, Reading, Topography, Variable};
 use gfmd_problem::{key, setting, words};
 use gfmd_surface::{Fill, Periodisation, fill, periodise};
 use gfmd_unit::{Conversion, Units};
@@ -48,6 +48,9 @@ pub struct Scan {
     /// Steps of the preparation in their order, each with its numbers and the rms gradient before and after it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub preparation: Vec<Map<String, Value>>,
+    /// Height taken from each row, or column, by levelling, length.
+    #[serde(skip)]
+    pub shifts: Vec<f64>,
     /// Band that the filters leave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<Map<String, Value>>,
@@ -111,7 +114,10 @@ impl SourceArgs {
     ) -> Result<PeriodicScan, Failure> {
         let topography = match (given, read) {
             (_, Some(topography)) => Ok(topography),
-            (ArrayOption::File(name), None) => Topography::read(name, self.channel.as_deref()),
+            (ArrayOption::File(name), None) => {
+                let (channel, image_heights) = (self.channel.as_deref(), self.image_heights);
+                Topography::read_as(name, Reading { channel, image_heights })
+            }
             (ArrayOption::Array(array), None) => Topography::of_array("surface", &array.view()),
             (ArrayOption::Load(_), None) => return Err(Failure::refused("surface is a contact; it must be an array")),
         };
@@ -194,7 +200,7 @@ impl SourceArgs {
             preparing.filled(filled.map_err(|error| Failure::input(file, error))?, how, undefined);
         }
         preparing.after_fill(&self.preparation, false)?;
-        let Preparing { heights, grid, steps, words, notes: made, warnings, .. } = preparing;
+        let Preparing { heights, grid, steps, words, notes: made, warnings, shifts, .. } = preparing;
         description += &words;
         notes.extend(made);
         let [nx, ny] = grid.points();
@@ -214,6 +220,7 @@ impl SourceArgs {
             fill: used.map(Fill::name),
             defined,
             preparation: steps,
+            shifts,
             band: self.preparation.filter.as_ref().map(|bands| bands.record()),
             conversion: topography.conversion,
             details: topography.details,
@@ -280,6 +287,15 @@ impl Scan {
             let text =
                 serde_json::to_string(&self.preparation).map_err(|error| Failure::computation(error.to_string()))?;
             archive.attribute(group, "preparation", text.as_str())?;
+        }
+        if !self.shifts.is_empty() {
+            let line = Dimension::index("scan_line", self.shifts.len(), "row, or column, of the cropped scan");
+            let variable = Variable {
+                dimensions: &[&line],
+                units: self.unit.as_deref().unwrap_or("length"),
+                long_name: "height taken from each row, or column, by levelling",
+            };
+            archive.write(&format!("{group}/preparation/shifts"), &variable, &self.shifts)?;
         }
         for (name, attribute) in [("s", "nesting_index_s"), ("l", "nesting_index_l")] {
             if let Some(index) = self.band.as_ref().and_then(|band| band.get(name)?.as_f64()) {

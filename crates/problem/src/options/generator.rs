@@ -6,14 +6,14 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use gfmd_field::{Grid, Share};
 use gfmd_surface::{
-    Amplitudes, Anisotropy, Dimension, Discretisation, Displaced, Normalisation, PowerSpectrum, RealSpace, RollOff,
-    RollOffShape, SelfAffine, Shape, SurfaceError, centred,
+    Amplitudes, Anisotropy, Dimension, Discretisation, Displaced, Marginal, Normalisation, PowerSpectrum, RealSpace,
+    RollOff, RollOffShape, SelfAffine, Shape, SurfaceError, centred,
 };
 use ndarray::{Array2, s};
 use serde::{Deserialize, Serialize};
 
 use super::choice::{named, parse_choice};
-use super::shape;
+use super::text;
 use super::values::within;
 use crate::options::{Kinds, Options};
 use crate::{Unusable, check_size, key, setting, words};
@@ -58,7 +58,7 @@ pub struct GeneratorArgs {
     /// ellipsoid:a=,b=,c=, cylinder:R= (,axis=y), cone:slope=, wedge:slope= (,axis=y), flat-punch:a=,R= (,depth=),
     /// wave:A= (,Lx=,Ly=). It is smooth, unless --hurst, --rms-gradient or --rms-height adds roughness
     #[arg(long, value_name = "KIND:KEY=VALUE,..", value_parser = Shape::from_str)]
-    #[serde(with = "shape", skip_serializing_if = "Option::is_none")]
+    #[serde(with = "text", skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::SHAPE)]
     pub shape: Option<Shape>,
     /// Hurst exponent, 0 to 1 [default: 0.8]
@@ -124,6 +124,18 @@ pub struct GeneratorArgs {
     #[arg(long, value_name = "DEGREES", requires = "aspect", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lay: Option<f64>,
+    /// Distribution of the heights: lognormal:SIGMA or weibull:SHAPE, mirrored if the number is negative; or a FILE of
+    /// two columns, height and the fraction of the surface below it, or these rows, HEIGHT:PROBABILITY,... Mean and
+    /// width do not matter, and the spectrum is kept [default: normal]
+    #[arg(
+        long,
+        value_name = "lognormal:SIGMA|weibull:SHAPE|FILE",
+        value_parser = Marginal::from_str,
+        allow_hyphen_values = true
+    )]
+    #[serde(with = "text", skip_serializing_if = "Option::is_none")]
+    #[option(kinds = Kinds::MARGINAL)]
+    pub marginal: Option<Marginal>,
 }
 
 /// The ways to make a surface.
@@ -208,6 +220,7 @@ impl GeneratorArgs {
             ("roll_off", self.roll_off.is_some()),
             ("amplitudes", self.amplitudes != Amplitudes::Gaussian),
             ("aspect", self.aspect.is_some()),
+            ("marginal", self.marginal.is_some()),
         ];
         match beside.into_iter().find(|(_, is_given)| *is_given && !self.is_rough()) {
             Some((option, _)) => Err(Unusable::of(words![
@@ -249,7 +262,12 @@ impl GeneratorArgs {
         }
         self.check_normalisation()?;
         Ok(Some(match self.method {
-            Method::Psd => self.rough_rows(grid, &grid.whole())?,
+            Method::Psd => match &self.marginal {
+                Some(marginal) => {
+                    marginal.heights(&self.spectrum(grid)?, grid, self.seed).map_err(|error| of_option(&error))?
+                }
+                None => self.rough_rows(grid, &grid.whole())?,
+            },
             Method::Sra => self.subdivided(grid, Displaced::AllPoints)?,
             Method::Rmd => self.subdivided(grid, Displaced::Midpoints)?,
         }))
@@ -257,10 +275,15 @@ impl GeneratorArgs {
 
     /// Returns true if several processes generate their own rows by [`heights_shared`](Self::heights_shared).
     pub fn is_shared(&self) -> bool {
+        self.method == Method::Psd && self.marginal.is_none()
+    }
+
+    /// Returns true if the same surface can be generated on a finer grid.
+    pub fn has_finer_grids(&self) -> bool {
         self.method == Method::Psd
     }
 
-    /// Generates the rows of `--method psd`, or of a shape, in the `share` of this process.
+    /// Generates the rows of [shared](Self::is_shared) heights, or of a shape, in the `share` of this process.
     ///
     /// # Errors
     /// Fails like [`heights`](Self::heights), on all processes.
@@ -446,6 +469,10 @@ impl GeneratorArgs {
             let allowed = words!["gaussian with ", setting("method", self.method)];
             return Err(Unusable::value(key("amplitudes"), "fixed", allowed));
         }
+        if let Some(marginal) = &self.marginal {
+            let allowed = words!["left out with ", setting("method", self.method), ", which has no spectrum to keep"];
+            return Err(Unusable::value(key("marginal"), marginal, allowed));
+        }
         let [nx, ny] = grid.points();
         let subdivisions = nx.max(ny).next_power_of_two().ilog2().max(1);
         let generator = RealSpace { hurst: self.hurst(), subdivisions, rms_increment: 1.0, displaced };
@@ -487,8 +514,11 @@ impl fmt::Display for GeneratorArgs {
             None => {}
         }
         write!(f, "generated {what}, method {}, Hurst exponent {}, seed {}", self.method, self.hurst(), self.seed)?;
-        match self.aspect {
-            Some(aspect) => write!(f, ", aspect {aspect} along {}°", self.lay.unwrap_or(0.0)),
+        if let Some(aspect) = self.aspect {
+            write!(f, ", aspect {aspect} along {}°", self.lay.unwrap_or(0.0))?;
+        }
+        match &self.marginal {
+            Some(marginal) => write!(f, ", heights {}", marginal.name()),
             None => Ok(()),
         }
     }
@@ -508,6 +538,7 @@ impl fmt::Display for Method {
 fn of_option(error: &SurfaceError) -> Unusable {
     let option = match error {
         SurfaceError::Hurst(_) => "hurst",
+        SurfaceError::NoRoomForPhases { .. } | SurfaceError::Marginal { .. } => "marginal",
         SurfaceError::RollOff { .. } => "roll_off",
         SurfaceError::NotPositive { what: "rms height", .. } => "rms_height",
         SurfaceError::NotPositive { .. } => "rms_gradient",
@@ -608,6 +639,8 @@ mod tests {
         says("--aspect 2 --lay nan", "--lay is NaN; it must be finite");
         says("--aspect 2 --method rmd", "--aspect: --method rmd has no cut-offs");
         says("--aspect 4 --n 64 --eps-f-inv 16", "--n is 64; with --eps-t-inv 2 and --eps-f-inv 16 the shortest");
+        says("--marginal weibull:2 --method sra", "--marginal is weibull:2; it must be left out with --method sra");
+        says("--marginal weibull:2 --eps-c-inv 2", "--marginal: the shortest wavelength is");
         says("--n 1", "--n is 1; it must be at least 2");
         says("--n 64,64 --dim 2", "--n is [64, 64]; it must be N, or NX,NY for a surface");
         says("--eps-t-inv 1.4 --eps-f-inv 1 --n 64", "--eps-t-inv, --eps-f-inv: the wavelengths are limited to");

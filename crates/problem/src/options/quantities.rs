@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use gfmd_law::LawKind as Kind;
-use gfmd_surface::Shape;
+use gfmd_surface::{Marginal, Shape};
 use gfmd_unit::{NoValue, Quantity, Units};
 use toml::Value;
 
@@ -30,6 +30,8 @@ enum Form {
     Rows,
     /// Rows that may be in a file; the names of its columns.
     Table(&'static [&'static [&'static str]]),
+    /// Rows of heights and probabilities that may be in a file, or a distribution with a name.
+    Marginal,
     /// Parameters of a law with their names.
     Parameters,
     /// Name of a shape, and its numbers with their names.
@@ -95,6 +97,9 @@ impl Kinds {
     /// Young's modulus, Poisson's ratio and height of a layer.
     pub const LAYER: Self = Self::list(&[&["stress", "1", "length"]]);
 
+    /// Heights, and the fractions of the surface below them; or a distribution with a name.
+    pub const MARGINAL: Self = Self { rows: &[&["length", "1"]], form: Form::Marginal };
+
     /// Returns the kinds of the numbers of an entry, in turn.
     pub fn in_turn(&self) -> &'static [&'static str] {
         self.rows[0]
@@ -108,11 +113,21 @@ impl Kinds {
 
     /// Returns the lists of column names of a table in a file; none if the option is no table.
     pub fn columns(&self) -> &'static [&'static [&'static str]] {
-        if let Form::Table(columns) = self.form { columns } else { &[] }
+        match self.form {
+            Form::Table(columns) => columns,
+            Form::Marginal => &[&["height", "probability"]],
+            _ => &[],
+        }
+    }
+
+    /// Returns true if `text` names the file of a table.
+    pub fn names_a_table(&self, text: &str) -> bool {
+        let is_named = self.form == Form::Marginal && Marginal::is_named(text);
+        !self.columns().is_empty() && !is_rows(text) && !is_named
     }
 
     fn has_columns(&self) -> bool {
-        matches!(self.form, Form::Rows | Form::Table(_))
+        matches!(self.form, Form::Rows | Form::Table(_) | Form::Marginal)
     }
 }
 
@@ -120,7 +135,7 @@ impl Kinds {
 pub type KindsByKey = BTreeMap<&'static str, Kinds>;
 
 /// Returns true if the value of an option is a table with its rows written out.
-pub fn is_rows(text: &str) -> bool {
+fn is_rows(text: &str) -> bool {
     let is_number = |text: &str| text.trim().parse::<f64>().is_ok() || matches!(Quantity::parse(text), Ok(Some(_)));
     text.split(',').all(|row| row.contains(':') && row.split(':').all(is_number))
 }

@@ -33,7 +33,7 @@ from ._result import Result
 from ._shape import cone, cylinder, ellipsoid, flat_punch, paraboloid, sphere, wave, wedge
 from ._slide import Slide, slide
 from ._solve import contact, contacts
-from ._surface import Statistics, Surface, read, read_heights, self_affine
+from ._surface import Statistics, Surface, profile, read, read_heights, self_affine
 
 __all__ = [
     "Adhesion",
@@ -80,6 +80,7 @@ __all__ = [
     "many",
     "paraboloid",
     "path",
+    "profile",
     "progress",
     "prony",
     "punch",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, Optional, TypedDict, Union
 
+import numpy.typing as npt
+
 from ._check import Quantity, number, quantities, quantity, word
 from ._errors import InputError
 from ._surface import Size, Surface, self_affine
@@ -32,6 +34,7 @@ class ShapeOptions(TypedDict, total=False):
     amplitudes: str
     aspect: Optional[float]
     lay: Optional[float]
+    marginal: Union[str, npt.ArrayLike, None]
 
 
 def _made(kind: str, options: ShapeOptions, **values: Union[Quantity, None]) -> Surface:

@@ -915,6 +915,7 @@ def self_affine(
     amplitudes: str = "gaussian",
     aspect: Optional[float] = None,
     lay: Optional[float] = None,
+    marginal: Union[str, npt.ArrayLike, None] = None,
 ) -> Surface:
     """Generates a periodic self-affine surface from its spectrum and a seed, as `gfmd surface` does.
 
@@ -939,6 +940,9 @@ def self_affine(
         amplitudes: "gaussian", or "fixed" (random phases only).
         aspect: correlation length along the lay divided by the correlation length across it, at least 1.
         lay: direction of the lay from the x axis, degrees; 0 by default.
+        marginal: distribution of the heights, "lognormal:SIGMA" or "weibull:SHAPE", mirrored if the number is negative;
+            or an array of rows (height, fraction of the surface below it). Its mean and width do not matter, and the
+            spectrum is kept; normal by default.
 
     Raises:
         InputError: a value out of range, incompatible values.
@@ -980,9 +984,48 @@ def self_affine(
         amplitudes=word("amplitudes", amplitudes),
         aspect=None if aspect is None else number("aspect", aspect),
         lay=None if lay is None else number("lay", lay),
+        marginal=None if marginal is None else _marginal(marginal),
     )
     origin = _Origin(description, {}, periodic)
     return _surface(heights, lengths, None if unit is None else _gfmd.canonical(unit), origin)
+
+
+def _marginal(marginal: Any) -> str:
+    """Returns the text of a distribution of heights."""
+    if isinstance(marginal, str):
+        return marginal
+    rows = np.asarray(marginal, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != 2:
+        raise InputError(
+            f"marginal has the shape {rows.shape}; it must be a text or rows (height, fraction of the surface below it)"
+        )
+    return ",".join(f"{height!r}:{probability!r}" for height, probability in rows.tolist())
+
+
+@hinted
+def profile(
+    x: npt.ArrayLike, heights: npt.ArrayLike, n: Optional[int] = None, *, unit: Optional[str] = None
+) -> Surface:
+    """Makes a profile from heights at uneven distances, by straight lines between them.
+
+    Args:
+        x: places of the heights, length, in any order and each given once.
+        heights: height at each place, length.
+        n: number of points at even distances from the first place to the last one; by default the number whose distance
+            is the largest one of `x`.
+        unit: unit of heights and places, such as "um".
+
+    Raises:
+        InputError: equal places, fewer than two, a gap larger than ten median distances.
+
+    Example:
+        >>> gfmd.profile([0.0, 1.0, 1.5, 3.0], [0.0, 1.0, 0.5, 0.0], n=4, unit="um").heights.ravel()
+        array([0. , 1. , 0.33333333, 0. ])
+    """
+    made, spacing = _gfmd.even(numbers("x", x), numbers("heights", heights), None if n is None else integer("n", n, 2))
+    known = None if unit is None else _gfmd.canonical(word("unit", unit))
+    origin = _Origin(f"profile of {len(np.asarray(x))} uneven points", {})
+    return _surface(made, (len(made) * spacing, 1.0), known, origin)
 
 
 def _unit_of(size: Any) -> Optional[str]:
@@ -997,6 +1040,7 @@ def read(
     name: Union[str, "os.PathLike[str]"],
     channel: Union[str, int, None] = None,
     *,
+    image_heights: bool = False,
     fill: Optional[str] = None,
     size: Size = None,
     unit: Optional[str] = None,
@@ -1006,6 +1050,8 @@ def read(
     Args:
         name: a file of an instrument or a program (docs/formats.md), or "FILE.h5:/dataset".
         channel: name or number, from 0, of the height map in the file; by default the default of the file.
+        image_heights: True if the grey of an image with 8 bits is a height; such images are refused otherwise, since
+            most are pictures.
         fill: method to fill undefined points, "harmonic" or "nearest", as in `Surface`; None leaves them undefined
             (NaN), to be cropped or filled before a contact.
         size: lengths of the cell; by default as in the file, or 1.
@@ -1019,7 +1065,7 @@ def read(
         >>> gfmd.read("scan.txt", size=(3e-6, 2e-6), unit="m")
         Surface of 3 x 2 points on 3 x 2 µm (scan.txt)
     """
-    path, (heights, lengths, known, description, file) = _map(name, channel)
+    path, (heights, lengths, known, description, file) = _map(name, channel, image_heights)
     said = {**parsed(file), "path": os.path.abspath(path if os.path.exists(path) else path.rpartition(":")[0])}
     wanted = None if unit is None else _gfmd.canonical(word("unit", unit))
     if wanted is not None and known is not None:
@@ -1035,12 +1081,12 @@ def read(
 
 
 def read_heights(
-    name: Union[str, "os.PathLike[str]"], channel: Union[str, int, None] = None
+    name: Union[str, "os.PathLike[str]"], channel: Union[str, int, None] = None, *, image_heights: bool = False
 ) -> tuple[Array, Optional[tuple[float, float]], Optional[str]]:
     """Reads the heights of a file unchanged, with NaN at undefined points, for example to cut out a part.
 
     Args:
-        name, channel: as in `read`.
+        name, channel, image_heights: as in `read`.
 
     Returns:
         The heights [x, y], the lengths of the whole map (n times the spacing), and the unit of both; lengths and unit
@@ -1055,12 +1101,12 @@ def read_heights(
         >>> gfmd.Surface(heights[:2], size=(2e-6, 2e-6), unit="m")
         Surface of 2 x 2 points on 2 x 2 µm (array)
     """
-    _, (heights, lengths, known, _, _) = _map(name, channel)
+    _, (heights, lengths, known, _, _) = _map(name, channel, image_heights)
     return heights, None if lengths is None else tuple(lengths), known
 
 
-def _map(name: Any, channel: Any) -> tuple[str, Any]:
+def _map(name: Any, channel: Any, image_heights: bool) -> tuple[str, Any]:
     """Returns the checked name of a file and a height map in it."""
     path = _check.path("name", name)
     asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
-    return path, _gfmd.read(path, None if asked is None else word("channel", asked))
+    return path, _gfmd.read(path, None if asked is None else word("channel", asked), bool(image_heights))

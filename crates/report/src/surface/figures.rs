@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use gfmd_plot::{Axis, Chart, Colours, Level, Map, Mark, Panel, Scale, Series};
+use gfmd_plot::{Axis, Below, Chart, Colours, Level, Map, Mark, Panel, Scale, Series};
 use gfmd_surface::{Density, RadialBin, Texture};
 use gfmd_unit::{DisplayUnit, Units};
 
@@ -33,6 +33,22 @@ impl Subject<'_> {
         map.y = format!("*y* / {}", side.name);
         map.range = without_outliers(&values);
         Some(take(&map))
+    }
+
+    /// Passes the map of the heights with the course lines between hills to `take`; `None` without these lines.
+    pub fn hills<R>(&self, take: impl FnOnce(&Map) -> R) -> Option<R> {
+        let lines = self.course_lines?;
+        self.map(|map| {
+            let [lowest, highest] = map
+                .values
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(*value), high.max(*value)]);
+            let below = lowest - (highest - lowest);
+            let marked = map.values.iter().zip(lines).map(|(value, is_line)| if *is_line { below } else { *value });
+            let marked: Vec<f64> = marked.collect();
+            let below = Some(Below::pale(below, "between hills"));
+            take(&Map { values: &marked, below, range: map.range.or(Some([lowest, highest])), ..map.clone() })
+        })
     }
 
     /// Returns the heights along the row of points through the middle.

@@ -65,6 +65,20 @@ impl Features {
     /// Heights that do not have the shape of the grid or are not finite, or more than 2³² − 2 of them; a
     /// fraction outside 0 to 1.
     pub fn of(heights: &Array2<f64>, grid: &Grid, wolf: f64, edges: MotifEdges) -> Result<Option<Self>, SurfaceError> {
+        Ok(Self::with_course_lines(heights, grid, wolf, edges)?.map(|(features, _)| features))
+    }
+
+    /// Finds hills and dales as [`of`](Self::of), and the course lines between hills, `[nx, ny]`: points with another
+    /// hill at the next point along x or y.
+    ///
+    /// # Errors
+    /// The errors of [`of`](Self::of).
+    pub fn with_course_lines(
+        heights: &Array2<f64>,
+        grid: &Grid,
+        wolf: f64,
+        edges: MotifEdges,
+    ) -> Result<Option<(Self, Array2<bool>)>, SurfaceError> {
         let all = checked(heights, grid)?;
         if !(0.0..=1.0).contains(&wolf) {
             return Err(SurfaceError::Fraction { what: "Wolf pruning", found: wolf });
@@ -81,10 +95,17 @@ impl Features {
             return Ok(None);
         }
         let least = wolf * (highest - lowest);
-        let hills = Map { heights: &above, grid, edges }.motifs(least);
+        let (hills, hill_of) = Map { heights: &above, grid, edges }.motifs(least);
         above.iter_mut().for_each(|height| *height = -*height);
-        let dales = Map { heights: &above, grid, edges }.motifs(least);
-        Ok(Some(Self { hills, dales }))
+        let (dales, _) = Map { heights: &above, grid, edges }.motifs(least);
+        let [nx, ny] = grid.points();
+        let wraps = edges == MotifEdges::Periodic;
+        let lines = Array2::from_shape_fn((nx, ny), |(i, j)| {
+            let own = hill_of[i * ny + j];
+            let differs = |x: usize, y: usize| hill_of[(x % nx) * ny + y % ny] != own;
+            ((wraps || i + 1 < nx) && differs(i + 1, j)) || ((wraps || j + 1 < ny) && differs(i, j + 1))
+        });
+        Ok(Some((Self { hills, dales }, lines)))
     }
 
     /// Returns S10z, the sum of the mean heights of the five highest peaks and the mean depths of the five deepest
@@ -144,13 +165,14 @@ impl Map<'_> {
         }
     }
 
-    /// Finds the hills whose peaks are at least `least` above the highest saddle to a higher peak.
+    /// Finds the hills whose peaks are at least `least` above the highest saddle to a higher peak, and the hill of each
+    /// point.
     ///
     /// Points are visited from the highest to the lowest one. A point without a higher neighbour is a peak; others
     /// belong to the hill of the steepest ascent. Where a point joins two regions, the lower one of their peaks has
     /// its highest saddle. If this peak is pruned, its region has no other peak that stays, so that one hill joins
     /// another (Wolf pruning equals persistence).
-    fn motifs(&self, least: f64) -> Motifs {
+    fn motifs(&self, least: f64) -> (Motifs, Vec<u32>) {
         let heights = self.heights;
         let mut order: Vec<u32> = (0..heights.len() as u32).collect();
         order.par_sort_unstable_by(|a, b| heights[*b as usize].total_cmp(&heights[*a as usize]).then(a.cmp(b)));
@@ -201,7 +223,9 @@ impl Map<'_> {
                 }
             }
         }
-        self.measure(&peaks, &hill_of, &mut hills)
+        let motifs = self.measure(&peaks, &hill_of, &mut hills);
+        hill_of.iter_mut().for_each(|hill| *hill = hills.find(*hill));
+        (motifs, hill_of)
     }
 
     /// Measures the hills that remain.
@@ -268,6 +292,13 @@ mod tests {
         let [qx, qy] = [tau * 2.0 / 4.0, tau / 2.0];
         let expected = 0.5 * (qx * qx + qy * qy);
         assert!((found.hills.curvature.unwrap() / expected - 1.0).abs() < 0.01, "{found:?}");
+        // Hills of cosines meet at the dales along both axes.
+        let lines = Features::with_course_lines(&heights, &grid, 0.05, MotifEdges::Periodic).unwrap().unwrap().1;
+        for ((i, j), is_line) in lines.indexed_iter() {
+            let near = |at: usize, period: usize| (at % period).abs_diff(period / 2) <= 1;
+            assert!(!is_line || near(i, 20) || near(j, 30), "{i} {j}");
+        }
+        assert!((0..30).all(|j| (8..12).any(|i| lines[[i, j]])), "a line separates both hills");
         // The hill of the middle does not reach the edges along x; all reach those along y.
         let left = Features::of(&heights, &grid, 0.05, MotifEdges::LeaveOut).unwrap().unwrap();
         assert_eq!((left.hills.count, left.hills.five, left.hills.area, left.s10z()), (0, None, None, None));

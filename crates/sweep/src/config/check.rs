@@ -130,6 +130,12 @@ impl Config {
                 "1 with the methods sra and rmd, which have no spectrum to change",
             ));
         }
+        if let Some(marginal) = &self.surface.marginal
+            && matches!(method, Method::Sra | Method::Rmd)
+        {
+            let allowed = "left out with the methods sra and rmd, which have no spectrum to keep";
+            return Err(refusal("surface.marginal", &marginal.to_string(), allowed));
+        }
         self.check_lay()?;
         if *method == Method::Printed && hurst[..] != [0.0] {
             return Err(refusal(

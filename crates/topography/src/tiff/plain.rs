@@ -28,7 +28,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         if page.whole(KIND, 0)? & COPY_OR_MASK != 0 {
             continue;
         }
-        match channel(page, &description, &mut warnings) {
+        match channel(file, page, &description, &mut warnings) {
             Ok(channel) => channels.push(channel),
             Err(error) => {
                 refused.get_or_insert(error);
@@ -56,13 +56,16 @@ struct Pixel {
     scale: Option<[f64; 2]>,
 }
 
-fn channel<'a>(page: &Page<'a>, description: &str, warnings: &mut Vec<String>) -> Result<Channel<'a>, String> {
+fn channel<'a>(
+    file: &File,
+    page: &Page<'a>,
+    description: &str,
+    warnings: &mut Vec<String>,
+) -> Result<Channel<'a>, String> {
     let image = Image::of(page)?;
     let (sample, points) = (image.sample()?, image.points);
     if sample.size() == 1 {
-        return Err(
-            "the image has 8 bits a pixel, as pictures have; save the heights with 16 or 32 bits, or as text".into()
-        );
+        file.check_image_heights()?;
     }
     let name = page.text(NAME)?;
     if is_ground(page) {
