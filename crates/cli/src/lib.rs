@@ -38,6 +38,7 @@ pub mod progress;
 pub mod prony;
 pub mod punch;
 pub mod report;
+pub mod serve;
 pub mod session;
 pub mod slide;
 pub mod surface;

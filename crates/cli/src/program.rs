@@ -18,7 +18,7 @@ use crate::kinds::kinds;
 use crate::session::Common;
 use crate::{
     body, check, completions, contact, estimate, green, guess, inputs, kappa_sweep, law, path, processes, prony, punch,
-    report, session, slide, surface, theory,
+    report, serve, session, slide, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -69,6 +69,8 @@ pub enum Command {
     Check(Box<check::Args>),
     /// Make a page of HTML of a result: the answer, figures, certificates, cost, how to repeat it
     Report(Box<report::Args>),
+    /// Open a page in the browser: take a scan, prepare it, press it, look at maps of the result
+    Serve(Box<serve::Args>),
     /// Print a script by which a shell completes commands and flags
     Completions(completions::Args),
 }
@@ -152,6 +154,21 @@ fn plain_words(command: &clap::Command, words: &[String]) -> Result<(Vec<String>
     let sub = words.iter().find_map(|word| command.find_subcommand(word.text()));
     let (words, map) = of_words(sub.map_or("", clap::Command::get_name), words, kinds())?;
     Ok((words.into_iter().map(|word| word.text().to_owned()).collect(), map))
+}
+
+/// Returns the command of a command line, and its session as one of several runs in this process. The `words` start with
+/// the program.
+///
+/// # Errors
+/// Returns an error, as the program prints it, if the command line cannot be used.
+pub(crate) fn parsed(words: &[String]) -> Result<(Command, Session), Failure> {
+    let program = command();
+    let (plain, map) = plain_words(&program, words)?;
+    let parsed = program.try_get_matches_from(plain);
+    let line = parsed.and_then(|mut matches| Line::<Command>::from_arg_matches_mut(&mut matches));
+    let line = line.map_err(|error| Failure::refused(one_line(&error)))?;
+    let session = Session::beside_others(words.join(" ")).with_map(map);
+    Ok((line.command, session))
 }
 
 /// Makes a write beyond the file size limit (`ulimit -f`) fail as on a full disk, instead of a signal that ends the
@@ -284,6 +301,10 @@ impl Command {
             Self::Estimate(args) => whole(estimate::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),
             Self::Report(args) => whole(report::run(args, session)?),
+            Self::Serve(args) => {
+                serve::run(args, session)?;
+                whole(Plain(String::new()))
+            }
             Self::Completions(args) => whole(Plain(completions::run(args, command()))),
         })
     }
@@ -393,14 +414,15 @@ fn refuse(error: &clap::Error) -> u8 {
             2
         }
         _ => {
-            let text = error.render().to_string();
-            let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
-            let _ = writeln!(
-                io::stderr(),
-                "{}",
-                lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
-            );
+            let _ = writeln!(io::stderr(), "{}", one_line(error));
             2
         }
     }
+}
+
+/// Returns a message of clap about unusable input as one line.
+fn one_line(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
+    lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }
