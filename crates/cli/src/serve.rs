@@ -1,5 +1,5 @@
-//! `serve`: a page in the browser for those who use neither a terminal nor Python. It takes a scan, prepares it, presses
-//! it with the options of `contact`, and shows the result. The server listens on this machine alone.
+//! `serve`: a page in the browser for those who use neither a terminal nor Python. It takes a scan, prepares it,
+//! presses it with the options of `contact`, and shows the result. The server listens on this machine alone.
 
 mod answer;
 mod form;

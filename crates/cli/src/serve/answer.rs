@@ -7,8 +7,8 @@ use oxhttp::model::{Body, HeaderValue, Response, StatusCode};
 use serde::Serialize;
 
 /// Rules for the page: scripts, styles and requests of this server alone.
-const OWN: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; \
-                   base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+const OWN: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+                   connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// Rules for the page of a result, which has its style and figures inside and no script.
 const RESULT: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:; base-uri 'none'; \

@@ -18,9 +18,10 @@ use super::runs::Runs;
 use super::scans::{NotStored, Scan, Scans, store};
 
 /// Parts of the page.
-const PARTS: [(&str, &str, &str); 3] = [
+const PARTS: [(&str, &str, &str); 4] = [
     ("", "text/html; charset=utf-8", include_str!("page.html")),
     ("page.css", "text/css; charset=utf-8", include_str!("page.css")),
+    ("map.js", "text/javascript; charset=utf-8", include_str!("map.js")),
     ("page.js", "text/javascript; charset=utf-8", include_str!("page.js")),
 ];
 

@@ -305,18 +305,18 @@ impl Runs {
         let name = file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let state = State { run, name, phase: Phase::Waiting, message: None, found: None };
         let command = repeat::command_line(&line);
-        let python = repeat::python(&scan.word(), answers);
+        let python = repeat::python(&scan.word(), &file.to_string_lossy(), answers);
         let started = Arc::new(Run { file, command, python, session, state: Mutex::new(state) });
         queue.all.push(Arc::clone(&started));
         queue.waiting.push_back((started, args));
-        self.advance(&mut queue)?;
+        self.advance(&mut queue);
         Ok(run)
     }
 
     /// Starts waiting runs while fewer than allowed run.
-    fn advance(self: &Arc<Self>, queue: &mut Queue) -> Result<(), Failure> {
+    fn advance(self: &Arc<Self>, queue: &mut Queue) {
         while queue.running < AT_ONCE && !queue.closed {
-            let Some((run, args)) = queue.waiting.pop_front() else { return Ok(()) };
+            let Some((run, args)) = queue.waiting.pop_front() else { return };
             {
                 let mut state = run.state();
                 if state.phase != Phase::Waiting {
@@ -324,21 +324,23 @@ impl Runs {
                 }
                 state.phase = Phase::Running;
             }
-            let runs = Arc::clone(self);
+            let (runs, started) = (Arc::clone(self), Arc::clone(&run));
             let work = move || {
-                run.compute(&args, runs.threads);
+                started.compute(&args, runs.threads);
                 let mut queue = runs.queue();
                 queue.running -= 1;
-                // A thread that cannot start leaves its run waiting for the next end.
-                let _ = runs.advance(&mut queue);
+                runs.advance(&mut queue);
                 drop(queue);
                 runs.freed.notify_all();
             };
-            let spawned = std::thread::Builder::new().name("run".into()).spawn(work);
-            spawned.map_err(|error| Failure::computation(format!("threads: {error}")))?;
-            queue.running += 1;
+            match std::thread::Builder::new().name("run".into()).spawn(work) {
+                Ok(_) => queue.running += 1,
+                Err(error) => {
+                    let mut state = run.state();
+                    (state.phase, state.message) = (Phase::Failed, Some(format!("threads: {error}")));
+                }
+            }
         }
-        Ok(())
     }
 
     /// Returns the run of a number.
@@ -356,7 +358,14 @@ impl Runs {
         let mut names = self.names.lock().unwrap_or_else(PoisonError::into_inner);
         let stem = scan.rsplit_once('.').map_or(scan, |(stem, _)| stem);
         let file = |count: u64| folder.join(format!("{stem}-contact-{count}.h5"));
-        let is_free = |file: &PathBuf| !names.contains(file) && !file.exists() && !file.with_extension("html").exists();
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let there: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        // A stopped run has left a journal, and no result.
+        let is_beside = |file: &Path| {
+            let stem = format!("{}.", file.file_stem().unwrap_or_default().to_string_lossy());
+            there.iter().any(|name| name.starts_with(&stem))
+        };
+        let is_free = |file: &PathBuf| !names.contains(file) && !is_beside(file);
         let file = (1..).map(file).find(is_free).unwrap_or_else(|| file(0));
         names.insert(file.clone());
         file

@@ -58,8 +58,8 @@ impl Scans {
     }
 }
 
-/// Returns the name under which a file is stored: the last part of the name that the browser gave, with letters, digits,
-/// `.`, `-` and `_` alone.
+/// Returns the name under which a file is stored: the last part of the name that the browser gave, with letters,
+/// digits, `.`, `-` and `_` alone.
 pub(super) fn plain_name(given: &str) -> String {
     let last = given.rsplit(['/', '\\']).next().unwrap_or_default();
     let plain = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_') { c } else { '-' };
@@ -187,7 +187,8 @@ impl Scan {
         let (report, heights) = surface::measured(&args, &session)?;
         let shown = report.shown().map(|(name, text, meaning)| Shown { name, text, meaning }).collect::<Vec<_>>();
         let undefined = report.scan.as_ref().map_or(0, |scan| scan.undefined);
-        let told = json!({ "numbers": shown, "source": report.source.replace(&self.word(), &self.name()), "undefined": undefined });
+        let source = report.source.replace(&self.word(), &self.name());
+        let told = json!({ "numbers": shown, "source": source, "undefined": undefined });
         let (size, unit) = (report.size, report.unit);
         *self.prepared.lock().unwrap_or_else(PoisonError::into_inner) = Some(Prepared { heights, size, unit });
         Ok(told)
