@@ -18,6 +18,8 @@ from pathlib import Path
 from playwright.sync_api import Page, expect, sync_playwright
 
 OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+DROP = """text => { const data = new DataTransfer();
+    data.items.add(new File([text], 'dropped.txt')); return data; }"""
 # A person without documentation has this time from the open page to the pressure map, in s; a program needs less.
 LIMIT = 120.0
 POINTS = 96
@@ -65,6 +67,8 @@ def used(page: Page, address: str, folder: Path, shots: Path | None) -> None:
     expect(page.locator("#numbers")).to_contain_text("rms height")
     expect(page.locator("#notes")).to_contain_text("names no unit")
     page.fill("#option-unit", "m")
+    page.locator("#option-unit").blur()
+    expect(page.locator("#option-young")).to_be_empty()
     page.fill("#option-size", "100um")
     page.select_option("#material", "aluminium")
     shoot(page, shots, "prepared")
@@ -89,6 +93,11 @@ def used(page: Page, address: str, folder: Path, shots: Path | None) -> None:
     page.mouse.move(*middle)
     page.mouse.wheel(0, -400)
     assert page.evaluate("view.zoom") > 1.5
+    page.locator("#map").press("Home")
+    page.locator("#map").press("x")
+    assert page.evaluate("view.section.from[0]") == 0 and page.evaluate("view.section.to[0]") == 1
+    page.locator("#map").press("+")
+    assert page.evaluate("view.zoom") == 1.5
     page.locator("#map").press("Home")
     assert page.evaluate("view.zoom") == 1
     page.locator("#load").fill("0")
@@ -161,6 +170,9 @@ def main() -> int:
                     used(page, address, folder, shots)
                 else:
                     page.goto(address)
+                    dropped = page.evaluate_handle(DROP, (folder / "scan.txt").read_text())
+                    page.dispatch_event("#drop", "drop", {"dataTransfer": dropped})
+                    expect(page.locator("#view-title")).to_contain_text("dropped.txt: prepared")
                     page.get_by_role("button", name="Show").last.click()
                     expect(page.locator("#view-title")).to_contain_text("pressure")
                     shoot(page, shots, "phone-dark")

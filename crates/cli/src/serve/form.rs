@@ -51,7 +51,7 @@ fn offered(command: &clap::Command) -> impl Iterator<Item = (&'static str, &Arg)
 }
 
 fn is_offered(arg: &Arg) -> bool {
-    arg.get_long().is_some() && !WITHHELD.contains(&arg.get_id().as_str()) && !(names_file(arg) && !may_be_number(arg))
+    arg.get_long().is_some() && !WITHHELD.contains(&arg.get_id().as_str()) && (!names_file(arg) || may_be_number(arg))
 }
 
 fn value_name(arg: &Arg) -> String {
@@ -135,7 +135,9 @@ pub(super) fn words(name: &str, answers: &Answers) -> Result<Vec<String>, Failur
             other => return Err(Failure::value(format!("--{long}"), other, "a text, a list of texts, or true")),
         };
         for text in texts {
-            let text = text.trim();
+            // A channel is a name, which may have commas; elsewhere people put spaces behind them.
+            let parts = text.split(',').map(str::trim).collect::<Vec<_>>().join(",");
+            let text = if key == "channel" { text.trim() } else { &parts };
             let is_number = || text.parse::<f64>().is_ok() || matches!(Quantity::parse(text), Ok(Some(_)));
             if names_file(arg) && !is_number() {
                 let found = gfmd_files::legible::line(text);

@@ -51,9 +51,11 @@ const USUAL = {
     problem: ["young", "poisson", "height", "boundary"],
 };
 const LOADS = { p_star: "Reduced pressure p*", pressure: "Mean pressure", force: "Force", approach: "Approach" };
+const OWN = "choose, or type values below";
+const BARE = "numbers without a unit: E = 1";
 // Textbook values, to begin with.
 const MATERIALS = [
-    ["own values", null, null],
+    [OWN, null, null],
     ["steel", "210GPa", "0.3"],
     ["aluminium", "70GPa", "0.33"],
     ["copper", "120GPa", "0.34"],
@@ -62,7 +64,7 @@ const MATERIALS = [
     ["glass", "70GPa", "0.22"],
     ["polycarbonate", "2.4GPa", "0.37"],
     ["rubber", "3MPa", "0.5"],
-    ["numbers without a unit: E = 1", "1", "0"],
+    [BARE, "1", "0"],
 ];
 const state = { options: new Map(), scan: null, about: null, shown: null, runs: [], chosen: null };
 
@@ -253,6 +255,7 @@ async function send(file) {
         state.scan = about.scan;
         state.about = about;
         describe(about);
+        suggest(about);
         $("prepare").disabled = $("press").disabled = false;
         await show({ kind: "raw", scan: about.scan });
         await prepare();
@@ -283,18 +286,30 @@ function describe(about) {
                 "Without one all numbers are in any consistent units.",
         );
     $("notes").replaceChildren(...notes.map((note) => make("li", {}, note)));
-    // Usual choices for a scan, which the user sees and may change.
+}
+
+/** Makes the usual choices for a new scan, which the user sees and may change. */
+function suggest(about) {
     state.options.get("detrend").write("plane");
     state.options.get("fill").write(about.undefined ? "harmonic" : undefined);
     state.options.get("boundary").write("free");
     const channel = state.options.get("channel");
     channel.write(undefined);
-    const material = about.unit ? "steel" : "numbers without a unit: E = 1";
-    if (!state.options.get("young").read()) {
-        $("material").value = material;
-        $("material").dispatchEvent(new Event("change"));
-    }
+    suggestMaterial(Boolean(about.unit));
     if (about.channels.length > 1) channel.box.closest("details")?.setAttribute("open", "");
+}
+
+/** Without units the modulus is 1; with them the user chooses the material. */
+function suggestMaterial(hasUnit) {
+    const [young, poisson] = ["young", "poisson"].map((key) => state.options.get(key));
+    if (!hasUnit && !young.read() && !state.options.get("e_star").read()) {
+        $("material").value = BARE;
+        $("material").dispatchEvent(new Event("change"));
+    } else if (hasUnit && $("material").value === BARE) {
+        $("material").value = OWN;
+        young.write("");
+        poisson.write("");
+    }
 }
 
 let prepared = 0;
@@ -314,6 +329,7 @@ async function prepare() {
                 make("td", {}, text),
                 make("td", {}, meaning),
             );
+        describe(told.about);
         $("numbers").replaceChildren(...told.numbers.map(row));
         await show({ kind: "prepared", scan: state.scan });
     } catch (error) {
@@ -479,7 +495,11 @@ async function begin() {
         send(event.dataTransfer?.files[0]);
     });
     $("prepare").addEventListener("click", prepare);
-    $("preparation").addEventListener("change", () => state.scan !== null && prepare());
+    $("preparation").addEventListener("change", () => {
+        if (state.scan === null) return;
+        suggestMaterial(Boolean(state.about.unit || state.options.get("unit").read()));
+        prepare();
+    });
     $("form").addEventListener("submit", (event) => {
         event.preventDefault();
         if (!$("press").disabled) press();

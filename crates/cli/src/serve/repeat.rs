@@ -88,9 +88,12 @@ fn filter(value: &str) -> String {
     format!(".filter({})", value.split(',').map(part).collect::<Vec<_>>().join(", "))
 }
 
+/// Function from the value of an option to the step of the preparation.
+type Step = fn(&str) -> String;
+
 /// Returns the steps of the preparation in their order.
 fn preparation(answers: &Answers) -> String {
-    let steps: [(&str, fn(&str) -> String); 10] = [
+    let steps: [(&str, Step); 10] = [
         ("crop", crop),
         ("despike", |value| format!(".despike({})", arguments(value, &["", "window"]))),
         ("descar", |value| format!(".descar({})", arguments(value, &["", "", "length", "width"]))),

@@ -115,10 +115,10 @@ impl Desk {
             ["run", run] => Ok(as_json(&self.run(run)?.about())),
             ["scan", scan] => {
                 let scan = self.scan(number(scan)?)?;
-                let about = scan.about(None).map_err(|failure| (StatusCode::BAD_REQUEST, scan.told(&failure)))?;
+                let about = scan.about().map_err(|failure| (StatusCode::BAD_REQUEST, scan.told(&failure)))?;
                 Ok(as_json(&about))
             }
-            ["map", "raw", scan] => self.scan(number(scan)?)?.raw(None).map(bytes).map_err(|failure| bad(&failure)),
+            ["map", "raw", scan] => self.scan(number(scan)?)?.raw().map(bytes).map_err(|failure| bad(&failure)),
             ["map", "prepared", scan] => self.scan(number(scan)?)?.prepared().map(bytes).ok_or_else(nothing),
             ["map", "run", run, field, load] => {
                 self.run(run)?.map(field, number(load)?).map(bytes).map_err(|failure| bad(&failure))
@@ -156,7 +156,7 @@ impl Desk {
             NotStored::Failed(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("cannot store the file: {error}")),
         })?;
         let (number, scan) = self.scans.add(path);
-        match scan.about(None) {
+        match scan.about() {
             Ok(mut about) => {
                 about["scan"] = number.into();
                 Ok(as_json(&about))

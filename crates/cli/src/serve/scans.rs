@@ -28,6 +28,8 @@ const MOST_ALIKE: usize = 10_000;
 /// Scan in the folder of results.
 pub(super) struct Scan {
     pub(super) path: PathBuf,
+    /// Channel that was prepared last; `None` for the default one.
+    channel: Mutex<Option<String>>,
     /// Heights as prepared last, in the unit of their lengths.
     prepared: Mutex<Option<Prepared>>,
 }
@@ -47,7 +49,7 @@ impl Scans {
     /// Adds a scan and returns its number.
     pub(super) fn add(&self, path: PathBuf) -> (usize, Arc<Scan>) {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let scan = Arc::new(Scan { path, prepared: Mutex::default() });
+        let scan = Arc::new(Scan { path, channel: Mutex::default(), prepared: Mutex::default() });
         all.push(Arc::clone(&scan));
         (all.len() - 1, scan)
     }
@@ -139,17 +141,18 @@ impl Scan {
         failure.to_string().replace(&self.word(), &self.name())
     }
 
-    fn read(&self, channel: Option<&str>) -> Result<Topography, Failure> {
-        Topography::read(&self.word(), channel).map_err(|error| Failure::refused(error.to_string()))
+    fn read(&self) -> Result<Topography, Failure> {
+        let channel = self.channel.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Topography::read(&self.word(), channel.as_deref()).map_err(|error| Failure::refused(error.to_string()))
     }
 
-    /// Describes the file: points, size, unit, channels, points without a height.
+    /// Describes the file and its channel: points, size, unit, channels, points without a height.
     ///
     /// # Errors
     /// Returns an error if no reader understands the file.
-    pub(super) fn about(&self, channel: Option<&str>) -> Result<Value, Failure> {
+    pub(super) fn about(&self) -> Result<Value, Failure> {
         let listing = Listing::of(&self.word())?;
-        let found = self.read(channel)?;
+        let found = self.read()?;
         let units = Units::new(found.unit.as_deref(), None);
         let [nx, ny] = found.heights.dim().into();
         let size = found.lengths.map(|lengths| {
@@ -167,8 +170,8 @@ impl Scan {
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
-    pub(super) fn raw(&self, channel: Option<&str>) -> Result<Vec<u8>, Failure> {
-        let found = self.read(channel)?;
+    pub(super) fn raw(&self) -> Result<Vec<u8>, Failure> {
+        let found = self.read()?;
         let [nx, ny] = found.heights.dim().into();
         let size = found.lengths.unwrap_or([1.0, ny as f64 / nx as f64]);
         let units = Units::new(found.unit.as_deref(), None);
@@ -185,10 +188,11 @@ impl Scan {
         let (command, session) = parsed(&line)?;
         let Command::Surface(args) = command else { return Err(Failure::refused("the words name another command")) };
         let (report, heights) = surface::measured(&args, &session)?;
+        let channel = answers.get("channel").and_then(Value::as_str).map(str::to_owned);
+        *self.channel.lock().unwrap_or_else(PoisonError::into_inner) = channel;
         let shown = report.shown().map(|(name, text, meaning)| Shown { name, text, meaning }).collect::<Vec<_>>();
-        let undefined = report.scan.as_ref().map_or(0, |scan| scan.undefined);
         let source = report.source.replace(&self.word(), &self.name());
-        let told = json!({ "numbers": shown, "source": source, "undefined": undefined });
+        let told = json!({ "numbers": shown, "source": source, "about": self.about()? });
         let (size, unit) = (report.size, report.unit);
         *self.prepared.lock().unwrap_or_else(PoisonError::into_inner) = Some(Prepared { heights, size, unit });
         Ok(told)

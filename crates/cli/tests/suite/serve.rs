@@ -160,7 +160,7 @@ fn scan() -> Vec<u8> {
 fn options() -> Value {
     json!({
         "size": "1um", "unit": "m", "fill": "harmonic", "detrend": "plane", "young": "70GPa", "poisson": "0.33",
-        "p_star": "0.02,0.05", "boundary": "free",
+        "p_star": "0.02, 0.05", "boundary": "free",
     })
 }
 
