@@ -29,6 +29,7 @@ pub mod inputs;
 pub mod kappa_sweep;
 pub mod kinds;
 pub mod law;
+mod line;
 mod loads;
 mod measuring;
 pub mod path;

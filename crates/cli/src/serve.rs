@@ -25,7 +25,6 @@ use gfmd_problem::key;
 use oxhttp::Server;
 use serde::Serialize;
 
-use crate::program::print;
 use guard::Guard;
 use routes::Desk;
 
@@ -51,9 +50,11 @@ pub struct Args {
 
 /// Address of the page, printed when the server starts.
 #[derive(Clone, Debug, Serialize)]
-struct Started {
-    address: String,
-    folder: PathBuf,
+pub struct Started {
+    /// Address, with the token.
+    pub address: String,
+    /// Folder of scans and results.
+    pub folder: PathBuf,
 }
 
 impl fmt::Display for Started {
@@ -76,11 +77,12 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// Number of attempts to take a free port, which another program may take first.
 const ATTEMPTS: usize = 8;
 
-/// Runs the server until the user asks to stop. Running contacts then end, with the finished loads kept.
+/// Runs the server until the user asks to stop; `show` prints its address at the start. Running contacts then end, with
+/// the finished loads kept.
 ///
 /// # Errors
 /// Returns an error if the folder cannot be made, or the port is in use.
-pub fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+pub fn run(args: &Args, session: &Session, show: impl FnOnce(&Started) -> Result<(), Failure>) -> Result<(), Failure> {
     if session.ranks().is_some() {
         return Err(Failure::refused("serve runs in one process; it must not be started by mpirun"));
     }
@@ -97,7 +99,7 @@ pub fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let desk = Arc::new(desk);
     let port = listen(args.port, &token, &desk)?;
     let started = Started { address: format!("http://127.0.0.1:{port}/{token}/"), folder };
-    print(&started, session)?;
+    show(&started)?;
     if args.open {
         open(&started.address, session);
     }

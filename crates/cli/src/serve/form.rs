@@ -3,13 +3,24 @@
 
 use std::collections::BTreeMap;
 
-use clap::{Arg, ArgAction};
+use clap::{Arg, ArgAction, Subcommand};
 use gfmd_input::failure::Failure;
 use gfmd_unit::Quantity;
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::kinds::kinds;
+use crate::line::table;
+use crate::{contact, surface};
+
+/// Commands that the page runs.
+#[derive(Debug, Subcommand)]
+pub(super) enum Pressed {
+    /// Press the scan
+    Contact(Box<contact::Args>),
+    /// Prepare and measure the scan
+    Surface(Box<surface::Args>),
+}
 
 /// Groups of options in the order of the form.
 const GROUPS: [&str; 9] =
@@ -78,7 +89,7 @@ fn command(program: &clap::Command, name: &str) -> clap::Command {
 
 /// Returns the options of the form.
 pub(super) fn entries() -> Vec<Entry> {
-    let program = crate::program::command();
+    let program = table::<Pressed>();
     let (contact, surface) = (command(&program, "contact"), command(&program, "surface"));
     let prepares =
         |arg: &Arg| offered(&surface).any(|(group, other)| group != "Measurements" && other.get_id() == arg.get_id());
@@ -113,7 +124,7 @@ pub(super) type Answers = BTreeMap<String, Value>;
 /// Returns an error for a key that the page does not offer, and for a value that is neither a text nor true nor a list
 /// of texts.
 pub(super) fn words(name: &str, answers: &Answers) -> Result<Vec<String>, Failure> {
-    let program = crate::program::command();
+    let program = table::<Pressed>();
     let (contact, own) = (command(&program, "contact"), command(&program, name));
     let mut words = Vec::new();
     for (key, value) in answers {

@@ -14,12 +14,12 @@ use gfmd_unit::Units;
 use ndarray::ArrayView2;
 use serde::Serialize;
 
-use super::form::{Answers, words};
+use super::form::{Answers, Pressed, words};
 use super::map::Map;
 use super::repeat;
 use super::scans::Scan;
 use crate::contact::{self, Report};
-use crate::program::{Command, parsed};
+use crate::line::parsed;
 use crate::report::write_page;
 
 /// Number of contacts that run at once. More share the processor without ending earlier, and need more memory.
@@ -289,7 +289,7 @@ impl Runs {
         let file = self.free_name(folder, &scan.name());
         line.push(format!("--out={}", file.to_string_lossy()));
         let (command, session) = parsed(&line)?;
-        let Command::Contact(args) = command else { return Err(Failure::refused("the words name another command")) };
+        let Pressed::Contact(args) = command else { return Err(Failure::refused("the words name another command")) };
         let mut queue = self.queue();
         if queue.closed {
             return Err(Failure::refused("the server ends"));

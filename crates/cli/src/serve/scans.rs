@@ -13,9 +13,9 @@ use ndarray::Array2;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::form::{Answers, words};
+use super::form::{Answers, Pressed, words};
 use super::map::Map;
-use crate::program::{Command, parsed};
+use crate::line::parsed;
 use crate::surface;
 use crate::surface::Listing;
 
@@ -186,7 +186,7 @@ impl Scan {
         let mut line = vec!["gfmd".to_owned(), "surface".to_owned(), format!("--surface={}", self.word())];
         line.extend(words("surface", answers)?);
         let (command, session) = parsed(&line)?;
-        let Command::Surface(args) = command else { return Err(Failure::refused("the words name another command")) };
+        let Pressed::Surface(args) = command else { return Err(Failure::refused("the words name another command")) };
         let (report, heights) = surface::measured(&args, &session)?;
         let channel = answers.get("channel").and_then(Value::as_str).map(str::to_owned);
         *self.channel.lock().unwrap_or_else(PoisonError::into_inner) = channel;
