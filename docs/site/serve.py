@@ -112,6 +112,17 @@ def used(page: Page, address: str, folder: Path, shots: Path | None) -> None:
             page.get_by_role("link", name=name).click()
         assert download.value.suggested_filename.endswith(end), download.value.suggested_filename
 
+    # The page about the result, which has its style and figures inside.
+    with page.context.expect_page() as opened:
+        page.get_by_role("link", name="Open the page").click()
+    about, said = opened.value, []
+    about.on("console", lambda heard: said.append(heard.text))
+    about.reload()
+    expect(about.locator("svg").first).to_be_visible()
+    shoot(about, shots, "page")
+    assert not said, said
+    about.close()
+
     # A refused option stands beside its field; refused uploads say why and keep the scan.
     page.fill("#option-young", "-3GPa")
     page.click("#press")
