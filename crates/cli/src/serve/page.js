@@ -266,7 +266,7 @@ async function send(file) {
     $("file").value = "";
 }
 
-function describe(about) {
+function describe(about, warnings = []) {
     const share = (100 * about.undefined) / (about.n[0] * about.n[1]);
     const facts = [
         ["file", about.name],
@@ -279,7 +279,7 @@ function describe(about) {
     $("about").replaceChildren(
         ...facts.flatMap(([name, text]) => [make("dt", {}, name), make("dd", {}, String(text))]),
     );
-    const notes = [...about.notes];
+    const notes = [...warnings, ...about.notes];
     if (!about.unit)
         notes.unshift(
             "The file names no unit: give one, such as um, to use quantities with a unit such as 70GPa. " +
@@ -329,7 +329,7 @@ async function prepare() {
                 make("td", {}, text),
                 make("td", {}, meaning),
             );
-        describe(told.about);
+        describe(told.about, told.warnings);
         $("numbers").replaceChildren(...told.numbers.map(row));
         await show({ kind: "prepared", scan: state.scan });
     } catch (error) {
@@ -347,6 +347,7 @@ async function press() {
         const { run } = await post("run", { scan: state.scan, options: answers(() => true) });
         state.chosen = run;
         await poll();
+        $("runs-section").scrollIntoView();
     } catch (error) {
         refuse("press-error", error);
     }
@@ -378,7 +379,10 @@ async function poll() {
         const ended = before.get(run.state.run) !== phase && !["waiting", "running"].includes(phase);
         if (ended && run.state.run === state.chosen) {
             if (phase === "failed") refuse("press-error", new Error(message));
-            if (run.state.found) await result(run);
+            if (run.state.found) {
+                await result(run);
+                $("view").scrollIntoView();
+            }
         }
     }
     if (state.runs.some((run) => ["waiting", "running"].includes(run.state.phase))) polling = setTimeout(poll, 400);

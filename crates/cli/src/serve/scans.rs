@@ -192,7 +192,11 @@ impl Scan {
         *self.channel.lock().unwrap_or_else(PoisonError::into_inner) = channel;
         let shown = report.shown().map(|(name, text, meaning)| Shown { name, text, meaning }).collect::<Vec<_>>();
         let source = report.source.replace(&self.word(), &self.name());
-        let told = json!({ "numbers": shown, "source": source, "about": self.about()? });
+        let whole: Value = serde_json::from_str(&session.json(&report)?).unwrap_or_default();
+        let warnings =
+            whole["warnings"].as_array().into_iter().flatten().filter_map(|warning| warning["text"].as_str());
+        let warnings = warnings.map(|text| text.replace(&self.word(), &self.name())).collect::<Vec<_>>();
+        let told = json!({ "numbers": shown, "warnings": warnings, "source": source, "about": self.about()? });
         let (size, unit) = (report.size, report.unit);
         *self.prepared.lock().unwrap_or_else(PoisonError::into_inner) = Some(Prepared { heights, size, unit });
         Ok(told)

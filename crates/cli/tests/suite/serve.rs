@@ -148,11 +148,16 @@ const POINTS: usize = 24;
 
 /// Returns a scan as text, with a missing point.
 fn scan() -> Vec<u8> {
+    tilted(0.0)
+}
+
+/// Returns this scan with a slope along x, length for each point.
+fn tilted(slope: f64) -> Vec<u8> {
     let at = |k: usize| std::f64::consts::TAU * k as f64 / POINTS as f64;
     let height = |i, j| {
         1e-8 * ((2.0 * at(i)).sin() + (3.0 * at(j) + 1.0).cos() * at(i).cos() + 0.3 * (5.0 * at(i) + at(j)).sin())
     };
-    let value = |i, j| if (i, j) == (3, 4) { "nan".into() } else { format!("{:e}", height(i, j)) };
+    let value = |i, j| if (i, j) == (3, 4) { "nan".into() } else { format!("{:e}", height(i, j) + slope * i as f64) };
     let row = |j| (0..POINTS).map(|i| value(i, j)).collect::<Vec<String>>().join(" ");
     (0..POINTS).map(row).collect::<Vec<_>>().join("\n").into_bytes()
 }
@@ -318,11 +323,23 @@ fn scan_path(served: &Served) -> String {
 }
 
 #[test]
+fn warnings_of_the_preparation_are_told_without_the_path_of_the_folder() {
+    let served = Served::start();
+    // A tilt that stays makes a step at the seam.
+    let number = served.upload("tilted.txt", &tilted(1e-8)).json()["scan"].clone();
+    let told = served.post("prepare", &json!({ "scan": number, "options": { "fill": "harmonic" } })).json();
+    let warning = told["warnings"][0].as_str().unwrap_or_default();
+    assert!(warning.starts_with("tilted.txt: steps across the periodic seam"), "{told}");
+    assert!(!told["source"].as_str().unwrap().contains("results"), "{told}");
+}
+
+#[test]
 fn a_result_is_that_of_the_printed_command_line_bit_for_bit() {
     let served = Served::start();
     let scan_number = served.upload("scan.txt", &scan()).json()["scan"].clone();
     let prepared = served.post("prepare", &json!({ "scan": scan_number, "options": options() }));
     assert_eq!(prepared.status, 200, "{}", prepared.error());
+    assert_eq!(prepared.json()["warnings"], json!([]));
     let (head, heights) = map(&served.get("map/prepared/0").body);
     assert_eq!((&head["n"], &head["undefined"], heights.len()), (&json!([POINTS, POINTS]), &json!(0), POINTS * POINTS));
     let (raw, values) = map(&served.get("map/raw/0").body);
