@@ -162,7 +162,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let of_finite: finite::Report =
         serde_json::from_str(&text).map_err(|error| Failure::refused(format!("data/results/finite.json: {error}")))?;
     let kinds = || HURST.into_iter().flat_map(|hurst| LEVELS.map(|level| (hurst, level)));
-    let progress = Progress::new(session.quiet, "surfaces", kinds().map(|(_, level)| level.4 as f64).sum());
+    let progress = Progress::new(session, "surfaces", kinds().map(|(_, level)| level.4 as f64).sum());
     let of_kind = |(hurst, level): (f64, (usize, usize, usize, Option<f64>, u64))| {
         let (eps_t_inv, eps_f_inv, points, roll_off, surfaces) = level;
         let n = points * eps_t_inv * eps_f_inv;

@@ -279,7 +279,7 @@ impl Loads {
             ends_with_file: !args.flow_threshold,
         };
         let mut file = series.file(output.as_ref(), config, args.out.is_some())?;
-        let progress = Progress::new(session.quiet, "loads", drives.len() as f64);
+        let progress = Progress::new(session, "loads", drives.len() as f64);
         let finer = Finer::pose(&args.problem, prepared)?.into_iter().map(|finer| {
             let conducting = Conducting::new(&args.measure, &finer.prepared, args.problem.solver.solver)?;
             Ok((finer, conducting))

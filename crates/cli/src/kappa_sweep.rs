@@ -331,7 +331,7 @@ impl<'a> Keeper<'a> {
     /// The keeper of these runs of a plan.
     fn new(plan: &'a Plan, runs: &[usize], journal: Journal, finished: Finished, session: &'a Session) -> Self {
         let work = runs.iter().map(|run| plan.work(&plan.points[plan.runs[*run].point])).sum();
-        let progress = Progress::new(session.quiet, "kappa sweep", work);
+        let progress = Progress::new(session, "kappa sweep", work);
         Self { plan, journal, finished: Mutex::new(finished), progress, session }
     }
 

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::error::ErrorKind;
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
 use gfmd_problem::{Task, rules_of, rules_of_sliding};
@@ -15,27 +15,17 @@ use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
 use crate::kinds::kinds;
-use crate::session::Common;
+use crate::line::{Line, one_line, plain_words};
 use crate::{
-    body, check, completions, contact, estimate, green, guess, inputs, kappa_sweep, law, path, processes, prony, punch,
-    report, session, slide, surface, theory,
+    body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, path, processes, prony, punch,
+    report, serve, session, slide, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
-use gfmd_input::session::{NamedMap, Session};
-use gfmd_input::units::{of_table, of_words};
+use gfmd_input::session::Session;
+use gfmd_input::units::of_table;
 use gfmd_problem::options::flags::of_keys;
 use gfmd_problem::options::given::Arrays;
-
-/// Contact mechanics of rough surfaces by Green's function molecular dynamics
-#[derive(Parser)]
-#[command(version, max_term_width = 110)]
-struct Line<C: Subcommand> {
-    #[command(subcommand)]
-    command: C,
-    #[command(flatten)]
-    common: Common,
-}
 
 /// The commands of `gfmd`.
 #[derive(Debug, Subcommand)]
@@ -69,6 +59,8 @@ pub enum Command {
     Check(Box<check::Args>),
     /// Make a page of HTML of a result: the answer, figures, certificates, cost, how to repeat it
     Report(Box<report::Args>),
+    /// Open a page in the browser: take a scan, prepare it, press it, look at maps of the result
+    Serve(Box<serve::Args>),
     /// Print a script by which a shell completes commands and flags
     Completions(completions::Args),
 }
@@ -139,19 +131,6 @@ fn together<C: Subcommand + Sync>(
     // Run on a thread of the pool, so that vector sums need not enter it each time.
     let failure = session.and_then(|session| rayon::scope(|_| run(&line.command, &session))).err();
     processes::end(world, failure.as_ref().map_or(0, Failure::status), failure.as_ref())
-}
-
-/// Returns the words of a command line as the parser reads them: with numbers in place of quantities with a unit. Also
-/// returns the height map of the surface if it was read for its unit.
-///
-/// # Errors
-/// Returns an error for words that no option has, outputs that are inputs, and quantities that cannot be used.
-fn plain_words(command: &clap::Command, words: &[String]) -> Result<(Vec<String>, Option<NamedMap>), Failure> {
-    let words = guess::understood(command, words)?;
-    inputs::stay(&words)?;
-    let sub = words.iter().find_map(|word| command.find_subcommand(word.text()));
-    let (words, map) = of_words(sub.map_or("", clap::Command::get_name), words, kinds())?;
-    Ok((words.into_iter().map(|word| word.text().to_owned()).collect(), map))
 }
 
 /// Makes a write beyond the file size limit (`ulimit -f`) fail as on a full disk, instead of a signal that ends the
@@ -284,6 +263,10 @@ impl Command {
             Self::Estimate(args) => whole(estimate::run(args, session)?),
             Self::Check(args) => ended(check::run(args, session)?),
             Self::Report(args) => whole(report::run(args, session)?),
+            Self::Serve(args) => {
+                serve::run(args, session, |started| print(started, session))?;
+                whole(Plain(String::new()))
+            }
             Self::Completions(args) => whole(Plain(completions::run(args, command()))),
         })
     }
@@ -393,13 +376,7 @@ fn refuse(error: &clap::Error) -> u8 {
             2
         }
         _ => {
-            let text = error.render().to_string();
-            let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
-            let _ = writeln!(
-                io::stderr(),
-                "{}",
-                lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
-            );
+            let _ = writeln!(io::stderr(), "{}", one_line(error));
             2
         }
     }

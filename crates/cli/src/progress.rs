@@ -4,6 +4,7 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use gfmd_input::session::{Meter, Session};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// Time before the first plain line.
@@ -18,6 +19,9 @@ pub struct Progress {
     bar: Option<ProgressBar>,
     plain: Option<Mutex<Plain>>,
     total: Mutex<f64>,
+    done: Mutex<f64>,
+    what: String,
+    meter: Meter,
 }
 
 struct Plain {
@@ -28,8 +32,9 @@ struct Plain {
 }
 
 impl Progress {
-    /// Creates the progress of `what`; `total` has the unit of the pieces.
-    pub fn new(quiet: bool, what: &str, total: f64) -> Self {
+    /// Creates the progress of `what` in a session, whose meter shows it, too; `total` has the unit of the pieces.
+    pub fn new(session: &Session, what: &str, total: f64) -> Self {
+        let quiet = session.quiet;
         let terminal = std::io::stderr().is_terminal();
         let bar = (terminal && !quiet).then(|| {
             let bar = ProgressBar::new(SCALE);
@@ -44,7 +49,9 @@ impl Progress {
         let plain = (!terminal && !quiet).then(|| {
             Mutex::new(Plain { what: what.into(), started: now, shown: now + TIME_TO_FIRST_LINE - PAUSE, done: 0.0 })
         });
-        Self { bar, plain, total: Mutex::new(total) }
+        let meter = session.meter().clone();
+        meter.show(what, 0.0, "");
+        Self { bar, plain, total: Mutex::new(total), done: Mutex::new(0.0), what: what.into(), meter }
     }
 
     /// Sets the total size of the work after more has been added.
@@ -60,6 +67,10 @@ impl Progress {
     /// Counts a finished piece; `note` describes the state of the work.
     pub fn advance(&self, piece: f64, note: &str) {
         let total = self.total.lock().map_or(f64::INFINITY, |total| *total);
+        if let Ok(mut done) = self.done.lock() {
+            *done += piece;
+            self.meter.show(&self.what, (*done / total).min(1.0), note);
+        }
         if let Some(bar) = &self.bar {
             bar.set_message(note.to_owned());
             bar.inc((piece / total * SCALE as f64).round() as u64);

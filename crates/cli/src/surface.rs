@@ -39,7 +39,7 @@ use gfmd_report::figures::parse_prefix;
 
 pub use curves::Curves;
 use file::Target;
-use listing::Listing;
+pub(crate) use listing::Listing;
 pub use measured::{Choices, Detail, Functions, Measured, USUAL_WOLF};
 
 /// Flags of `surface`.
@@ -232,11 +232,15 @@ pub struct RequestedStatistics {
 pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
     match (&args.source.surface, args.list) {
         (Some(ArrayOption::File(file)), true) => Listing::of(file).map(Printed::Listed),
-        _ => measure(args, session).map(|report| Printed::Measured(Box::new(report))),
+        _ => measured(args, session).map(|(report, _)| Printed::Measured(Box::new(report))),
     }
 }
 
-fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
+/// Makes or reads the surface, and measures, writes and draws it. Returns its numbers and its heights.
+///
+/// # Errors
+/// Fails like [`run`].
+pub(crate) fn measured(args: &Args, session: &Session) -> Result<(Report, Array2<f64>), Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
     let page = args.report.as_deref().map(claim_page).transpose()?;
     let surface = match (&args.source.generator.shape, args.boundary) {
@@ -318,7 +322,7 @@ fn measure(args: &Args, session: &Session) -> Result<Report, Failure> {
     }
     report.plots = plots;
     report.report.clone_from(&args.report);
-    Ok(report)
+    Ok((report, surface.heights))
 }
 
 /// Returns the length of the sections of a profile: the index of its L filter.
@@ -538,6 +542,29 @@ impl Report {
         self.numbers.cells().map(|(column, cell)| Number::of(column, cell, column.meaning(&self.facts))).collect()
     }
 
+    /// Returns the numbers that have a value as texts: name, number with its unit apart, definition.
+    fn readable(&self) -> impl Iterator<Item = (&'static str, (String, String), &'static str)> + '_ {
+        let units = Units::new(self.unit.as_deref(), None);
+        self.numbers.cells().filter_map(move |(column, cell)| {
+            let Number { name, value, unit, meaning } = Number::of(column, cell, column.meaning(&self.facts));
+            let value = value?;
+            let text = match units.shown(unit, value) {
+                _ if matches!(cell, Cell::Count(_)) => (value.to_string(), String::new()),
+                Some(shown) => (format!("{:.6}", value * shown.factor), shown.name),
+                None => (format!("{value:.6e}"), units.name(unit)),
+            };
+            Some((name, text, meaning))
+        })
+    }
+
+    /// Returns the numbers that have a value, as texts with units, with their definitions.
+    pub(crate) fn shown(&self) -> impl Iterator<Item = (&'static str, String, &'static str)> + '_ {
+        let bare = |unit: &str| unit.is_empty() || unit == "1";
+        self.readable().map(move |(name, (number, unit), meaning)| {
+            (name, if bare(&unit) { number } else { format!("{number} {unit}") }, meaning)
+        })
+    }
+
     /// The unit of a quantity that is a power of length.
     fn unit_of(&self, power: i32) -> String {
         unit_of(self.unit.as_deref().unwrap_or("length"), power)
@@ -569,15 +596,7 @@ impl fmt::Display for Report {
                 _ => None,
             }
         };
-        let units = Units::new(self.unit.as_deref(), None);
-        for (column, cell) in self.numbers.cells() {
-            let Number { name, value, unit, meaning } = Number::of(column, cell, column.meaning(&self.facts));
-            let Some(value) = value else { continue };
-            let (unit, number) = match units.shown(unit, value) {
-                _ if matches!(cell, Cell::Count(_)) => (String::new(), value.to_string()),
-                Some(shown) => (shown.name, format!("{:.6}", value * shown.factor)),
-                None => (units.name(unit), format!("{value:.6e}")),
-            };
+        for (name, (number, unit), meaning) in self.readable() {
             write!(f, "{name:<22} {number:>14} {unit:<12} {meaning}")?;
             match asked(name) {
                 Some(asked) => writeln!(f, "; asked {asked:.6e}")?,
@@ -606,7 +625,7 @@ mod tests {
 
     fn run_line(line: &str) -> Result<Report, Failure> {
         let args = Line::try_parse_from(std::iter::once("surface").chain(line.split_whitespace())).unwrap().args;
-        measure(&args, &Session::silent())
+        measured(&args, &Session::silent()).map(|(report, _)| report)
     }
 
     fn close(found: f64, expected: f64) -> bool {

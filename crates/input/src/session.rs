@@ -43,6 +43,12 @@ pub struct Session {
     here: usize,
     /// True if the process belongs to a caller that also holds other things in memory.
     is_embedded: bool,
+    /// Spelling of options in texts for the user.
+    spelling: Spelling,
+    /// Command line that files record; `None` for the command line of the process.
+    command: Option<String>,
+    /// Progress of the run, for a caller that shows it.
+    meter: Meter,
     /// Height map that was read before the flags were parsed.
     map: Arc<Mutex<Option<NamedMap>>>,
 }
@@ -55,6 +61,34 @@ pub struct NamedMap {
     pub channel: Option<String>,
     /// Heights.
     pub topography: Topography,
+}
+
+/// Progress of a run, shared with a caller that shows it.
+#[derive(Clone, Debug, Default)]
+pub struct Meter(Arc<Mutex<Reading>>);
+
+/// State of a [`Meter`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Reading {
+    /// Pieces of the work, such as loads.
+    pub pieces: String,
+    /// Finished share of the work, 0 to 1.
+    pub share: f64,
+    /// Note on the state of the work.
+    pub note: String,
+}
+
+impl Meter {
+    /// Returns the state of the run.
+    pub fn read(&self) -> Reading {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Shows another state of the run.
+    pub fn show(&self, pieces: &str, share: f64, note: &str) {
+        let mut reading = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *reading = Reading { pieces: pieces.into(), share, note: line(note) };
+    }
 }
 
 impl Session {
@@ -70,13 +104,27 @@ impl Session {
             ranks: None,
             here: 1,
             is_embedded: false,
+            spelling: Spelling::Flag,
+            command: None,
+            meter: Meter::default(),
             map: Arc::default(),
         }
     }
 
     /// Creates a session that prints nothing, in the process of a caller that also holds other things in memory.
     pub fn embedded() -> Self {
-        Self { is_embedded: true, ..Self::silent() }
+        Self { is_embedded: true, spelling: Spelling::Argument, ..Self::silent() }
+    }
+
+    /// Creates a session that prints nothing, for one of several runs in a process. Files record the words of `command`
+    /// as the command line; options are spelled as flags.
+    pub fn beside_others(command: String) -> Self {
+        Self { spelling: Spelling::Flag, command: Some(command), ..Self::embedded() }
+    }
+
+    /// Returns the meter that shows the progress of this run.
+    pub fn meter(&self) -> &Meter {
+        &self.meter
     }
 
     /// Returns the session with a height map that was read already. Only the first process keeps it, which reads alone.
@@ -211,7 +259,7 @@ impl Session {
 
     /// Returns the spelling of options in texts for the user.
     pub fn spelling(&self) -> Spelling {
-        if self.is_embedded { Spelling::Argument } else { Spelling::Flag }
+        self.spelling
     }
 
     /// Returns the report of a command as one JSON object, with the warnings of the run.
@@ -248,7 +296,7 @@ impl Session {
             program: "gfmd".into(),
             version: env!("CARGO_PKG_VERSION").into(),
             git_commit: GIT_COMMIT.into(),
-            command: std::env::args().collect::<Vec<_>>().join(" "),
+            command: self.command.clone().unwrap_or_else(|| std::env::args().collect::<Vec<_>>().join(" ")),
             created: jiff::Timestamp::now().to_string(),
             config,
             machine: machine(),

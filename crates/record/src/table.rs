@@ -17,6 +17,15 @@ pub fn heads<S: Subject>(table: Table) -> impl Iterator<Item = (&'static Column<
 /// of the lower face has its own. Lines longer than `width` lose columns of the effort. Empty if the states have no
 /// column of the tables.
 pub fn table_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units, width: Option<usize>) -> Vec<String> {
+    match columns_of(rows, tables, units) {
+        columns if columns.is_empty() => Vec::new(),
+        columns => aligned(columns, width),
+    }
+}
+
+/// Returns the columns of [`table_of`]: each has its head, with the unit, and a number for each state. Empty if the
+/// states have no column of the tables.
+pub fn columns_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units) -> Vec<Vec<String>> {
     let has = |column: &Column<S>, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
             Some(value) => !value.is_nan() && (head.form != Form::SizeUnlessZero || value != 0.0),
@@ -47,7 +56,7 @@ pub fn table_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units,
         let cells = rows.iter().map(|row| format!("{:.1e}", row.worst_of(prefix)));
         std::iter::once("residual".to_owned()).chain(cells).collect::<Vec<_>>()
     });
-    aligned(columns.chain(residuals).collect(), width)
+    columns.chain(residuals).collect()
 }
 
 /// Heads of columns that a table drops, in this order, if it is wider than its terminal.

@@ -37,6 +37,7 @@ mod report;
 mod scan;
 mod seams;
 mod second;
+mod serve;
 mod shapes;
 mod slide;
 mod squeezed;
