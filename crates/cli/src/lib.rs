@@ -40,5 +40,6 @@ pub mod punch;
 pub mod report;
 pub mod session;
 pub mod slide;
+pub mod study;
 pub mod surface;
 pub mod theory;

@@ -18,7 +18,7 @@ use crate::kinds::kinds;
 use crate::session::Common;
 use crate::{
     body, check, completions, contact, estimate, green, guess, inputs, kappa_sweep, law, path, processes, prony, punch,
-    report, session, slide, surface, theory,
+    report, session, slide, study, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -44,6 +44,8 @@ pub enum Command {
     Contact(Box<contact::Args>),
     /// Extrapolate kappa to the thermodynamic, fractal and continuum limit, with its uncertainty
     KappaSweep(Box<kappa_sweep::Args>),
+    /// Compute many contacts, the product of surfaces, seeds, bodies and loads, into one file
+    Study(Box<study::Args>),
     /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
     Punch(Box<punch::Args>),
     /// Compute displacement, strain and stress below a surface from its displacement
@@ -243,11 +245,12 @@ impl Command {
             "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
             "body" => Self::Body(Box::new(of_keys(table, arrays)?)),
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
+            "study" => Self::Study(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
             "prony" => Self::Prony(Box::new(of_keys(table, arrays)?)),
             "estimate" => Self::Estimate(Box::new(of_keys(table, arrays)?)),
             _ => {
-                let allowed = "path, slide, punch, body, kappa-sweep, green, prony or estimate";
+                let allowed = "path, slide, punch, body, kappa-sweep, study, green, prony or estimate";
                 return Err(Failure::value("the command", name, allowed));
             }
         })
@@ -271,6 +274,11 @@ impl Command {
                 kappa_sweep::Outcome::Shard(report) => whole(report),
                 kappa_sweep::Outcome::Planned(plan) => whole(plan),
                 kappa_sweep::Outcome::Config(text) => whole(Plain(text)),
+            },
+            Self::Study(args) => match study::run(args, session)? {
+                study::Outcome::Done(report, failure) => ended(Outcome { report: *report, failure }),
+                study::Outcome::Shard(report, failure) => ended(Outcome { report, failure }),
+                study::Outcome::Planned(plan) => whole(plan),
             },
             Self::Punch(args) => ended(punch::run(args, session)?),
             Self::Body(args) => whole(body::run(args, session)?),

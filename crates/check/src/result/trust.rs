@@ -258,6 +258,17 @@ const SWEEP: &[Row] = &[
     row(&["/example/*", "/example@*"], Verified, Verified, "the configuration"),
 ];
 
+const STUDY: &[Row] = &[
+    row(
+        &["/study/surface", "/study/seed", "/study/body", "/study/status", "/study@command"],
+        Verified,
+        Verified,
+        "the configuration; each other",
+    ),
+    row(&["/study/error", "/study/warnings", "/study/config", "/study@*"], Checksum, Checksum, ""),
+    row(&["/study/*"], Checksum, InPart, "the members that are repeated; not of surfaces in files"),
+];
+
 /// Returns the rows of a kind. The first row that matches a part applies to it.
 pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
@@ -267,6 +278,7 @@ pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
         ResultKind::Punch => &[SEARCH, ALL, PUNCH],
         ResultKind::Body => &[ALL, BODY],
         ResultKind::KappaSweep => &[ALL, SWEEP],
+        ResultKind::Study => &[STUDY, ALL],
     };
     own.iter().copied().flatten()
 }
@@ -313,6 +325,7 @@ pub fn page() -> String {
         ("`punch`", PUNCH),
         ("`body`", BODY),
         ("`kappa-sweep`", SWEEP),
+        ("`study`", STUDY),
     ] {
         table(&mut page, title, rows);
     }
