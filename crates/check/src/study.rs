@@ -232,8 +232,7 @@ impl Cube {
                 continue;
             }
             shape(&name, values.len(), members * states)?;
-            let [units, long_name, undefined] =
-                ["units", "long_name", "undefined"].map(|of| attribute(&name, of));
+            let [units, long_name, undefined] = ["units", "long_name", "undefined"].map(|of| attribute(&name, of));
             cube.numbers.push(CubeNumber { name, units, long_name, undefined, values });
         }
         Ok(cube)

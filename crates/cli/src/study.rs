@@ -109,7 +109,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
         stay_in(&[("out".to_owned(), out.into()), ("surface".to_owned(), input.into())].into_iter().collect())?;
     }
     config.check(&name)?;
-    let work = Work { name: "study", config: config.text()?, parts: config.members(), refuse: Box::new(Member::refuse) };
+    let work =
+        Work { name: "study", config: config.text()?, parts: config.members(), refuse: Box::new(Member::refuse) };
     let study = Study { args, session, config, work };
     match args.shard {
         _ if args.dry_run => study.plan(),
@@ -172,8 +173,8 @@ impl Study<'_> {
         let started = Instant::now();
         let path = journal.path().to_path_buf();
         let computed = self.members(&members, &journal, finished);
-        let computed = computed
-            .map_err(|failure| failure.with(remark("finished members", &path, parts::resumes(&path))))?;
+        let computed =
+            computed.map_err(|failure| failure.with(remark("finished members", &path, parts::resumes(&path))))?;
         let report = ShardReport {
             shard: shard.to_string(),
             runs: members.len(),

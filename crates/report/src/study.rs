@@ -43,14 +43,20 @@ fn shown_of<S: Subject>(cube: &Cube) -> Vec<Shown<'_>> {
     found.collect()
 }
 
-/// Formats a mean with its standard error in units of the last digits; five digits of a single value.
+/// Standard error divided by the mean below which it is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Returns the standard error of a mean, unless it is unknown or rounding.
+fn error_of(mean: &MeanOver) -> Option<f64> {
+    mean.standard_error.filter(|error| *error > ROUNDING * mean.mean.abs())
+}
+
+/// Formats a mean with its standard error in units of the last digits; five digits without an error.
 pub fn cell(mean: Option<MeanOver>, factor: f64) -> String {
-    match mean {
-        None => "-".into(),
-        Some(MeanOver { mean, standard_error: Some(error), .. }) if error > 0.0 => {
-            with_limit(mean * factor, mean * factor, error * factor)
-        }
-        Some(MeanOver { mean, .. }) => significant(mean * factor),
+    let Some(found) = mean else { return "-".into() };
+    match error_of(&found) {
+        Some(error) => with_limit(found.mean * factor, found.mean * factor, error * factor),
+        None => significant(found.mean * factor),
     }
 }
 
@@ -94,10 +100,10 @@ fn chart(cube: &Cube, shown: &Shown) -> Option<Chart> {
         }
         let point = |index: usize| {
             let state = other * axis.length + index;
-            let MeanOver { mean, standard_error, .. } = cube.mean(shown.number, surface, body, state)?;
+            let mean = cube.mean(shown.number, surface, body, state)?;
             let x = axis.values.as_ref().map_or(index as f64, |values| values[index]);
-            let (y, error) = (mean * shown.factor, standard_error.unwrap_or(0.0) * shown.factor);
-            Some(if error > 0.0 { Point::with_error(x, y, error) } else { Point::new(x, y) })
+            let y = mean.mean * shown.factor;
+            Some(error_of(&mean).map_or(Point::new(x, y), |error| Point::with_error(x, y, error * shown.factor)))
         };
         let points: Vec<Point> = (0..axis.length).filter_map(point).collect();
         if !points.is_empty() {
@@ -145,14 +151,19 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             page.chart(&chart, &one.number.name.replace('_', " "), &caption);
         }
     }
-    let curves = cube.surfaces.len() * cube.bodies.len() * cube.states() / cube.axes.last().map_or(1, |axis| axis.length.max(1));
+    let curves =
+        cube.surfaces.len() * cube.bodies.len() * cube.states() / cube.axes.last().map_or(1, |axis| axis.length.max(1));
     if curves > MOST_CURVES {
         page.remarks.push(format!("figures show {MOST_CURVES} of {curves} curves; the file has all"));
     }
     page.tables.push(means(&cube, &shown));
     if let Some(first) = failed.first() {
         let error = text(&cube.errors[*first]);
-        page.remarks.push(format!("{} of {all} members failed; the first is {}: {error}", failed.len(), place(&cube, *first)));
+        page.remarks.push(format!(
+            "{} of {all} members failed; the first is {}: {error}",
+            failed.len(),
+            place(&cube, *first)
+        ));
         page.tables.push(failures(&cube, &failed));
     }
     let warned = cube.warnings.iter().filter(|warnings| !warnings.is_empty()).count();
@@ -196,9 +207,8 @@ fn means(cube: &Cube, shown: &[Shown]) -> Table {
             for state in 0..cube.states() {
                 let named = [name, of_body].map(|name| html! { (text(name)) });
                 let at = cube.coordinates(state).into_iter().map(|value| html! { (value) });
-                let numbers = shown.iter().map(|one| {
-                    powers(&cell(cube.mean(one.number, surface, body, state), one.factor))
-                });
+                let numbers =
+                    shown.iter().map(|one| powers(&cell(cube.mean(one.number, surface, body, state), one.factor)));
                 rows.push(named.into_iter().chain(at).chain(numbers).collect());
             }
         }
@@ -208,9 +218,7 @@ fn means(cube: &Cube, shown: &[Shown]) -> Table {
 
 /// Returns the table of the members that failed.
 fn failures(cube: &Cube, failed: &[usize]) -> Table {
-    let row = |member: &usize| {
-        vec![html! { (place(cube, *member)) }, html! { (text(&cube.errors[*member])) }]
-    };
+    let row = |member: &usize| vec![html! { (place(cube, *member)) }, html! { (text(&cube.errors[*member])) }];
     Table {
         caption: html! { "Members that failed." },
         head: vec![html! { "member" }, html! { "reason" }],

@@ -265,7 +265,13 @@ const STUDY: &[Row] = &[
         Verified,
         "the configuration; each other",
     ),
-    row(&["/study/error", "/study/warnings", "/study/config", "/study@*"], Checksum, Checksum, ""),
+    row(
+        &["/study/load", "/study/velocity", "/study/step", "/study/error"],
+        InPart,
+        InPart,
+        "the configuration, unless surfaces are in files; the status",
+    ),
+    row(&["/study/warnings", "/study/config", "/study@*", "/study/*@*"], Checksum, Checksum, ""),
     row(&["/study/*"], Checksum, InPart, "the members that are repeated; not of surfaces in files"),
 ];
 

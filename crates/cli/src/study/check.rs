@@ -29,7 +29,8 @@ pub(crate) fn check(
     let table: Table = config.parse().map_err(|error: toml::de::Error| Failure::input(NAME, error.message()))?;
     let config = StudyConfig::read(NAME, table)?;
     let cube = Cube::read(reader)?;
-    let names = |choices: &[super::config::Choice]| choices.iter().map(|choice| choice.name.clone()).collect::<Vec<_>>();
+    let names =
+        |choices: &[super::config::Choice]| choices.iter().map(|choice| choice.name.clone()).collect::<Vec<_>>();
     let mut same = |name: &str, is_same: bool| match is_same {
         true => comparison.count(),
         false => comparison.differ(name, "it is not that of the configuration".into()),
@@ -41,6 +42,18 @@ pub(crate) fn check(
     let stored = reader.texts(&format!("{GROUP}/status"))?;
     let expected: Vec<&str> = cube.errors.iter().map(|error| status(error)).collect();
     same(&format!("{GROUP}/status"), stored == expected);
+    if config.files().is_empty()
+        && let Ok(problem) = solve::Problem::of(config.command, config.table(0))
+    {
+        for (axis, values) in cube.axes.iter().zip(problem.coordinates()) {
+            comparison.values(
+                &format!("{GROUP}/{}", axis.name),
+                axis.values.as_deref().unwrap_or_default(),
+                &values,
+                0.0,
+            );
+        }
+    }
     if !rerun || cube.members() != config.members() {
         return Ok(());
     }

@@ -15,14 +15,23 @@ use super::solve::{Command, Problem};
 
 /// Options that are not of the problem, or whose output a study does not have.
 const REFUSED: [&str; 12] = [
-    "out", "resume", "checkpoint", "plots", "vtk", "export_law", "export_law_format", "fields", "history",
-    "history_mode", "history_point", "flow_threshold",
+    "out",
+    "resume",
+    "checkpoint",
+    "plots",
+    "vtk",
+    "export_law",
+    "export_law_format",
+    "fields",
+    "history",
+    "history_mode",
+    "history_point",
+    "flow_threshold",
 ];
 
 /// Options of the states, which are the same for all members.
-const STATES: [&str; 10] = [
-    "pressure", "p_star", "force", "approach", "lateral", "lateral_y", "distance", "time", "velocity", "steps",
-];
+const STATES: [&str; 10] =
+    ["pressure", "p_star", "force", "approach", "lateral", "lateral_y", "distance", "time", "velocity", "steps"];
 
 /// Largest number of members of a study, so that its plan does not fill the memory.
 const MOST_MEMBERS: usize = 1_000_000;
@@ -60,7 +69,10 @@ impl StudyConfig {
             _ => None,
         };
         let Some(command) = command else {
-            return Err(Failure::refused(format!("{name}: command is missing or unknown; it must be {}", Command::LISTED)));
+            return Err(Failure::refused(format!(
+                "{name}: command is missing or unknown; it must be {}",
+                Command::LISTED
+            )));
         };
         let own = command.name();
         if let Some(key) = table.keys().find(|key| *key != own && *key != "study") {
@@ -76,8 +88,12 @@ impl StudyConfig {
         if let Some(key) = lists.keys().find(|key| !["surface", "seed", "body"].contains(&key.as_str())) {
             return Err(unknown(&format!("{name}: [study]"), key, &["surface", "seed", "body"]));
         }
-        if let Some(key) = ["surface", "seed"].into_iter().find(|key| lists.contains_key(*key) && base.contains_key(*key)) {
-            return Err(Failure::refused(format!("{name}: {key} is in [{own}] and in [study]; it must be in one of them")));
+        if let Some(key) =
+            ["surface", "seed"].into_iter().find(|key| lists.contains_key(*key) && base.contains_key(*key))
+        {
+            return Err(Failure::refused(format!(
+                "{name}: {key} is in [{own}] and in [study]; it must be in one of them"
+            )));
         }
         let place = |key: &str| format!("{name}: [study] {key}");
         let has_seeds = lists.contains_key("seed");
@@ -243,9 +259,8 @@ fn wrong(place: &str, key: &str, found: &Value, allowed: impl Display) -> Failur
 /// Checks the keys of a table of options; those in `without` are refused, too.
 fn check_keys(place: &str, command: Command, table: &Table, without: &[&str]) -> Result<(), Failure> {
     let all = command.keys();
-    let allowed: Vec<&str> = (all.iter().map(String::as_str))
-        .filter(|key| !REFUSED.contains(key) && !without.contains(key))
-        .collect();
+    let allowed: Vec<&str> =
+        (all.iter().map(String::as_str)).filter(|key| !REFUSED.contains(key) && !without.contains(key)).collect();
     for key in table.keys() {
         if without.contains(&key.as_str()) && STATES.contains(&key.as_str()) {
             let reason = format!("it must be in [{}], since all members have the same", command.name());
@@ -261,9 +276,9 @@ fn check_keys(place: &str, command: Command, table: &Table, without: &[&str]) ->
 fn one_seed(place: &str, value: &Value) -> Result<u64, Failure> {
     let found = value.as_integer().filter(|seed| (0..=LARGEST_SEED).contains(seed));
     let allowed = || format!("a whole number from 0 to {LARGEST_SEED}, or \"A:B\" for all from A to B");
-    found.map(|seed| seed as u64).ok_or_else(|| {
-        Failure::refused(format!("{place} is {}; it must be {}", line(&value.to_string()), allowed()))
-    })
+    found
+        .map(|seed| seed as u64)
+        .ok_or_else(|| Failure::refused(format!("{place} is {}; it must be {}", line(&value.to_string()), allowed())))
 }
 
 /// Reads a list of seeds: whole numbers, and ranges "A:B" with both ends.
@@ -301,7 +316,8 @@ fn choices(place: &str, key: &str, command: Command, list: Value) -> Result<Vec<
         "surface" => "a list of files or of tables of options",
         _ => "a list of tables of options",
     };
-    let refuse = |found: &Value| Failure::refused(format!("{place} is {}; it must be {allowed}", line(&found.to_string())));
+    let refuse =
+        |found: &Value| Failure::refused(format!("{place} is {}; it must be {allowed}", line(&found.to_string())));
     let Value::Array(entries) = list else { return Err(refuse(&list)) };
     let mut all: Vec<Choice> = Vec::new();
     for entry in entries {

@@ -52,10 +52,10 @@ fn states(axes: &[StateAxis]) -> usize {
 /// Returns the numbers of a member along the axes of a cube, NaN beyond its states.
 pub(super) fn columns(member: &Member, axes: &[StateAxis]) -> BTreeMap<String, Vec<f64>> {
     let value = |column: &MemberColumn, state: usize| column.values.get(state).copied().flatten().unwrap_or(f64::NAN);
-    let column = |column: &MemberColumn| {
-        (column.name.clone(), (0..states(axes)).map(|state| value(column, state)).collect())
-    };
-    member.columns.iter().map(column).collect()
+    let column =
+        |column: &MemberColumn| (column.name.clone(), (0..states(axes)).map(|state| value(column, state)).collect());
+    let is_axis = |column: &&MemberColumn| axes.iter().any(|axis| axis.name == column.name);
+    member.columns.iter().filter(|column| !is_axis(column)).map(column).collect()
 }
 
 /// Returns the cube of all members. The first member with states decides on its axes and units; one with others is
@@ -77,7 +77,9 @@ pub(super) fn cube(config: &StudyConfig, mut members: Vec<Member>) -> Cube {
     let mut numbers: BTreeMap<String, CubeNumber> = BTreeMap::new();
     let count = members.len();
     for (index, member) in members.iter().enumerate() {
-        for MemberColumn { name, units, long_name, undefined, values } in &member.columns {
+        // Velocities are coordinates.
+        let columns = member.columns.iter().filter(|column| axes.iter().all(|axis| axis.name != column.name));
+        for MemberColumn { name, units, long_name, undefined, values } in columns {
             let number = numbers.entry(name.clone()).or_insert_with(|| CubeNumber {
                 name: name.clone(),
                 units: units.clone(),

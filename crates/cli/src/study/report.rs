@@ -61,9 +61,8 @@ impl Report {
         for (surface, name) in cube.surfaces.iter().enumerate() {
             for (body, of) in cube.bodies.iter().enumerate() {
                 for state in 0..cube.states() {
-                    let number = |number: &CubeNumber| {
-                        Some((number.name.clone(), cube.mean(number, surface, body, state)?))
-                    };
+                    let number =
+                        |number: &CubeNumber| Some((number.name.clone(), cube.mean(number, surface, body, state)?));
                     let axes = cube.axes.iter().map(|axis| axis.name.clone());
                     means.push(Means {
                         surface: name.clone(),
@@ -135,7 +134,8 @@ impl fmt::Display for Report {
         }
         for member in failed.iter().take(LISTED) {
             let [surface, seed, body] = cube.place(*member);
-            let place = format!("surface {}, seed {}, body {}", cube.surfaces[surface], cube.seeds[seed], cube.bodies[body]);
+            let place =
+                format!("surface {}, seed {}, body {}", cube.surfaces[surface], cube.seeds[seed], cube.bodies[body]);
             writeln!(f, "FAILED: {place}: {}", cube.errors[*member])?;
         }
         if failed.len() > LISTED {
@@ -184,7 +184,10 @@ impl fmt::Display for PlanReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { command, shard, surface, seed, body, members, all_members } = self;
         let (surfaces, seeds, bodies) = (surface.len(), seed.len(), body.len());
-        writeln!(f, "study of {command}: {surfaces} surfaces x {seeds} seeds x {bodies} bodies, {all_members} members")?;
+        writeln!(
+            f,
+            "study of {command}: {surfaces} surfaces x {seeds} seeds x {bodies} bodies, {all_members} members"
+        )?;
         let of_shard = shard.as_ref().map_or_else(String::new, |shard| format!(" of shard {shard}"));
         writeln!(f, "{} members{of_shard} would be computed", members.len())
     }

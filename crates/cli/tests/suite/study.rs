@@ -4,21 +4,8 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use crate::common::{gfmd, json, long, numbers};
+use crate::common::{STUDY, gfmd, json, long, numbers};
 use gfmd_files::Reader;
-
-/// Twelve members of two loads.
-const SMALL: &str = r#"
-command = "contact"
-[contact]
-n = 16
-eps_f_inv = 4
-p_star = [0.02, 0.1]
-[study]
-surface = [{ name = "smooth", hurst = 0.9 }, { name = "rough", hurst = 0.3 }]
-seed = "1:3"
-body = [{ name = "soft", young = 1.0 }, { name = "thin", height = 0.1, poisson = 0.3 }]
-"#;
 
 fn folder(study: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -63,7 +50,8 @@ fn compare(folder: &Path, what: &str) {
 /// Starts a command, kills it after some time, and returns true if it had not ended.
 fn killed(folder: &Path, words: &[&str], after: Duration) -> bool {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gfmd"));
-    let mut child = command.current_dir(folder).args(words).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let mut child =
+        command.current_dir(folder).args(words).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     std::thread::sleep(after);
     let is_running = child.try_wait().unwrap().is_none();
     child.kill().unwrap();
@@ -73,12 +61,13 @@ fn killed(folder: &Path, words: &[&str], after: Duration) -> bool {
 
 #[test]
 fn a_study_has_the_numbers_of_single_contacts() {
-    let folder = folder(SMALL);
+    let folder = folder(STUDY);
     let path = folder.path();
     let report = json(path, &words(&["--json"]));
     assert_eq!(report["surface"], serde_json::json!(["smooth", "rough"]));
     assert_eq!(report["seed"], serde_json::json!([1, 2, 3]));
-    let line = "contact --n 16 --eps-f-inv 4 --p-star 0.02,0.1 --hurst 0.3 --seed 2 --height 0.1 --poisson 0.3 --json -q";
+    let line =
+        "contact --n 16 --eps-f-inv 4 --p-star 0.02,0.1 --hurst 0.3 --seed 2 --height 0.1 --poisson 0.3 --json -q";
     let alone = json(path, &line.split_whitespace().collect::<Vec<_>>());
     // Surface 1, seed 1, body 1.
     let member = (3 + 1) * 2 + 1;
@@ -118,7 +107,7 @@ fn a_study_has_the_numbers_of_single_contacts() {
 
 #[test]
 fn shards_and_killed_runs_give_the_file_of_one_run() {
-    let folder = folder(SMALL);
+    let folder = folder(STUDY);
     let path = folder.path();
     succeeded(&gfmd(path, &words(&["--out", "whole.h5"])));
     for count in [1, 4, 31] {
@@ -154,7 +143,7 @@ fn thirty_kills_over_four_shards_change_nothing() {
     let study = format!(
         "command = \"contact\"\n[contact]\nn = {n}\neps_f_inv = 4\np_star = \"0.01:0.3:6\"\n[study]\nseed = \
          \"1:{seeds}\"\nsurface = [{{ name = \"a\", hurst = 0.8 }}, {{ name = \"b\", hurst = 0.5 }}, \
-         {{ name = \"c\", method = \"sra\", hurst = 0.8 }}]\n"
+         {{ name = \"c\", hurst = 0.2 }}]\n"
     );
     let folder = folder(&study);
     let path = folder.path();
@@ -187,21 +176,16 @@ fn thirty_kills_over_four_shards_change_nothing() {
 
 #[test]
 fn a_member_that_fails_is_recorded_and_the_others_go_on() {
-    // The second surface is no file; of the third body no contact exists.
+    // The third surface is no file; the second body allows no search.
     let study = r#"
         command = "contact"
         [contact]
-        n = 16
-        eps_f_inv = 4
         p_star = [0.02, 0.1]
         [study]
-        surface = [{ name = "made", hurst = 0.8 }, { name = "there", hurst = 0.4 }, "absent.npy"]
+        surface = [{ name = "made", n = 16, eps_f_inv = 4 }, { name = "other", n = 24, eps_f_inv = 4 }, "absent.npy"]
         body = [{ name = "one", young = 1.0 }, { name = "none", max_iterations = 1 }]
     "#;
-    let study = study.replace("n = 16\n        eps_f_inv = 4\n", "");
-    let study = study.replace("hurst = 0.8", "hurst = 0.8, n = 16, eps_f_inv = 4");
-    let study = study.replace("hurst = 0.4", "hurst = 0.4, n = 16, eps_f_inv = 4");
-    let folder = folder(&study);
+    let folder = folder(study);
     let path = folder.path();
     let output = gfmd(path, &words(&["--json"]));
     assert_eq!(output.status.code(), Some(1), "{}", message(&output));
@@ -228,15 +212,19 @@ fn a_member_that_fails_is_recorded_and_the_others_go_on() {
 
 #[test]
 fn another_configuration_or_input_is_refused_on_resume() {
-    let folder = folder(SMALL);
+    let folder = folder(STUDY);
     let path = folder.path();
     succeeded(&gfmd(path, &words(&["--out", "s.h5", "--shard", "0/2"])));
     let again = gfmd(path, &words(&["--out", "s.h5", "--shard", "0/2"]));
     assert!(again.status.code() == Some(2) && message(&again).contains("--resume"), "{}", message(&again));
-    std::fs::write(path.join("study.toml"), SMALL.replace("0.1]", "0.2]")).unwrap();
+    std::fs::write(path.join("study.toml"), STUDY.replace("0.1]", "0.2]")).unwrap();
     for rest in [&["--resume", "--shard", "0/2"][..], &["--merge"]] {
         let other = gfmd(path, &words(&[&["--out", "s.h5"], rest].concat()));
-        assert!(other.status.code() == Some(2) && message(&other).contains("another configuration"), "{}", message(&other));
+        assert!(
+            other.status.code() == Some(2) && message(&other).contains("another configuration"),
+            "{}",
+            message(&other)
+        );
     }
 
     let made = "surface --n 16 --eps-f-inv 4 --out a.npy -q";
@@ -286,7 +274,7 @@ fn bad_studies_are_refused_in_one_line() {
         let text = refused(&study);
         assert!(words.iter().all(|word| text.contains(word)), "{study}: {text}");
     }
-    let folder = folder(SMALL);
+    let folder = folder(STUDY);
     let same = gfmd(folder.path(), &["study", "study.toml", "--out", "study.toml"]);
     assert_eq!(same.status.code(), Some(2), "{}", message(&same));
     let absent = gfmd(folder.path(), &["study", "absent.toml"]);
@@ -342,17 +330,43 @@ fn paths_and_sliding_have_steps_and_velocities() {
 
 #[test]
 fn the_page_has_figures_and_check_computes_members_again() {
-    let folder = folder(SMALL);
+    let folder = folder(STUDY);
     let path = folder.path();
     succeeded(&gfmd(path, &words(&[])));
     let report = json(path, &["report", "study.h5", "--json"]);
     assert!(report["kind"] == "study" && report["figures"].as_u64().unwrap() >= 3, "{report}");
     let page = std::fs::read_to_string(path.join("study.html")).unwrap();
-    for text in ["Study of many contacts", "12 of 12 members", "smooth", "thin", "gfmd study study.toml"] {
+    for text in ["Study of many contacts", "12 of 12 members", "smooth", "thin", "study.toml"] {
         assert!(page.contains(text), "{text}");
     }
     let plain = json(path, &["check", "study.h5", "--json"]);
     let again = json(path, &["check", "study.h5", "--rerun", "--sample", "3", "--json"]);
     assert!(again["compared"].as_u64() > plain["compared"].as_u64());
     assert_eq!(again["differing"], 0);
+    // No file that a result names is opened.
+    let made = "surface --n 16 --eps-f-inv 4 --out a.npy -q";
+    succeeded(&gfmd(path, &made.split_whitespace().collect::<Vec<_>>()));
+    let scan = "command = \"contact\"\n[contact]\nsize = 1.0\np_star = 0.05\n[study]\nsurface = [\"a.npy\"]\n";
+    std::fs::write(path.join("study.toml"), scan).unwrap();
+    succeeded(&gfmd(path, &words(&[])));
+    succeeded(&gfmd(path, &["check", "study.h5"]));
+    let refused = gfmd(path, &["check", "study.h5", "--rerun"]);
+    assert!(refused.status.code() == Some(2) && message(&refused).contains("a.npy"), "{}", message(&refused));
+}
+
+#[test]
+fn the_example_of_the_page_prints_the_table_of_the_page() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/studies.md")).unwrap();
+    let block =
+        |kind: &str| page.split_once(&format!("```{kind}\n")).unwrap().1.split_once("```").unwrap().0.to_owned();
+    let folder = folder(&block("toml"));
+    let output = gfmd(folder.path(), &words(&[]));
+    succeeded(&output);
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), block("text"));
+    // An array of jobs begins with this study.
+    let cluster = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/cluster.md")).unwrap();
+    let study = cluster.split_once("```toml\n").unwrap().1.split_once("```").unwrap().0.to_owned();
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let plan = json(folder.path(), &words(&["--dry-run", "--shard", "1/4", "--json"]));
+    assert_eq!(plan["all_members"], 10);
 }
