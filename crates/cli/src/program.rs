@@ -6,7 +6,7 @@ use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
@@ -386,6 +386,18 @@ fn status_of(error: &clap::Error) -> u8 {
     if let ErrorKind::DisplayHelp | ErrorKind::DisplayVersion = error.kind() { 0 } else { 2 }
 }
 
+/// Returns where to go with a list of seeds or surfaces, which a single contact does not take.
+fn way_out(error: &clap::Error) -> &'static str {
+    let of = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    let (flag, value) = (of(ContextKind::InvalidArg), of(ContextKind::InvalidValue));
+    let is_repeated = error.kind() == ErrorKind::ArgumentConflict && of(ContextKind::PriorArg) == flag;
+    match flag.split_whitespace().next() {
+        Some("--seed") if is_repeated || value.contains([':', ',']) => "; gfmd study computes many seeds",
+        Some("--surface") if is_repeated => "; gfmd study computes many surfaces",
+        _ => "",
+    }
+}
+
 /// Prints help and version as results, and any other message of clap as one line of unusable input.
 fn refuse(error: &clap::Error) -> u8 {
     match error.kind() {
@@ -405,8 +417,9 @@ fn refuse(error: &clap::Error) -> u8 {
             let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
             let _ = writeln!(
                 io::stderr(),
-                "{}",
-                lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+                "{}{}",
+                lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "),
+                way_out(error)
             );
             2
         }

@@ -274,6 +274,16 @@ fn bad_studies_are_refused_in_one_line() {
         let text = refused(&study);
         assert!(words.iter().all(|word| text.contains(word)), "{study}: {text}");
     }
+    // Lists that a single contact does not take.
+    for (line, way_out) in [
+        ("contact --n 16 --p-star 0.1 --seed 1:10", "gfmd study computes many seeds"),
+        ("contact --n 16 --p-star 0.1 --seed 1 --seed 2", "gfmd study computes many seeds"),
+        ("path --surface a.npy --surface b.npy --p-star 0.1", "gfmd study computes many surfaces"),
+    ] {
+        let output = gfmd(Path::new("."), &line.split_whitespace().collect::<Vec<_>>());
+        let text = message(&output);
+        assert!(output.status.code() == Some(2) && text.trim_end().ends_with(way_out), "{line}: {text}");
+    }
     let folder = folder(STUDY);
     let same = gfmd(folder.path(), &["study", "study.toml", "--out", "study.toml"]);
     assert_eq!(same.status.code(), Some(2), "{}", message(&same));
