@@ -51,7 +51,7 @@ def test_the_file_opens_in_xarray_as_the_same_cube(made, tmp_path):
     for name in ("area_fraction", "mean_gap", "iterations"):
         assert stored[name].dims == cube[name].dims
         np.testing.assert_array_equal(stored[name].values, cube[name].values)
-    assert stored.body.values.tolist() == ["soft", "thin"] and stored.load.values.tolist() == [0.02, 0.1]
+    assert stored.body.values.tolist() == ["soft", "thin"] and stored["load"].values.tolist() == [0.02, 0.1]
 
 
 def test_dimension_scales_have_their_names(made, tmp_path):

@@ -22,6 +22,9 @@ from ._result import Computed, Contents
 # Numbers in the table of a study.
 _SHOWN = ("area_fraction", "mean_gap", "friction", "mean_pressure")
 
+# Standard error divided by the mean below which it is rounding.
+_ROUNDING = 1e-12
+
 
 class Study(Computed):
     """Contacts of all surfaces, seeds and bodies of a study, each under all loads, with file, page and figures.
@@ -99,8 +102,9 @@ class Study(Computed):
         return _show.framed(columns, dict(zip(columns, columns)), self.units)
 
     def plot(self, y: str = "area_fraction", ax: Any = None) -> Any:
-        """Draws a number against the load, step or velocity with matplotlib: the mean over the seeds and its standard
-        error, a curve for each surface and body. Returns the axes.
+        """Draws the mean of a number over the seeds against the load, step or velocity with matplotlib.
+
+        Each surface and body has a curve, with the standard error. Returns the axes.
 
         Args:
             y: name of an array in `numbers`.
@@ -139,7 +143,8 @@ class Study(Computed):
             if found is None:
                 return "-"
             error = found.standard_error
-            return f"{found.mean:.5g}" + ("" if error is None else f" +- {error:.1g}")
+            is_known = error is not None and error > _ROUNDING * abs(found.mean)
+            return f"{found.mean:.5g}" + (f" +- {error:.1g}" if is_known else "")
 
         axes = ["surface", "body", *self.dimensions[3:]]
         columns = {name: [cut(str(row[name]), 20) for row in self.means] for name in axes}
