@@ -32,7 +32,8 @@ pub struct Args {
     /// Run the stored configuration again, and compare every number
     #[arg(long)]
     rerun: bool,
-    /// With --rerun, number of the runs of a sweep, or members of a study, that are computed again, spread evenly; default: all
+    /// With --rerun, number of the runs of a sweep, or members of a study, that are computed again, spread evenly;
+    /// default: all
     #[arg(long, requires = "rerun", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     sample: Option<u64>,
 }

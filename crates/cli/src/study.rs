@@ -2,7 +2,9 @@
 
 mod check;
 mod config;
+mod cube;
 mod file;
+mod inputs;
 mod member;
 mod report;
 mod solve;
@@ -230,7 +232,7 @@ impl Study<'_> {
             return Err(Failure::refused(format!("every member is refused: {}", first.error)));
         }
         let members: Vec<Member> = members.into_values().collect();
-        let cube = member::cube(&self.config, members);
+        let cube = cube::cube(&self.config, members);
         let write = || -> Result<PathBuf, Failure> {
             let mut archive = Archive::create(output, &self.session.provenance(self.work.config.clone()))?;
             archive.attribute("/", "seconds", started.elapsed().as_secs_f64())?;

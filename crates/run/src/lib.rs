@@ -2,8 +2,8 @@
 #![doc = include_str!("../README.md")]
 //!
 //! [`series`] computes the states at the loads of `contact` and at the steps of `path`, and keeps them in a file and
-//! beside it; [`resume`] continues. [`convergence`] says why a search ended, [`trace`] records every step of one. [`parts`] divides
-//! long work over processes and time.
+//! beside it; [`resume`] continues. [`convergence`] says why a search ended, [`trace`] records every step of one.
+//! [`parts`] divides long work over processes and time.
 #![warn(missing_docs)]
 
 pub mod accuracy;

@@ -2,15 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
-use std::path::Path;
 
-use gfmd_check::result::FILES;
 use gfmd_input::failure::Failure;
 use gfmd_input::source::file_of;
 use gfmd_problem::options::GeneratorArgs;
 use gfmd_problem::options::flags::{line, quoted};
 use toml::{Table, Value};
 
+use super::inputs::files_of;
 use super::solve::{Command, Problem};
 
 /// Options that are not of the problem, or whose output a study does not have.
@@ -238,14 +237,6 @@ impl StudyConfig {
         all.insert("study".into(), lists.into());
         toml::to_string(&all).map_err(|error| Failure::computation(error.to_string()))
     }
-}
-
-/// Returns the files that a member reads.
-pub(super) fn files_of(table: &Table) -> Vec<String> {
-    let named = FILES.iter().filter(|key| **key != "channel").filter_map(|key| table.get(*key)?.as_str());
-    // A hardness may also be a number with a unit.
-    let is_file = |text: &&str| !(gfmd_unit::Quantity::parse(text).is_ok_and(|found| found.is_some()));
-    named.filter(is_file).map(|text| file_of(text).to_owned()).filter(|file| !Path::new(file).is_dir()).collect()
 }
 
 fn unknown(place: &str, key: &str, allowed: &[&str]) -> Failure {

@@ -18,7 +18,7 @@ use gfmd_unit::Units;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use super::config::files_of;
+use super::inputs::files_of;
 use super::member::{Member, MemberColumn};
 use crate::kinds::kinds;
 use crate::{contact, path, slide};
