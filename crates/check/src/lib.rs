@@ -2,8 +2,8 @@
 #![doc = include_str!("../README.md")]
 //!
 //! [`result`](mod@result) reads the problem of a file and compares numbers; [`series`] recomputes the states of
-//! `contact` and `path`, [`sweep`] the contacts of a sweep, [`statistics`] their distributions. [`study`] is the file of
-//! a study.
+//! `contact` and `path`, [`sweep`] the contacts of a sweep, [`statistics`] their distributions. [`study`] is the file
+//! of a study.
 #![warn(missing_docs)]
 
 pub mod result;
