@@ -90,10 +90,10 @@ fn chart(cube: &Cube, shown: &Shown) -> Option<Chart> {
     for (hue, (surface, body, other)) in curves.enumerate().take(MOST_CURVES) {
         let mut label = Vec::new();
         if cube.surfaces.len() > 1 {
-            label.push(text(&cube.surfaces[surface]));
+            label.push(plain(&text(&cube.surfaces[surface])));
         }
         if cube.bodies.len() > 1 {
-            label.push(text(&cube.bodies[body]));
+            label.push(plain(&text(&cube.bodies[body])));
         }
         if others > 1 {
             label.push(format!("{} {}", cube.axes[0].name, cube.coordinates(other * axis.length)[0]));
@@ -113,10 +113,24 @@ fn chart(cube: &Cube, shown: &Shown) -> Option<Chart> {
     let values = axis.values.clone().unwrap_or_default();
     let [least, most] = [f64::min, f64::max].map(|fold| values.iter().copied().reduce(fold).unwrap_or(0.0));
     let unit = if axis.units == "1" { String::new() } else { format!(" / {}", axis.units) };
-    let label = format!("{}{unit}", axis.long_name);
+    let label = plain(&format!("{}{unit}", axis.long_name));
     let x = if least > 0.0 && most > 10.0 * least { Axis::log(&label) } else { Axis::linear(&label) };
-    let panel = Panel { x, y: Axis::linear(&shown.head), series, ..Panel::default() };
+    let panel = Panel { x, y: Axis::linear(&plain(&shown.head)), series, ..Panel::default() };
     (!panel.series.is_empty()).then(|| Chart::new(vec![panel]))
+}
+
+/// Returns a text as a label that shows its asterisks.
+fn plain(label: &str) -> String {
+    label.replace('*', "\\*")
+}
+
+/// Returns true if a number is the given load itself.
+fn is_given(cube: &Cube, name: &str) -> bool {
+    let loads = cube.axes.iter().find(|axis| axis.name == "load");
+    loads.is_some_and(|loads| match loads.long_name.contains("approach") {
+        true => name == "approach",
+        false => ["mean_pressure", "p_star"].contains(&name),
+    })
 }
 
 /// Builds the page about the study in a file.
@@ -145,7 +159,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
         }
     }
     let shown = shown(&cube);
-    for one in &shown {
+    for one in shown.iter().filter(|one| !is_given(&cube, &one.number.name)) {
         if let Some(chart) = chart(&cube, one) {
             let caption = html! { (text(&one.number.long_name)) ": mean over the seeds, and its standard error." };
             page.chart(&chart, &one.number.name.replace('_', " "), &caption);
