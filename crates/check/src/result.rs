@@ -32,6 +32,7 @@ pub enum ResultKind {
     Punch,
     Body,
     KappaSweep,
+    Study,
 }
 
 impl ResultKind {
@@ -44,6 +45,7 @@ impl ResultKind {
             ("/states", Self::Slide),
             ("/punch", Self::Punch),
             ("/runs", Self::KappaSweep),
+            ("/study", Self::Study),
         ];
         (groups.into_iter())
             .find_map(|(group, kind)| has(group).then_some(kind))
@@ -59,6 +61,7 @@ impl ResultKind {
             Self::Punch => "punch",
             Self::Body => "body",
             Self::KappaSweep => "kappa-sweep",
+            Self::Study => "study",
         }
     }
 }

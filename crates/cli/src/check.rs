@@ -13,7 +13,7 @@ use gfmd_files::{Checksum, Reader};
 use serde::Serialize;
 
 use crate::checking::{Check, Checking};
-use crate::{body, contact, kappa_sweep, path, punch, slide};
+use crate::{body, contact, kappa_sweep, path, punch, slide, study};
 use gfmd_check::result::{Comparison, Difference, ResultKind, printable};
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::memory::check_file;
@@ -26,13 +26,14 @@ use gfmd_input::session::Session;
   gfmd check sweep.h5 --rerun --sample 20
   gfmd check path.h5 --rerun --json")]
 pub struct Args {
-    /// Result of contact, path, slide, punch, body or kappa-sweep
+    /// Result of contact, path, slide, punch, body, kappa-sweep or study
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Run the stored configuration again, and compare every number
     #[arg(long)]
     rerun: bool,
-    /// With --rerun, number of the runs of a sweep that are computed again, spread evenly; default: all
+    /// With --rerun, number of the runs of a sweep, or members of a study, that are computed again, spread evenly;
+    /// default: all
     #[arg(long, requires = "rerun", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     sample: Option<u64>,
 }
@@ -92,7 +93,7 @@ const LISTED: usize = 20;
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let file = &args.file;
     let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
-    let kinds = "a result of contact, path, slide, punch, body or kappa-sweep";
+    let kinds = "a result of contact, path, slide, punch, body, kappa-sweep or study";
     let kind = ResultKind::of(&reader)
         .ok_or_else(|| Failure::refused(format!("{} is not a result file; it must be {kinds}", file.display())))?;
     check_file(&reader)?;
@@ -153,7 +154,8 @@ fn recompute(
 ) -> Result<(), Failure> {
     let text = reader.text("/", "config").map_err(|error| Failure::refused(error.to_string()))?;
     let Some(Check { read, check, again }) = of(kind) else {
-        return kappa_sweep::check(reader, &text, args.rerun, args.sample, comparison, session);
+        let check = if kind == ResultKind::Study { study::check } else { kappa_sweep::check };
+        return check(reader, &text, args.rerun, args.sample, comparison, session);
     };
     let config = read(kind, &text)?;
     let checking = Checking { reader, kind, config: &config, session };
@@ -162,7 +164,7 @@ fn recompute(
     if args.rerun || kind == ResultKind::Body { again(checking, comparison) } else { Ok(()) }
 }
 
-/// Returns the check for results of a kind; `None` for sweeps, which are not configured by flags.
+/// Returns the check for results of a kind; `None` for sweeps and studies, which are not configured by flags.
 pub(crate) fn of(kind: ResultKind) -> Option<Check> {
     Some(match kind {
         ResultKind::Contact => Check::of::<contact::Args>(),
@@ -170,7 +172,7 @@ pub(crate) fn of(kind: ResultKind) -> Option<Check> {
         ResultKind::Slide => Check::of::<slide::Args>(),
         ResultKind::Punch => Check::of::<punch::Args>(),
         ResultKind::Body => Check::of::<body::Args>(),
-        ResultKind::KappaSweep => return None,
+        ResultKind::KappaSweep | ResultKind::Study => return None,
     })
 }
 

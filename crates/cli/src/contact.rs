@@ -239,8 +239,7 @@ impl Loads {
         let contact = prepared.pose_with_warnings(&args.asked()?, session)?;
         prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.search.tolerance)?;
         prepared.warn_about_drives(drives, args.control.option(), session);
-        let resolved = Args { problem: args.problem.resolved()?, ..args.clone() };
-        let config = toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))?;
+        let config = args.config()?;
         // A recorded search, or one shared by several processes, cannot be continued and is not kept.
         let kept = match output {
             Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
@@ -301,6 +300,7 @@ impl Loads {
         let SeriesOutcome { records, failure, not_converged, .. } = outcome;
         let mut report = Report {
             head: Head::new(&args.asked()?, prepared, contact.surface()),
+            facts: prepared.facts,
             accuracy: None,
             loads: records,
             history: trace,
@@ -480,6 +480,17 @@ impl Measuring<'_> {
 }
 
 impl Args {
+    /// Returns the resolved configuration as TOML.
+    pub(crate) fn config(&self) -> Result<String, Failure> {
+        let resolved = Self { problem: self.problem.resolved()?, ..self.clone() };
+        toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
+    }
+
+    /// Returns the option of the loads, with their values.
+    pub(crate) fn loads(&self) -> (&'static str, Vec<f64>) {
+        (self.control.option(), self.control.given_values())
+    }
+
     /// Checks that the chosen fields exist and include all required ones.
     fn check_fields(&self, facts: &Facts) -> Result<(), Failure> {
         let Some(fields) = &self.fields else { return Ok(()) };

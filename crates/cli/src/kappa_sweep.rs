@@ -4,18 +4,17 @@ mod calibration;
 mod check;
 mod config;
 mod file;
-mod journal;
 mod protocol;
 mod report;
-mod shards;
+mod stored;
 
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_files::{FileError, Output, target};
+use gfmd_files::{Output, target};
 use gfmd_problem::options::Options;
 use gfmd_problem::{MemoryNeed, Words, key, words};
 use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard, Study, run_shard};
@@ -33,8 +32,10 @@ use gfmd_input::session::Session;
 use gfmd_problem::options::values::parsed;
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_report::figures::check_names;
-use journal::{Finished, Journal, Size};
-use shards::Gathered;
+use gfmd_run::parts::{self, Gathered, Journal, Merge, Work, remark};
+
+/// Finished runs by number.
+type Finished = parts::Finished<Vec<Pressed>>;
 
 /// Flags of `kappa-sweep`.
 #[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
@@ -149,7 +150,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome, Failure> {
     if plan.config.statistics.target > 0.0 {
         runs = plan.points.len() * REALISATIONS;
     }
-    let sweep = Sweep { args, session, plan, text, size: Size { runs, loads } };
+    let refuse = move |found: &Vec<Pressed>| {
+        (found.len() != loads).then(|| format!("the run has {} loads; it must have {loads}", found.len()))
+    };
+    let work = Work { name: "sweep", config: text, parts: runs, refuse: Box::new(refuse) };
+    let sweep = Sweep { args, session, plan, work };
     match args.shard {
         Some(shard) if args.dry_run => {
             Ok(Outcome::Planned(PlanReport::new(&sweep.plan, &sweep.plan.runs_of_shard(shard), Some(shard))?))
@@ -165,9 +170,8 @@ struct Sweep<'a> {
     args: &'a Args,
     session: &'a Session,
     plan: Plan,
-    /// The configuration as TOML.
-    text: String,
-    size: Size,
+    /// The runs, with the configuration as TOML.
+    work: Work<Vec<Pressed>>,
 }
 
 impl Sweep<'_> {
@@ -189,7 +193,7 @@ impl Sweep<'_> {
     /// Computes all runs in this process.
     fn compute(self) -> Result<Outcome, Failure> {
         if self.args.show_config {
-            return Ok(Outcome::Config(self.text));
+            return Ok(Outcome::Config(self.work.config));
         }
         let all = self.all();
         self.check_memory(&all)?;
@@ -198,10 +202,9 @@ impl Sweep<'_> {
         }
         let earlier = self.args.runs_of.as_deref().map(|path| check::earlier(path, &self.plan)).transpose()?;
         let output = self.claim()?;
-        let (journal, mut finished) =
-            Journal::open(&output.beside(".journal"), &self.text, self.size, self.args.resume)?;
+        let (journal, mut finished) = Journal::open(&output.beside(".journal"), &self.work, self.args.resume)?;
         finished.extend(earlier.into_iter().flatten().enumerate());
-        let kept = words![journal.path().display().to_string(), ", ", key("resume"), " continues"];
+        let kept = parts::resumes(journal.path());
         self.conclude(&output, journal, finished, &kept)
     }
 
@@ -209,22 +212,19 @@ impl Sweep<'_> {
     fn compute_shard(self, shard: Shard) -> Result<Outcome, Failure> {
         let runs = self.plan.runs_of_shard(shard);
         self.check_memory(&runs)?;
-        let output = Output::claim_beside(&self.args.out, &shards::suffix(shard));
-        let output = named(output)?;
-        let (journal, finished) = Journal::open(&output.beside(".journal"), &self.text, self.size, self.args.resume)?;
+        let output = parts::claim_shard(&self.args.out, shard)?;
+        let (journal, finished) = Journal::open(&output.beside(".journal"), &self.work, self.args.resume)?;
         let started = Instant::now();
         let keeper = Keeper::new(&self.plan, &runs, journal, finished, self.session);
         let computed = run_shard(&self.plan, shard, &keeper);
         keeper.progress.finish();
         let journal = keeper.journal.path().to_path_buf();
-        computed.map_err(|error| {
-            let kept = words![journal.display().to_string(), ", ", key("resume"), " continues"];
-            Failure::from(error).with(remark("finished runs", &journal, kept.clone()))
-        })?;
+        computed
+            .map_err(|error| Failure::from(error).with(remark("finished runs", &journal, parts::resumes(&journal))))?;
         Ok(Outcome::Shard(ShardReport {
             shard: shard.to_string(),
             runs: runs.len(),
-            all_runs: self.size.runs,
+            all_runs: self.work.parts,
             journal,
             seconds: started.elapsed().as_secs_f64(),
             peak_bytes: peak_bytes(),
@@ -233,42 +233,25 @@ impl Sweep<'_> {
 
     /// Takes the runs from the journals of all shards, and computes those that are missing.
     fn merge(self) -> Result<Outcome, Failure> {
-        let missing = |finished: &Finished| -> Vec<usize> {
-            self.all().into_iter().filter(|run| !finished.contains_key(run)).collect()
-        };
         if self.args.dry_run {
             let out = target(&self.args.out).map_err(|error| Failure::input(key("out"), error))?;
-            let gathered = Gathered::read(&out, &self.text, self.size, false)?;
-            return Ok(Outcome::Planned(PlanReport::new(&self.plan, &missing(&gathered.finished), None)?));
+            let gathered = Gathered::read(&out, &self.work, false)?;
+            let missing = self.work.missing(&gathered.finished);
+            return Ok(Outcome::Planned(PlanReport::new(&self.plan, &missing, None)?));
         }
         let output = self.claim()?;
-        let path = output.beside(".journal");
-        let mut gathered = Gathered::read(output.path(), &self.text, self.size, true)?;
-        let mut finished = std::mem::take(&mut gathered.finished);
-        if path.exists() {
-            finished.extend(Journal::look(&path, &self.text, self.size)?);
-        }
-        let mut open = missing(&finished);
-        if !open.is_empty() {
-            finished.extend(shards::stored(output.path(), &self.text, &self.plan).unwrap_or_default());
-            open = missing(&finished);
-        }
-        let (found, runs, journals) = (finished.len(), self.size.runs, gathered.journals());
-        let lacking: Vec<String> = gathered.lacking(&self.plan, &open).iter().map(ToString::to_string).collect();
-        let of_shards = if lacking.is_empty() { String::new() } else { format!(", those of {}", lacking.join(", ")) };
-        tracing::info!("{found} of {runs} runs are in {journals} journals; {} are computed now{of_shards}", open.len());
+        let stored = || stored::stored(output.path(), &self.work.config, &self.plan);
+        let Merge { finished, open, gathered } = self.work.merge(&output, |count| self.plan.shards(count), stored)?;
         self.check_memory(&open)?;
         self.check_grid(Example::point(&self.plan))?;
-        let (journal, _) = Journal::open(&path, &self.text, self.size, true)?;
-        let beside = format!("the journals beside {}, ", output.path().display());
-        let kept = words![beside, key("merge"), " continues"];
-        let outcome = self.conclude(&output, journal, finished, &kept)?;
+        let (journal, _) = Journal::open(&output.beside(".journal"), &self.work, true)?;
+        let outcome = self.conclude(&output, journal, finished, &parts::merges(&output))?;
         gathered.remove();
         Ok(outcome)
     }
 
     fn claim(&self) -> Result<Output, Failure> {
-        let output = named(Output::claim(&self.args.out))?;
+        let output = parts::claim(&self.args.out)?;
         check_names(&gfmd_report::kappa::figures::stem(&self.args.out))
             .map_err(|reason| Failure::input(key("out"), reason))?;
         Ok(output)
@@ -301,20 +284,6 @@ impl Sweep<'_> {
         keeper.journal.remove();
         let plots = gfmd_report::kappa::figures::draw(&args.out, &study)?;
         Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
-    }
-}
-
-/// An output that was claimed, beside which there can be a journal.
-fn named(claimed: Result<Output, FileError>) -> Result<Output, Failure> {
-    let output = claimed.and_then(|output| output.check_beside(&[".journal"]).map(|()| output));
-    output.map_err(|error| Failure::input(key("out"), error))
-}
-
-/// The remark on a failure: where the runs are, unless their journal was removed.
-fn remark(runs: &str, journal: &Path, place: Words) -> Words {
-    match journal.exists() {
-        true => words![format!("; {runs} are in "), place],
-        false => format!("; the journal {} is gone, and with it the {runs}", journal.display()).into(),
     }
 }
 
@@ -358,7 +327,7 @@ impl Keep for Keeper<'_> {
     }
 
     fn keep(&self, run: &Run, loads: &[Pressed]) -> Result<(), Box<dyn Error + Send + Sync>> {
-        self.journal.record(self.number(run), loads)?;
+        self.journal.record(self.number(run), &loads.to_vec())?;
         self.advance(run);
         Ok(())
     }

@@ -42,5 +42,6 @@ pub mod report;
 pub mod serve;
 pub mod session;
 pub mod slide;
+pub mod study;
 pub mod surface;
 pub mod theory;

@@ -180,7 +180,7 @@ impl Args {
     }
 
     /// Returns the resolved configuration as TOML.
-    fn config(&self) -> Result<String, Failure> {
+    pub(crate) fn config(&self) -> Result<String, Failure> {
         let energy_solves = Some(self.energy_solves());
         let resolved = Self { source: self.source.resolved()?, energy_solves, ..self.clone() };
         toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
@@ -305,7 +305,8 @@ fn finish(
     head.yielding = prepared.yielding(&args.plasticity)?;
     let report = Report::new(head, args.waypoints.along(), records, places);
     let coefficient = args.wear.coefficient;
-    let mut report = Report { coefficient, parted_at, not_converged, out, ..report };
+    let facts = prepared.facts;
+    let mut report = Report { facts, coefficient, parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
         let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
         let depth = path.state().and_then(|state| state.on_path()?.wear_depth());

@@ -6,7 +6,7 @@ use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
@@ -18,7 +18,7 @@ use crate::kinds::kinds;
 use crate::line::{Line, one_line, plain_words};
 use crate::{
     body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, path, processes, prony, punch,
-    report, serve, session, slide, surface, theory,
+    report, serve, session, slide, study, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -34,6 +34,8 @@ pub enum Command {
     Contact(Box<contact::Args>),
     /// Extrapolate kappa to the thermodynamic, fractal and continuum limit, with its uncertainty
     KappaSweep(Box<kappa_sweep::Args>),
+    /// Compute many contacts, the product of surfaces, seeds, bodies and loads, into one file
+    Study(Box<study::Args>),
     /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
     Punch(Box<punch::Args>),
     /// Compute displacement, strain and stress below a surface from its displacement
@@ -222,11 +224,12 @@ impl Command {
             "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
             "body" => Self::Body(Box::new(of_keys(table, arrays)?)),
             "kappa-sweep" => Self::KappaSweep(Box::new(of_keys(table, arrays)?)),
+            "study" => Self::Study(Box::new(of_keys(table, arrays)?)),
             "green" => Self::Green(Box::new(of_keys(table, arrays)?)),
             "prony" => Self::Prony(Box::new(of_keys(table, arrays)?)),
             "estimate" => Self::Estimate(Box::new(of_keys(table, arrays)?)),
             _ => {
-                let allowed = "path, slide, punch, body, kappa-sweep, green, prony or estimate";
+                let allowed = "path, slide, punch, body, kappa-sweep, study, green, prony or estimate";
                 return Err(Failure::value("the command", name, allowed));
             }
         })
@@ -250,6 +253,11 @@ impl Command {
                 kappa_sweep::Outcome::Shard(report) => whole(report),
                 kappa_sweep::Outcome::Planned(plan) => whole(plan),
                 kappa_sweep::Outcome::Config(text) => whole(Plain(text)),
+            },
+            Self::Study(args) => match study::run(args, session)? {
+                study::Outcome::Done(report, failure) => ended(Outcome { report: *report, failure }),
+                study::Outcome::Shard(report, failure) => ended(Outcome { report, failure }),
+                study::Outcome::Planned(plan) => whole(plan),
             },
             Self::Punch(args) => ended(punch::run(args, session)?),
             Self::Body(args) => whole(body::run(args, session)?),
@@ -361,6 +369,18 @@ fn status_of(error: &clap::Error) -> u8 {
     if let ErrorKind::DisplayHelp | ErrorKind::DisplayVersion = error.kind() { 0 } else { 2 }
 }
 
+/// Returns where to go with a list of seeds or surfaces, which a single contact does not take.
+fn way_out(error: &clap::Error) -> &'static str {
+    let of = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
+    let (flag, value) = (of(ContextKind::InvalidArg), of(ContextKind::InvalidValue));
+    let is_repeated = error.kind() == ErrorKind::ArgumentConflict && of(ContextKind::PriorArg) == flag;
+    match flag.split_whitespace().next() {
+        Some("--seed") if is_repeated || value.contains([':', ',']) => "; gfmd study computes many seeds",
+        Some("--surface") if is_repeated => "; gfmd study computes many surfaces",
+        _ => "",
+    }
+}
+
 /// Prints help and version as results, and any other message of clap as one line of unusable input.
 fn refuse(error: &clap::Error) -> u8 {
     match error.kind() {
@@ -376,7 +396,7 @@ fn refuse(error: &clap::Error) -> u8 {
             2
         }
         _ => {
-            let _ = writeln!(io::stderr(), "{}", one_line(error));
+            let _ = writeln!(io::stderr(), "{}{}", one_line(error), way_out(error));
             2
         }
     }

@@ -26,7 +26,7 @@ use gfmd_report::{Page, quoted};
   gfmd report kappa.h5
   gfmd report contact.h5 --out contact-page.html")]
 pub struct Args {
-    /// Result of contact, path, slide, punch, body or kappa-sweep
+    /// Result of contact, path, slide, punch, body, kappa-sweep or study
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
     /// Write the page to this file; default: beside the result, with the ending .html
@@ -67,7 +67,7 @@ pub fn write_page(file: &Path, out: &Path, session: &Session) -> Result<Report, 
 /// Opens a result file that is not damaged; returns its kind, and true if its checksum holds (`None` without one).
 fn opened(file: &Path, session: &Session) -> Result<(Reader, ResultKind, Option<bool>), Failure> {
     let reader = Reader::open(file).map_err(|error| Failure::refused(error.to_string()))?;
-    let kinds = "contact, path, slide, punch, body or kappa-sweep";
+    let kinds = "contact, path, slide, punch, body, kappa-sweep or study";
     let kind = ResultKind::of(&reader).ok_or_else(|| {
         let name = file.display();
         let surface = reader.contains("/surface/height");
@@ -103,6 +103,7 @@ fn page_of(reader: &Reader, kind: ResultKind, session: &Session) -> Result<Page,
         ResultKind::Slide => gfmd_report::slide::page(reader),
         ResultKind::Punch => gfmd_report::punch::page(reader),
         ResultKind::Body => gfmd_report::body::page(reader),
+        ResultKind::Study => gfmd_report::study::page(reader),
     }
 }
 
@@ -132,7 +133,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 fn again(kind: ResultKind, reader: &Reader) -> Result<String, String> {
     let text = reader.text("/", "config").unwrap_or_default();
     let Some(Check { read, .. }) = check::of(kind) else {
-        return Ok("gfmd kappa-sweep --config sweep.toml --out again.h5".into());
+        return Ok(match kind {
+            ResultKind::Study => "gfmd study study.toml --out again.h5",
+            _ => "gfmd kappa-sweep --config sweep.toml --out again.h5",
+        }
+        .into());
     };
     let config = read(kind, &text).map_err(|error| format!("No command repeats it: {error}."))?;
     if let Some(key) = config.array() {

@@ -132,9 +132,14 @@ impl Args {
     }
 
     /// The resolved configuration as TOML.
-    fn config(&self) -> Result<String, Failure> {
+    pub(crate) fn config(&self) -> Result<String, Failure> {
         let resolved = Self { source: self.source.resolved()?, ..self.clone() };
         toml_of(&resolved).map_err(|error| Failure::computation(error.to_string()))
+    }
+
+    /// Returns the option of the loads with their values, and the velocities.
+    pub(crate) fn loads(&self) -> (&'static str, Vec<f64>, Vec<f64>) {
+        (self.control.option(), self.control.given_values(), numbers(&self.velocity).collect())
     }
 
     /// Returns the coefficient of friction of the interface, if it is given.
@@ -412,7 +417,15 @@ impl SlideInput {
         // Contacts at rest have these orders.
         head.grid_error.iter_mut().for_each(|found| found.orders.clear());
         let direction = velocities[0].direction();
-        let mut report = Report { head, direction, states: Vec::new(), peak_bytes: 0, out: None, plots: Vec::new() };
+        let mut report = Report {
+            head,
+            facts: self.facts(),
+            direction,
+            states: Vec::new(),
+            peak_bytes: 0,
+            out: None,
+            plots: Vec::new(),
+        };
         let count = self.states().count();
         let provenance = session.provenance(args.config()?);
         let mut finer = Finer::pose(args, prepared)?;

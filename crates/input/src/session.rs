@@ -127,6 +127,19 @@ impl Session {
         &self.meter
     }
 
+    /// Returns a session for one of many runs within this one: it prints nothing, has its own warnings and no output in
+    /// memory, and is interrupted with this one.
+    #[must_use]
+    pub fn within(&self) -> Self {
+        let (interrupted, is_embedded) = (Arc::clone(&self.interrupted), self.is_embedded);
+        Self { interrupted, is_embedded, ..Self::silent() }
+    }
+
+    /// Returns the warnings of the run.
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.warnings.list()
+    }
+
     /// Returns the session with a height map that was read already. Only the first process keeps it, which reads alone.
     #[must_use]
     pub fn with_map(self, map: Option<NamedMap>) -> Self {

@@ -81,7 +81,11 @@ pub(crate) fn solve<'py>(
     let command = Command::of(command, problem, arrays).map_err(|failure| unusable(py, failure))?;
     let memory = Memory::default();
     let session = Session::embedded();
-    let session = if let Command::KappaSweep(_) = command { session } else { session.in_memory(memory.clone()) };
+    let session = if let Command::KappaSweep(_) | Command::Study(_) = command {
+        session
+    } else {
+        session.in_memory(memory.clone())
+    };
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
         let (finished, wait) = channel::<()>();
         std::thread::scope(|scope| {

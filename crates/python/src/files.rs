@@ -113,6 +113,7 @@ fn other(kind: ResultKind) -> String {
         ResultKind::Punch => ("punch", "punch"),
         ResultKind::Body => ("interior", "fields"),
         ResultKind::KappaSweep => ("kappa_sweep", "points"),
+        ResultKind::Study => ("study", "study"),
     };
     format!(
         "it is a result of {name}, and load returns those of contact; gfmd.{function} returns one of {name}, \

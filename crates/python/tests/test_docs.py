@@ -60,6 +60,13 @@ def words(tmp_path_factory):
         "k": gfmd.kappa_sweep(
             {"points": {"eps_t_inv": [1, 2], "eps_f_inv": [4, 8], "eps_c_inv": [2, 4], "centre": [1, 4, 2]}}
         ),
+        "many": gfmd.study(
+            {
+                "command": "contact",
+                "contact": {"n": 32, "eps_f_inv": 4, "p_star": [0.02, 0.1]},
+                "study": {"seed": "1:3"},
+            }
+        ),
     }
 
 
@@ -214,6 +221,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.FieldsBelow, [words["punch"].interior(depths=[0.1])]),
         (gfmd.Green, [gfmd.green(gfmd.Body(), qx=1.0, depth=0.1)]),
         (gfmd.KappaSweep, [words["k"]]),
+        (gfmd.Study, [words["many"]]),
         (gfmd.Statistics, [words["s"].statistics(features=True), flat, filtered.statistics()]),
         (gfmd.Body, [gfmd.Body(), curve]),
         (gfmd.PronyFit, [series]),

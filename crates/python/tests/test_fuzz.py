@@ -177,6 +177,19 @@ sweep = st.fixed_dictionaries(
     },
 )
 
+studies = st.fixed_dictionaries(
+    {
+        "command": st.just("contact"),
+        "contact": st.fixed_dictionaries(
+            {"n": st.just(8), "eps_f_inv": st.just(2), "p_star": st.one_of(loads, anything)}
+        ),
+    },
+    optional={
+        "study": st.dictionaries(st.sampled_from(["surface", "seed", "body", "x"]), anything, max_size=2),
+        "": anything,
+    },
+)
+
 # Each entry point, and good values of its arguments; the others come from `anything`.
 ENTRIES = {
     "Surface": (
@@ -346,11 +359,21 @@ ENTRIES = {
             threads=st.integers(0, 3),
         ),
     ),
+    "study": (
+        gfmd.study,
+        dict(
+            config=studies,
+            out=st.sampled_from(["study.h5", "", ".", "no/study.h5"]),
+            resume=st.booleans(),
+            progress=st.booleans(),
+            threads=st.integers(0, 3),
+        ),
+    ),
     "load": (gfmd.load, dict(path=files)),
     "cite": (gfmd.cite, dict(results=st.sampled_from([CONTACT, CONTACTS, ADHESIVE, PUNCH]))),
     "progress": (gfmd.progress, dict(shown=st.one_of(st.booleans(), st.none()))),
 }
-WRITERS = (CONTACT.save, CONTACTS.save, gfmd.kappa_sweep)
+WRITERS = (CONTACT.save, CONTACTS.save, gfmd.kappa_sweep, gfmd.study)
 # At most one of these is meant; the strategy leaves most of the others out.
 CHOICES = [
     {"pressure", "p_star", "approach"},

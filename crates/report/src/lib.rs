@@ -1,7 +1,7 @@
 //! [docs]: crate
 #![doc = include_str!("../README.md")]
 //!
-//! [`contact`], [`path`], [`slide`], [`punch`], [`body`] and [`kappa`] build the [`Page`] of a file of this
+//! [`contact`], [`path`], [`slide`], [`punch`], [`body`], [`kappa`] and [`study`] build the [`Page`] of a file of this
 //! kind from its numbers and fields alone. [`whole_page`] adds the sections common to all results and writes the page,
 //! which needs no network. [`contact_law`] is the law of a contact for finite elements, as text. [`figures`] holds the
 //! common parts of figures in files and pages, [`surface`] the figures and the page of a surface. The charts come from
@@ -19,6 +19,7 @@ pub mod path;
 pub mod punch;
 pub mod slide;
 pub mod strain;
+pub mod study;
 pub mod surface;
 pub mod wear;
 

@@ -3,6 +3,7 @@
 //!
 //! [`series`] computes the states at the loads of `contact` and at the steps of `path`, and keeps them in a file and
 //! beside it; [`resume`] continues. [`convergence`] says why a search ended, [`trace`] records every step of one.
+//! [`parts`] divides long work over processes and time.
 #![warn(missing_docs)]
 
 pub mod accuracy;
@@ -10,6 +11,7 @@ pub mod columns;
 pub mod convergence;
 pub mod flow;
 pub mod gas;
+pub mod parts;
 pub mod progress;
 pub mod resume;
 pub mod series;

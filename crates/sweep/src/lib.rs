@@ -39,6 +39,6 @@ pub use preset::Preset;
 pub use pressed::Pressed;
 pub use protocol::{Arm, Curve, Estimated, Protocol};
 pub use run::{Example, Keep, run, run_one, run_shard};
-pub use shard::{Shard, ShardError};
+pub use shard::{Shard, ShardError, divide};
 pub use study::Study;
 pub use target::SweepPrecision;

@@ -52,26 +52,30 @@ impl fmt::Display for Shard {
     }
 }
 
+/// Returns the shard number, from 0, of each piece of `work` for `count` shards. Each piece belongs to one shard. The
+/// shards have about equal work: pieces are assigned in order of decreasing work, each to the shard with the least work
+/// so far. With fewer pieces than shards, some shards have none.
+pub fn divide(work: &[u64], count: usize) -> Vec<usize> {
+    let mut dearest: Vec<usize> = (0..work.len()).collect();
+    dearest.sort_by_key(|piece| (Reverse(work[*piece]), *piece));
+    // The first pieces go to one shard each, so only as many shards as there are pieces take part.
+    let some = count.min(dearest.len());
+    let mut least: BinaryHeap<Reverse<(u64, usize)>> = (0..some).map(|index| Reverse((0, index))).collect();
+    let mut shards = vec![0; dearest.len()];
+    for piece in dearest {
+        let Some(Reverse((sum, index))) = least.pop() else { break };
+        least.push(Reverse((sum.saturating_add(work[piece].max(1)), index)));
+        shards[piece] = index;
+    }
+    shards
+}
+
 impl Plan {
-    /// Returns the shard number, from 0, of each run for `count` shards. Each run belongs to one shard. The expected
-    /// work of the shards is about equal: runs are assigned in order of decreasing work, each to the shard with the
-    /// least work so far. With fewer runs than shards, some shards have none.
+    /// Returns the shard number, from 0, of each run for `count` shards ([`divide`]), by the expected work of the runs.
     pub fn shards(&self, count: usize) -> Vec<usize> {
         // Whole numbers, since the last bits of a logarithm differ between machines.
         let work: Vec<u64> = self.points.iter().map(|point| (self.work(point) * 1e6).round() as u64).collect();
-        let work_of = |run: usize| work[self.runs[run].point];
-        let mut dearest: Vec<usize> = (0..self.runs.len()).collect();
-        dearest.sort_by_key(|run| (Reverse(work_of(*run)), *run));
-        // The first runs go to one shard each, so only as many shards as there are runs take part.
-        let some = count.min(dearest.len());
-        let mut least: BinaryHeap<Reverse<(u64, usize)>> = (0..some).map(|index| Reverse((0, index))).collect();
-        let mut shards = vec![0; dearest.len()];
-        for run in dearest {
-            let Some(Reverse((sum, index))) = least.pop() else { break };
-            least.push(Reverse((sum.saturating_add(work_of(run).max(1)), index)));
-            shards[run] = index;
-        }
-        shards
+        divide(&self.runs.iter().map(|run| work[run.point]).collect::<Vec<_>>(), count)
     }
 
     /// Returns the indices of the runs of a shard, ascending.

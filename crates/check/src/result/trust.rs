@@ -259,6 +259,23 @@ const SWEEP: &[Row] = &[
     row(&["/example/*", "/example@*"], Verified, Verified, "the configuration"),
 ];
 
+const STUDY: &[Row] = &[
+    row(
+        &["/study/surface", "/study/seed", "/study/body", "/study/status", "/study@command"],
+        Verified,
+        Verified,
+        "the configuration; each other",
+    ),
+    row(
+        &["/study/load", "/study/velocity", "/study/step", "/study/error"],
+        InPart,
+        InPart,
+        "the configuration, unless surfaces are in files; the status",
+    ),
+    row(&["/study/warnings", "/study/config", "/study@*", "/study/*@*"], Checksum, Checksum, ""),
+    row(&["/study/*"], Checksum, InPart, "the members that are repeated; not of surfaces in files"),
+];
+
 /// Returns the rows of a kind. The first row that matches a part applies to it.
 pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
     let own: &[&[Row]] = match kind {
@@ -268,6 +285,7 @@ pub fn rows(kind: ResultKind) -> impl Iterator<Item = &'static Row> {
         ResultKind::Punch => &[SEARCH, ALL, PUNCH],
         ResultKind::Body => &[ALL, BODY],
         ResultKind::KappaSweep => &[ALL, SWEEP],
+        ResultKind::Study => &[STUDY, ALL],
     };
     own.iter().copied().flatten()
 }
@@ -314,6 +332,7 @@ pub fn page() -> String {
         ("`punch`", PUNCH),
         ("`body`", BODY),
         ("`kappa-sweep`", SWEEP),
+        ("`study`", STUDY),
     ] {
         table(&mut page, title, rows);
     }

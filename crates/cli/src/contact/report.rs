@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use gfmd_problem::Facts;
 use gfmd_record::Record;
 use serde::Serialize;
 
@@ -18,6 +19,9 @@ use gfmd_run::trace::Trace;
 pub struct Report {
     #[serde(flatten)]
     pub head: Head,
+    /// Features that decide which numbers the loads have.
+    #[serde(skip)]
+    pub facts: Facts,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accurate>,
     pub loads: Vec<Record>,

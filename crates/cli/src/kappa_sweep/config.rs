@@ -30,6 +30,26 @@ impl FromStr for Configured {
 }
 
 impl Configured {
+    /// Reads the configuration as a table, with its name in messages.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is not TOML.
+    pub(crate) fn table(&self) -> Result<(String, Table), Failure> {
+        match self {
+            Self::Contents(table) => Ok(("config".into(), table.clone())),
+            Self::File(path) => {
+                let name = path.display().to_string();
+                let text = gfmd_files::input::text(path).map_err(|error| Failure::input(&name, error))?;
+                let table = text.parse().map_err(|error: toml::de::Error| {
+                    let before = &text[..error.span().map_or(0, |span| span.start.min(text.len()))];
+                    let line = 1 + before.matches('\n').count();
+                    Failure::input(format!("{name}, line {line}"), error.message().replace('\n', ", "))
+                })?;
+                Ok((name, table))
+            }
+        }
+    }
+
     /// Reads the configuration; missing fields come from the preset `default`.
     ///
     /// # Errors

@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gfmd_measure::GridLimit;
+use gfmd_problem::Facts;
 use gfmd_record::{Record, Table, lines, table_of, with_limit};
 use gfmd_unit::{DisplayUnit, Units};
 use serde::Serialize;
@@ -23,6 +24,9 @@ use gfmd_run::series::{Head, Places};
 pub struct Report {
     #[serde(flatten)]
     pub head: Head,
+    /// Features that decide which numbers the steps have.
+    #[serde(skip)]
+    pub facts: Facts,
     /// Unit vector of the lateral displacement; the table and the plots show lateral numbers along it.
     pub direction: [f64; 2],
     /// Wear coefficient, 1/stress: depth lost per distance divided by the pressure. `None` without wear, as is
@@ -76,6 +80,7 @@ impl Report {
         let sum = |name: &str| steps.iter().filter_map(|step| step.value(name)).reduce(|a, b| a + b);
         let mut report = Self {
             head,
+            facts: Facts::default(),
             direction,
             coefficient: None,
             sliding: Vec::new(),

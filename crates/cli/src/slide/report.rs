@@ -8,7 +8,7 @@ use gfmd_files::contiguous;
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::source::Surface;
-use gfmd_record::{ROUGH, Record, Sliding, Table, table_of};
+use gfmd_record::{ROUGH, Record, Sliding, SlidingFacts, Table, table_of};
 use gfmd_report::figures::{Scene, SceneFields, named};
 use gfmd_report::slide::{chart, rises, temperature};
 use gfmd_run::series::Head;
@@ -23,6 +23,9 @@ use crate::session::list_files;
 pub struct Report {
     #[serde(flatten)]
     pub head: Head,
+    /// Features that decide which numbers the states have.
+    #[serde(skip)]
+    pub facts: SlidingFacts,
     /// Unit vector of the velocity.
     pub direction: [f64; 2],
     /// Every load at every velocity, loads outer.

@@ -29,6 +29,19 @@ alpha_c = 1
 resamples = 20
 ";
 
+/// Study of twelve members under two loads.
+pub(crate) const STUDY: &str = r#"
+command = "contact"
+[contact]
+n = 16
+eps_f_inv = 4
+p_star = [0.02, 0.1]
+[study]
+surface = [{ name = "smooth", hurst = 0.9 }, { name = "rough", hurst = 0.3 }]
+seed = "1:3"
+body = [{ name = "soft", young = 1.0 }, { name = "thin", height = 0.1, poisson = 0.3 }]
+"#;
+
 /// Returns this sweep with other numbers of surfaces and refits.
 pub(crate) fn sweep(realisations: usize, resamples: usize) -> String {
     SWEEP

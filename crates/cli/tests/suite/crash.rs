@@ -18,10 +18,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{gfmd, numbers, sweep};
+use crate::common::{STUDY, gfmd, numbers, sweep};
 
 /// Commands that write a file. The first word is a name for messages.
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "sweep kappa-sweep --config sweep.toml",
     "contact contact --n 128 --eps-f-inv 16 --p-star 0.01,0.02,0.05,0.1,0.2,0.4 --checkpoint 0.001",
     "squeezed contact --n 64 --eps-f-inv 8 --height 0.05 --lower-seed 2 --p-star 0.02,0.05,0.2 --checkpoint 0.001",
@@ -37,11 +37,12 @@ const COMMANDS: [&str; 13] = [
      --steps 1",
     "wear wear --n 64 --eps-f-inv 8 --boundary free --p-star 0.05 --coefficient 1 --distance 0,1e-2:1:12 --steps 1",
     "yield path --n 32 --eps-f-inv 8 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06,0.01 --steps 3",
+    "study study study.toml",
     "slide slide --n 64 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.02,0.1 --velocity 0.01:100:6",
 ];
 
 /// Smaller commands, killed at every system call.
-const SMALL: [&str; 13] = [
+const SMALL: [&str; 14] = [
     "sweep kappa-sweep --config small.toml",
     "contact contact --n 32 --eps-f-inv 4 --p-star 0.02,0.05,0.2 --checkpoint 0.0001",
     "squeezed contact --n 24 --eps-f-inv 4 --height 0.1 --lower-seed 2 --p-star 0.02,0.2 --checkpoint 0.0001",
@@ -56,13 +57,14 @@ const SMALL: [&str; 13] = [
     "creep path --n 16 --eps-f-inv 4 --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1,100 --steps 1",
     "wear wear --n 16 --eps-f-inv 4 --p-star 0.05 --coefficient 1 --distance 0,0.1,1 --steps 2",
     "yield path --n 16 --eps-f-inv 4 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06 --steps 2",
+    "study study study.toml",
     "slide slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.05 \
      --velocity 0.1,1 --grid-error refine",
 ];
 
 /// Commands that keep finished parts.
-const RESUMABLE: [&str; 11] =
-    ["sweep", "contact", "squeezed", "relaxation", "law", "path", "loop", "creep", "wear", "yield", "slide"];
+const RESUMABLE: [&str; 12] =
+    ["sweep", "study", "contact", "squeezed", "relaxation", "law", "path", "loop", "creep", "wear", "yield", "slide"];
 
 struct Case {
     name: &'static str,
@@ -130,7 +132,7 @@ fn kept(folder: &Path, out: &str, name: &str) -> usize {
         records.saturating_sub(1)
     };
     let records = std::fs::read(folder.join(format!("{out}.journal"))).map_or(0, |bytes| count(&bytes));
-    if name == "sweep" {
+    if ["sweep", "study"].contains(&name) {
         return records;
     }
     // The number of parts follows the checksum of the head.
@@ -147,6 +149,7 @@ fn cases(folder: &Path, turn: usize) -> Vec<Case> {
 
 fn all_of(commands: impl IntoIterator<Item = &'static str>, folder: &Path) -> Vec<Case> {
     std::fs::write(folder.join("sweep.toml"), sweep(3, 50)).unwrap();
+    std::fs::write(folder.join("study.toml"), STUDY).unwrap();
     let small = sweep(2, 50).replace("eps_t_inv = [1.0, 2.0]", "eps_t_inv = [1.0]");
     std::fs::write(folder.join("small.toml"), small.replace("centre = [2, 4, 4]", "centre = [1, 4, 4]")).unwrap();
     let punch = gfmd(folder, &["punch", "--n", "32", "--out", "whole-punch.h5", "-q"]);
@@ -247,7 +250,7 @@ fn killed_at_every_system_call_that_writes() {
     }
     const CALLS: &str = "write,pwrite64,writev,fsync,ftruncate,rename,unlink";
     let folder = tempfile::tempdir().unwrap();
-    let short = ["sweep", "contact", "path", "body"];
+    let short = ["sweep", "study", "contact", "path", "body"];
     for case in all_of(SMALL, folder.path()).into_iter().filter(|case| long().is_some() || short.contains(&case.name)) {
         // The short version tries a few calls, at growing distances.
         let (mut call, mut killed, mut parts) = (1_usize, 0, 0);

@@ -23,6 +23,7 @@ fn every_command_has_examples_under_the_name_of_the_program() {
         "green",
         "path",
         "slide",
+        "study",
         "law",
         "prony",
         "theory",

@@ -42,6 +42,7 @@ mod shapes;
 mod slide;
 mod squeezed;
 mod stiffness;
+mod study;
 mod sweep;
 mod theory;
 mod trust;

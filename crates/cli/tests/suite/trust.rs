@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{SWEEP, gfmd, long};
+use crate::common::{STUDY, SWEEP, gfmd, long};
 use gfmd_check::result::ResultKind;
 use gfmd_check::result::trust::{Coverage, page, row_of};
 use gfmd_files::{Attribute, Reader};
@@ -276,7 +276,7 @@ fn inputs_are_regular_files_and_those_that_the_result_names_twice() {
 }
 
 /// Files with parts to forge, and their kinds.
-const FORGED: [(&str, ResultKind, &str); 15] = [
+const FORGED: [(&str, ResultKind, &str); 16] = [
     (
         "wall.h5",
         ResultKind::Contact,
@@ -326,6 +326,7 @@ const FORGED: [(&str, ResultKind, &str); 15] = [
     ("punch.h5", ResultKind::Punch, "punch --n 16"),
     ("body.h5", ResultKind::Body, "body --surface press.h5 --levels 3"),
     ("sweep.h5", ResultKind::KappaSweep, "kappa-sweep --config sweep.toml"),
+    ("study.h5", ResultKind::Study, "study study.toml"),
 ];
 
 /// Returns the variables and attributes of a file; variables without an `@`.
@@ -395,6 +396,7 @@ fn every_part_is_verified_as_the_page_says() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
+    std::fs::write(folder.join("study.toml"), STUDY).unwrap();
     let ramp = Array2::from_shape_fn((24, 24), |(i, j)| {
         0.002 * i as f64 + 0.01 * (0.9 * i as f64).sin() * (0.7 * j as f64).cos()
     });
@@ -572,6 +574,7 @@ fn a_page_of_numbers_of_any_size_is_made_or_refused() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     std::fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
+    std::fs::write(folder.join("study.toml"), STUDY).unwrap();
     let extremes = [
         [1e308, -1e308],
         [f64::NAN; 2],
@@ -591,6 +594,7 @@ fn a_page_of_numbers_of_any_size_is_made_or_refused() {
         ("contact.h5", "contact --n 16 --eps-f-inv 4 --p-star 0.02,0.05,0.1 --height 0.4 --poisson 0.3 --statistics"),
         ("path.h5", "path --n 16 --eps-f-inv 4 --p-star 0.02,0.05 --friction 0.3 --lateral 0,0.001 --steps 2"),
         ("sweep.h5", "kappa-sweep --config sweep.toml"),
+        ("study.h5", "study study.toml"),
     ] {
         let path = make(folder, name, words);
         let honest = std::fs::read(&path).unwrap();

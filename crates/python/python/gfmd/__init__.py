@@ -33,6 +33,7 @@ from ._result import Result
 from ._shape import cone, cylinder, ellipsoid, flat_punch, paraboloid, sphere, wave, wedge
 from ._slide import Slide, slide
 from ._solve import contact, contacts
+from ._study import Study, study
 from ._surface import Statistics, Surface, profile, read, read_heights, self_affine
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "Result",
     "Slide",
     "Statistics",
+    "Study",
     "Surface",
     "Wear",
     "__version__",
@@ -89,6 +91,7 @@ __all__ = [
     "self_affine",
     "slide",
     "sphere",
+    "study",
     "wave",
     "wear",
     "wedge",

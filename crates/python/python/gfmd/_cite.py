@@ -12,6 +12,7 @@ from ._contact import Contact, Contacts
 from ._errors import InputError
 from ._kappa import KappaSweep
 from ._path import Path
+from ._study import Study
 
 _PROGRAM = (
     f"gfmd {_gfmd.VERSION}, contact mechanics of rough surfaces by Green's function molecular dynamics (CITATION.cff)."
@@ -68,7 +69,7 @@ def _of(result: Any) -> Iterator[str]:
         yield _LAWS.get(result.law, "")
     elif isinstance(result, KappaSweep):
         yield from (_METHOD, _LIMIT, _AREA, _CONJUGATE)
-    elif isinstance(result, (Punch, FieldsBelow, Green)):
+    elif isinstance(result, (Punch, FieldsBelow, Green, Study)):
         yield _METHOD
     else:
         raise InputError(f"the result is {shown(result)}; it must be one of this package")

@@ -146,7 +146,7 @@ def kappa_sweep(
     kept = None
     try:
         file = file if out is None else path("out", out)
-        problem = {**_config(config), "out": file, "resume": flag("resume", resume)}
+        problem = {**given(config), "out": file, "resume": flag("resume", resume)}
         values, failure, *_ = _command.solve("kappa-sweep", problem, threads=threads)
         contents = Contents(Path(file).read_bytes())
         return _command.ended(
@@ -168,7 +168,7 @@ def kappa_sweep(
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def _config(config: Any) -> dict[str, Any]:
+def given(config: Any) -> dict[str, Any]:
     """Returns the keys of a configuration."""
     if isinstance(config, Mapping):
         try:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
 from types import TracebackType
 from typing import Any, Callable, Optional
@@ -44,6 +46,19 @@ def _wanted() -> bool:
         and sys.stderr.isatty()
         and "PYTEST_CURRENT_TEST" not in os.environ
     )
+
+
+@contextmanager
+def hidden(is_hidden: bool) -> Iterator[None]:
+    """Shows no bar in the block, if `is_hidden`."""
+    if not is_hidden:
+        yield
+        return
+    token = BESIDE.set(lambda: None)
+    try:
+        yield
+    finally:
+        BESIDE.reset(token)
 
 
 class Progress:

@@ -26,7 +26,7 @@ _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
 class Result:
     """A result with the file, the page and the figures that the program makes from it, as tables, and with a plot.
 
-    `Contact`, `Contacts`, `Path`, `Slide`, `Punch`, `FieldsBelow` and `KappaSweep` are results.
+    `Contact`, `Contacts`, `Path`, `Slide`, `Punch`, `FieldsBelow`, `KappaSweep` and `Study` are results.
 
     Example:
         >>> isinstance(c, gfmd.Result)

@@ -115,6 +115,7 @@ fn repeat(reader: &Reader, kind: ResultKind, again: &Result<String, String>, fil
             Ok(again) => {
                 p {
                     @if kind == ResultKind::KappaSweep { "With the configuration below as " code { "sweep.toml" } ":" }
+                    @else if kind == ResultKind::Study { "With the configuration below as " code { "study.toml" } ":" }
                     @else { "All flags are written out:" }
                 }
                 (block(again, command(again)))
