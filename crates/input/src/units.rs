@@ -248,6 +248,18 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &Kinds
         source.unit = source.unit.or_else(|| recorded(UNIT));
         source.stress_unit = source.stress_unit.or_else(|| recorded(STRESS_UNIT));
     }
+    // Generated heights take the unit of the length of their cell.
+    if source.unit.is_none() && source.surface.is_none() && !arrays.contains_key("surface") {
+        let texts = match table.get("size") {
+            Some(Value::Array(sides)) => sides.iter().filter_map(Value::as_str).collect(),
+            Some(Value::String(text)) => text.split(',').collect(),
+            _ => Vec::new(),
+        };
+        if let Some(found) = texts.into_iter().find_map(unit_in) {
+            table.insert(UNIT.into(), found.clone().into());
+            source.unit = Some(found);
+        }
+    }
     let (units, _) = source.units()?;
     for (key, value) in table.iter_mut() {
         if let Some(kinds) = kinds.get(&**key) {

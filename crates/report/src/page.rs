@@ -19,7 +19,7 @@ pub use about::{warnings, whole_page};
 pub(crate) use reading::{FaceFields, Stored, StoredSurface, config};
 pub(crate) use said::{list, option, unit_for, with_unit};
 pub use write::quoted;
-pub(crate) use write::{given, interval, number, of, powers, text, transforms, whole};
+pub(crate) use write::{given, interval, number, of, powers, sentence, text, transforms, whole};
 
 /// Contents of a page about a result. The sections common to all kinds of results are added when it is written.
 #[derive(Default)]

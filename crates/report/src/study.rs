@@ -7,7 +7,7 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use gfmd_record::{Origin, Sliding, State, Subject, heads, significant, with_limit};
 use maud::{Markup, html};
 
-use crate::page::{Certificate, Fact, Page, Table, config, of, powers, text, transforms, whole};
+use crate::page::{Certificate, Fact, Page, Table, config, of, powers, sentence, text, transforms, whole};
 
 /// Number of a study in a table.
 pub struct Shown<'a> {
@@ -145,7 +145,9 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let all = cube.members();
     page.answer.push(html! {
         p.headline { (solved) " of " (all) " members " span { "solved by gfmd " (text(&cube.command)) } }
-        p { (text(&words(&cube))) ". The tables have means over the seeds, with standard errors in brackets." }
+        p {
+            (sentence(&text(&words(&cube)))) ". The tables have means over the seeds, with standard errors in brackets."
+        }
     });
     let names = |names: &[String]| text(&names.join(", "));
     let seeds: Vec<String> = cube.seeds.iter().map(ToString::to_string).collect();
@@ -161,7 +163,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let shown = shown(&cube);
     for one in shown.iter().filter(|one| !is_given(&cube, &one.number.name)) {
         if let Some(chart) = chart(&cube, one) {
-            let caption = html! { (text(&one.number.long_name)) ": mean over the seeds, and its standard error." };
+            let caption =
+                html! { (sentence(&text(&one.number.long_name))) ": mean over the seeds, and its standard error." };
             page.chart(&chart, &one.number.name.replace('_', " "), &caption);
         }
     }

@@ -253,8 +253,8 @@ impl Subject<'_> {
             page.chart(&chart, "power spectral density", &caption);
         }
         let hills = html! {
-            "Heights, with the course lines between hills. Hills lower than the pruned height have joined others, and the "
-            "lines bound the " i { "mean hill area" } " of the table."
+            "Heights, with the course lines between hills. Hills lower than the pruned height have joined others, and "
+            "the lines bound the " i { "mean hill area" } " of the table."
         };
         if let Some(map) = self.hills(|map| map.clone().element(&page.next_name(), "map of the hills")) {
             page.drawn(map, "map of the hills", &hills);

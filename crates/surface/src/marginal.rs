@@ -90,8 +90,8 @@ pub enum MarginalError {
     },
     /// A row that does not lie above the row before it.
     #[error(
-        "row {row} of the table is height {height} with probability {probability}; both must be finite and not below the \
-         row before, and some height must be above it"
+        "row {row} of the table is height {height} with probability {probability}; both must be finite and not below \
+         the row before, and some height must be above it"
     )]
     Row {
         /// Number of the row, from 1.

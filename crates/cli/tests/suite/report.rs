@@ -267,7 +267,8 @@ fn surfaces_have_pages_and_functions() {
     let made =
         run("surface --n 48,32 --size 3,2 --eps-f-inv 4 --statistics --out h.h5 --report h.html --plots h --json -q");
     assert_eq!(made["boundary"], "periodic");
-    // Map, profile, spectrum, hills, autocorrelation and its map, three distributions, slopes, curvatures, bearing curve.
+    // Map, profile, spectrum, hills, autocorrelation and its map, three distributions, slopes, curvatures, bearing
+    // curve.
     let text = page(folder, "h.html");
     check_page(&text);
     let sections = ["answer", "asked", "figures", "numbers", "repeat", "cite"];

@@ -380,3 +380,20 @@ fn the_example_of_the_page_prints_the_table_of_the_page() {
     let plan = json(folder.path(), &words(&["--dry-run", "--shard", "1/4", "--json"]));
     assert_eq!(plan["all_members"], 10);
 }
+
+#[test]
+fn lengths_have_the_unit_of_the_size() {
+    let study = "command = 'contact'\n[study]\nseed = [1, 2]\n[contact]\nn = [16]\nsize = '10 um'\neps_f_inv = 4\n\
+                 rms_height = '50 nm'\nyoung = '1 GPa'\npoisson = 0.3\npressure = ['1 MPa', '5 MPa']\n";
+    let folder = folder(study);
+    succeeded(&gfmd(folder.path(), &words(&["--out", "s.h5"])));
+    let reader = Reader::open(folder.path().join("s.h5")).unwrap();
+    assert_eq!(reader.text("/study/mean_gap", "units").unwrap(), "um");
+    let list = "size = '10 um'\n";
+    assert!(study.contains(list));
+    std::fs::write(folder.path().join("study.toml"), study.replace(list, "size = ['10 um', '10 um']\n")).unwrap();
+    succeeded(&gfmd(folder.path(), &words(&["--out", "t.h5"])));
+    let again = Reader::open(folder.path().join("t.h5")).unwrap();
+    let gaps = |reader: &Reader| reader.values::<f64>("/study/mean_gap").unwrap();
+    assert_eq!(gaps(&reader), gaps(&again));
+}

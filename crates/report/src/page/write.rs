@@ -82,6 +82,12 @@ pub(crate) fn interval([low, high]: [f64; 2]) -> Markup {
 /// Longest text of a file in a page, in characters.
 const LONGEST: usize = 20_000;
 
+/// Returns a text with a capital letter at its start.
+pub(crate) fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// Makes a text of a file safe for a page: removes control characters and truncates it if it is too long.
 pub(crate) fn text(found: &str) -> String {
     let end = found.char_indices().nth(LONGEST).map_or(found.len(), |(end, _)| end);

@@ -5,6 +5,7 @@ use gfmd_unit::Units;
 
 use crate::figures::{largest, length};
 use crate::legs::{along, is_long, legs};
+use crate::page::sentence;
 use crate::wear::against;
 
 /// Reduced pressure as a label.
@@ -300,10 +301,4 @@ impl Course<'_> {
             () => ("step".into(), (0..self.column("mean_pressure").len()).map(|step| step as f64).collect()),
         }
     }
-}
-
-/// Returns a text with a capital letter at its start.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -187,7 +187,7 @@ impl Subject<'_> {
         let slopes: Vec<(&str, &Density)> =
             if self.grid.is_line() { slopes.map(|(_, density)| ("", density)).collect() } else { slopes.collect() };
         let panels = [
-            self.density("height *h* − ⟨*h*⟩", 1, found.height.iter().map(|density| ("", density)).collect()),
+            self.density("height above the mean", 1, found.height.iter().map(|density| ("", density)).collect()),
             self.density("slope", 0, slopes),
             self.density("curvature", -1, found.curvature.iter().map(|density| ("", density)).collect()),
         ];
@@ -264,7 +264,7 @@ impl Subject<'_> {
         let label = format!("core, *S*_k = {} {}", short(core.sk * read.factor), read.name);
         Some(Chart::new(vec![Panel {
             x: Axis::linear("material ratio / %").over([0.0, 100.0]),
-            y: Axis::linear(&format!("height *h* − ⟨*h*⟩ / {}", read.name)),
+            y: Axis::linear(&format!("height above the mean / {}", read.name)),
             series: vec![Series::line("", 0, curve), Series { mark: Mark::Dashes, ..Series::line(&label, 1, line) }],
             ..Panel::default()
         }]))

@@ -220,7 +220,7 @@ fn pictures_and_degrees_are_no_heights() {
         bytes
     };
     for (bytes, says) in [
-        (changed(2, 16, 8), "the image has 8 bits a pixel, as pictures have; save the heights with 16 or 32 bits"),
+        (changed(2, 16, 8), "the image has 8 bits a pixel, as pictures have; if they are heights, say so by"),
         (changed(21, 1, 3), "the image has 3 numbers a pixel, as colours have; "),
         (changed(3, 8, 5), "the image is compressed by LZW, which is not read; "),
         (changed(3, 8, 7), "the compression has number 7; "),
