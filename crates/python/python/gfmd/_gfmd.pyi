@@ -20,6 +20,7 @@ __all__ = [
     "gas_in_gap",
     "converted",
     "detrend",
+    "even",
     "figures",
     "fill",
     "finer",

@@ -1019,8 +1019,8 @@ def profile(
         InputError: equal places, fewer than two, a gap larger than ten median distances.
 
     Example:
-        >>> gfmd.profile([0.0, 1.0, 1.5, 3.0], [0.0, 1.0, 0.5, 0.0], n=4, unit="um").heights.ravel()
-        array([0. , 1. , 0.33333333, 0. ])
+        >>> gfmd.profile([0.0, 1.0, 1.5, 3.0], [0.0, 1.0, 0.5, 0.0], n=4, unit="um")
+        Surface of 4 points on 4 µm (profile of 4 uneven points)
     """
     made, spacing = _gfmd.even(numbers("x", x), numbers("heights", heights), None if n is None else integer("n", n, 2))
     known = None if unit is None else _gfmd.canonical(word("unit", unit))
