@@ -273,7 +273,7 @@ impl Study<'_> {
     ) -> Result<BTreeMap<usize, Member>, Failure> {
         let work = |member: usize| self.config.points(member) as f64;
         let total = members.iter().map(|member| work(*member)).sum();
-        let progress = Progress::new(&self.session, "members", total);
+        let progress = Progress::new(self.session, "members", total);
         let finished = Mutex::new(finished);
         let one = |member: usize| -> Result<(usize, Member), Failure> {
             let place = self.config.place(member);
