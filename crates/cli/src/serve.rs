@@ -95,7 +95,7 @@ pub fn run(args: &Args, session: &Session, show: impl FnOnce(&Started) -> Result
         return Err(Failure::value(key("folder"), folder.display(), "UTF-8, since results record it"));
     }
     let token = guard::token().map_err(|error| Failure::computation(format!("no random numbers: {error}")))?;
-    let desk = Desk::new(folder.clone(), u64::from(args.upload_limit) << 20, rayon::current_num_threads());
+    let desk = Desk::new(folder.clone(), u64::from(args.upload_limit) << 20, rayon::current_num_threads())?;
     let desk = Arc::new(desk);
     let port = listen(args.port, &token, &desk)?;
     let started = Started { address: format!("http://127.0.0.1:{port}/{token}/"), folder };

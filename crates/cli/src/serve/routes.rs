@@ -8,13 +8,14 @@ use std::sync::Arc;
 use gfmd_input::failure::Failure;
 use oxhttp::model::header::{CONTENT_LENGTH, CONTENT_TYPE};
 use oxhttp::model::{Body, Method, Request, Response, StatusCode};
+use rayon::ThreadPool;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::answer::{bytes, file, json as as_json, part, refusal};
 use super::form::{Answers, entries};
 use super::guard::Guard;
-use super::runs::Runs;
+use super::runs::{Runs, pool};
 use super::scans::{NotStored, Scan, Scans, store};
 
 /// Parts of the page.
@@ -35,6 +36,8 @@ pub(super) struct Desk {
     limit: u64,
     scans: Scans,
     pub(super) runs: Arc<Runs>,
+    /// Threads that prepare scans and draw maps. The threads of the program are not free: one of them waits for Ctrl-C.
+    pool: ThreadPool,
 }
 
 /// Refusal with its status.
@@ -73,8 +76,12 @@ pub(super) fn answer(request: &mut Request<Body>, guard: &Guard, desk: &Desk) ->
 
 impl Desk {
     /// Creates a server for results in a folder, with uploads of at most `limit` bytes.
-    pub(super) fn new(folder: PathBuf, limit: u64, threads: usize) -> Self {
-        Self { folder, limit, scans: Scans::default(), runs: Arc::new(Runs::new(threads)) }
+    ///
+    /// # Errors
+    /// Returns an error if threads cannot be started.
+    pub(super) fn new(folder: PathBuf, limit: u64, threads: usize) -> Result<Self, Failure> {
+        let (scans, runs, pool) = (Scans::default(), Arc::new(Runs::new(threads)), pool(threads)?);
+        Ok(Self { folder, limit, scans, runs, pool })
     }
 
     fn answer(&self, request: &mut Request<Body>, path: &str) -> Result<Response<Body>, Refusal> {
@@ -85,14 +92,13 @@ impl Desk {
                 ["prepare"] => {
                     let Posted { scan, options } = posted(request)?;
                     let scan = self.scan(scan)?;
-                    let told =
-                        scan.prepare(&options).map_err(|failure| (StatusCode::BAD_REQUEST, scan.told(&failure)))?;
-                    Ok(as_json(&told))
+                    let told = self.pool.install(|| scan.prepare(&options));
+                    Ok(as_json(&told.map_err(|failure| (StatusCode::BAD_REQUEST, scan.told(&failure)))?))
                 }
                 ["run"] => {
                     let Posted { scan, options } = posted(request)?;
                     let scan = self.scan(scan)?;
-                    let started = self.runs.start(&scan, &options, &self.folder);
+                    let started = self.pool.install(|| self.runs.start(&scan, &options, &self.folder));
                     let run = started.map_err(|failure| (StatusCode::BAD_REQUEST, scan.told(&failure)))?;
                     Ok(as_json(&json!({ "run": run })))
                 }
@@ -115,13 +121,23 @@ impl Desk {
             ["run", run] => Ok(as_json(&self.run(run)?.about())),
             ["scan", scan] => {
                 let scan = self.scan(number(scan)?)?;
-                let about = scan.about().map_err(|failure| (StatusCode::BAD_REQUEST, scan.told(&failure)))?;
+                let about = self
+                    .pool
+                    .install(|| scan.about())
+                    .map_err(|failure| (StatusCode::BAD_REQUEST, scan.told(&failure)))?;
                 Ok(as_json(&about))
             }
-            ["map", "raw", scan] => self.scan(number(scan)?)?.raw().map(bytes).map_err(|failure| bad(&failure)),
-            ["map", "prepared", scan] => self.scan(number(scan)?)?.prepared().map(bytes).ok_or_else(nothing),
+            ["map", "raw", scan] => {
+                let scan = self.scan(number(scan)?)?;
+                self.pool.install(|| scan.raw()).map(bytes).map_err(|failure| bad(&failure))
+            }
+            ["map", "prepared", scan] => {
+                let scan = self.scan(number(scan)?)?;
+                self.pool.install(|| scan.prepared()).map(bytes).ok_or_else(nothing)
+            }
             ["map", "run", run, field, load] => {
-                self.run(run)?.map(field, number(load)?).map(bytes).map_err(|failure| bad(&failure))
+                let (run, load) = (self.run(run)?, number(load)?);
+                self.pool.install(|| run.map(field, load)).map(bytes).map_err(|failure| bad(&failure))
             }
             ["file", run, "result"] => Ok(file(&self.run(run)?.file, false)),
             ["file", run, "page"] => Ok(file(&self.run(run)?.page(), true)),
@@ -156,7 +172,7 @@ impl Desk {
             NotStored::Failed(error) => (StatusCode::INTERNAL_SERVER_ERROR, format!("cannot store the file: {error}")),
         })?;
         let (number, scan) = self.scans.add(path);
-        match scan.about() {
+        match self.pool.install(|| scan.about()) {
             Ok(mut about) => {
                 about["scan"] = number.into();
                 Ok(as_json(&about))

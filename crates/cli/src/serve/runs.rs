@@ -12,6 +12,7 @@ use gfmd_input::session::Session;
 use gfmd_record::{ARRAYS, Table, columns_of, lines};
 use gfmd_unit::Units;
 use ndarray::ArrayView2;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
 use super::form::{Answers, Pressed, words};
@@ -30,6 +31,15 @@ const MOST_WAITING: usize = 64;
 
 /// Stack of each thread of a run in bytes, as in the program.
 const STACK: usize = 8 << 20;
+
+/// Starts threads that no other request uses.
+///
+/// # Errors
+/// Returns an error if they cannot be started.
+pub(super) fn pool(threads: usize) -> Result<ThreadPool, Failure> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build();
+    pool.map_err(|error| Failure::computation(format!("threads: {error}")))
+}
 
 /// Phase of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -133,11 +143,7 @@ impl Run {
 
     /// Computes the contact.
     fn compute(&self, args: &contact::Args, threads: usize) {
-        let ended = catch_unwind(AssertUnwindSafe(|| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build();
-            let pool = pool.map_err(|error| Failure::computation(format!("threads: {error}")))?;
-            pool.install(|| self.solve(args))
-        }));
+        let ended = catch_unwind(AssertUnwindSafe(|| pool(threads)?.install(|| self.solve(args))));
         let ended = ended.unwrap_or_else(|_| Err(Failure::computation("the run ended by a fault of the program")));
         let (found, failure) = match ended {
             Ok((found, failure)) => (Some(found), failure),

@@ -51,7 +51,7 @@ impl Served {
     fn start() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mut child = Command::new(env!("CARGO_BIN_EXE_gfmd"))
-            .args(["serve", "--json", "--threads", "2", "--folder", "results", "--upload-limit", "1"])
+            .args(["serve", "--json", "--threads", "1", "--folder", "results", "--upload-limit", "1"])
             .current_dir(folder.path())
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
