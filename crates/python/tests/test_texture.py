@@ -314,7 +314,7 @@ def test_heights_of_a_given_distribution():
     assert abs(numbers.ssk + 1.072) < 0.02 and abs(numbers.sku - 4.39) < 0.1
     assert s.rms_gradient == pytest.approx(0.1, rel=1e-12)
     assert "heights weibull:-1.5" in s.description
-    # The rms height is that of the normal surface, whose amplitudes it has.
+    # The normal surface has the same amplitudes, and so the same rms height.
     assert numbers.rms_height == pytest.approx(gfmd.self_affine(**options).statistics().rms_height, rel=1e-12)
     uniform = gfmd.self_affine(marginal=[(-1, 0), (1, 1)], **options).statistics()
     assert abs(uniform.sku - 1.8) < 0.05

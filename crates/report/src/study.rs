@@ -19,7 +19,7 @@ pub struct Shown<'a> {
     pub factor: f64,
 }
 
-/// Returns the numbers of a study that tables of a single contact show, without those of the search.
+/// Returns the numbers of a study that tables of a single contact show, without numbers of the search.
 pub fn shown(cube: &Cube) -> Vec<Shown<'_>> {
     match &*cube.command {
         "slide" => shown_of::<Sliding>(cube),

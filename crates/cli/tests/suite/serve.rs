@@ -244,7 +244,7 @@ fn uploads_are_limited_named_by_the_server_and_read_by_a_reader() {
     let large = vec![b'1'; (1 << 20) + 1];
     let refused = served.upload("large.txt", &large);
     assert_eq!((refused.status, refused.error().contains("at most 1 MiB")), (413, true), "{}", refused.error());
-    // The same without a stated length.
+    // An upload in chunks, which states no length, is limited, too.
     let Served { host, token, .. } = &served;
     let octets = "Content-Type: application/octet-stream\n";
     let head = format!(

@@ -167,6 +167,8 @@ fn thirty_kills_over_four_shards_change_nothing() {
         let after = whole.mul_f64(0.25 * next());
         done += usize::from(killed(path, &words(&["--out", "s.h5", "--resume", "--shard", &shard]), after));
     }
+    // Small shards may all be finished before the last kill.
+    assert!(done == kills || done > 0 && !long(), "{done} of {kills} kills");
     for index in 0..4 {
         succeeded(&gfmd(path, &words(&["--out", "s.h5", "--resume", "--shard", &format!("{index}/4")])));
     }
