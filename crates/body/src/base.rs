@@ -1,4 +1,4 @@
-use gfmd_field::{Grid, ShapeError, Transform};
+use gfmd_field::{Grid, Mode, ShapeError, Transform};
 use gfmd_green::{Body, Complex64, Condition, Ground, Matrix3};
 use gfmd_response::Components;
 
@@ -28,6 +28,36 @@ impl BaseField {
     /// Returns an error if the body has no such base, or if the field has the wrong length, is not finite, has a mean
     /// traction, or moves a sliding base laterally.
     pub fn surface_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
+        self.displacement_of(body, grid, |_, found| found)
+    }
+
+    /// Computes the displacement (length) of a surface of `body` without normal traction that is held sideways, as
+    /// [`surface_displacement`](Self::surface_displacement): its lateral components are zero.
+    ///
+    /// The shear traction that moves the free surface back changes u_z by K_zz⁻¹ K_zt u_t, with the stiffness K of the
+    /// wave.
+    ///
+    /// # Errors
+    /// Returns an error as [`surface_displacement`](Self::surface_displacement).
+    pub fn held_displacement(&self, body: &Body, grid: Grid) -> Result<Vec<f64>, InteriorError> {
+        let alone = body.alone();
+        self.displacement_of(body, grid, |mode, [x, y, z]| {
+            if mode.is_uniform() {
+                return [Complex64::ZERO, Complex64::ZERO, z];
+            }
+            let [.., [zx, zy, zz]] = alone.stiffness_of(mode);
+            [Complex64::ZERO, Complex64::ZERO, z + (zx * x + zy * y) / zz]
+        })
+    }
+
+    /// Computes the displacement of the surface, wave by wave, as `of_wave` makes it from the displacement of the
+    /// traction-free surface.
+    fn displacement_of(
+        &self,
+        body: &Body,
+        grid: Grid,
+        of_wave: impl Fn(&Mode, [Complex64; 3]) -> [Complex64; 3],
+    ) -> Result<Vec<f64>, InteriorError> {
         let body = body.alone();
         let (field, ground) = self.check(&body, &grid)?;
         let (components, points) = (Components::of(&grid), grid.len());
@@ -63,6 +93,7 @@ impl BaseField {
                 };
                 reversed(&below, &body.compliance_of(&mode), given)
             };
+            let found = of_wave(&mode, found);
             for &axis in components.axes() {
                 spectra[axis][index] = found[axis];
             }

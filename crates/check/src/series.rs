@@ -180,7 +180,7 @@ impl<'a> Stored<'a> {
     pub fn compare_fields(&self, place: usize, state: &AnyState, comparison: &mut Comparison) -> Result<(), Failure> {
         let facts = &self.prepared.facts;
         comparison.accurate_to(if self.is_law_on_patch() { OF_A_PATCH * self.tolerance } else { 0.0 });
-        for (array, field) in arrays(facts).zip(Chosen::All.fields(facts, state, self.prepared.lift())) {
+        for (array, field) in arrays(facts).zip(Chosen::All.fields(facts, state, self.prepared.base.as_ref())) {
             let path = format!("/fields/{}", array.name);
             if self.reader.contains(&path) {
                 let values: Vec<f64> = field.iter().copied().collect();

@@ -42,7 +42,7 @@ pub use wave::Wave;
 
 pub use pictures::draw_middle;
 
-use input::{StoredField, Surface};
+use input::{StoredField, Surface, relaxes};
 use pictures::{Pictures, Place};
 use quantity::{Family, Fields};
 use rows::Rows;
@@ -352,7 +352,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
             let fields = fields.map_err(|error| Failure::computation(error.to_string()))?;
             level.note(&fields);
             level.check(family, name)?;
-            if surface.kind == StoredField::Pressure {
+            if relaxes(&surface.record) {
                 level.mean_energy_density = f64::NAN;
             }
             for (index, _) in wanted {
@@ -403,14 +403,31 @@ impl Args {
     fn interior(&self, name: &str, surface: &Surface, body: &Body, session: &Session) -> Result<Interior, Failure> {
         let Surface { grid, kind, values, record, mean_traction, .. } = surface;
         let refuse = |error: InteriorError| Failure::input(name, error);
-        if let Some(interior) = match kind {
-            StoredField::Traction => Some(Interior::of_traction(body, *grid, values).map_err(refuse)?),
-            StoredField::Pressure => Some(Interior::of_pressure(body, *grid, values).map_err(refuse)?),
-            StoredField::Normal if BaseArgs::NAMES.iter().any(|key| record.contains_key(*key)) => {
-                let inside = base::inside(name, body, grid, values, *mean_traction);
-                Some(inside.map_err(|error| Failure::input(name, error))?)
-            }
+        let is_moved = BaseArgs::NAMES.iter().any(|key| record.contains_key(*key));
+        let is_full = matches!(kind, StoredField::Full);
+        let of_traction = || match kind {
+            StoredField::Traction => Some(Interior::of_traction(body, *grid, values)),
+            StoredField::Pressure => Some(Interior::of_pressure(body, *grid, values)),
             _ => None,
+        };
+        let over_base = |lift: &[f64]| {
+            if let Some(interior) = of_traction() {
+                return interior;
+            }
+            // Without a mean traction, the mean displacement determines it, unless the body is incompressible.
+            let mean = mean_traction.filter(|_| !is_full || body.material().poisson() == 0.5);
+            let interior = match is_full {
+                true => Interior::new(body, *grid, values)?,
+                false => {
+                    let loaded: Vec<f64> = values.iter().zip(lift).map(|(u, lift)| u - lift).collect();
+                    Interior::frictionless(body, *grid, &loaded)?
+                }
+            };
+            if let Some(mean) = mean { interior.with_mean_traction(mean) } else { Ok(interior) }
+        };
+        if let Some(interior) = match is_moved {
+            true => Some(base::inside(name, grid, is_full, over_base).map_err(|error| Failure::input(name, error))?),
+            false => of_traction().transpose().map_err(refuse)?,
         } {
             return if self.mean_traction.is_empty() { Ok(interior) } else { Err(self.known_traction(name)) };
         }
@@ -451,7 +468,7 @@ impl Args {
 
     /// Returns the quantities to compute, in the order of [`Quantity::ALL`].
     fn quantities(&self, name: &str, surface: &Surface, session: &Session) -> Result<Vec<Quantity>, Failure> {
-        let is_known = |quantity: &Quantity| surface.kind != StoredField::Pressure || quantity.is_of_traction();
+        let is_known = |quantity: &Quantity| !relaxes(&surface.record) || quantity.is_of_traction();
         let all = Quantity::ALL.into_iter().filter(|quantity| self.quantities.contains(quantity));
         let (known, unknown): (Vec<Quantity>, Vec<Quantity>) = all.partition(is_known);
         let drawn = self.draw.iter().find(|component| !is_known(&component.quantity));

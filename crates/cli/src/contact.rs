@@ -329,7 +329,8 @@ impl Loads {
         if let (None, Some(state), true) = (&failure, path.state(), wanted) {
             let lift = prepared.lift();
             let shown = SceneFields::of(state, lift, state.plastic_depth());
-            let fields = if args.vtk.is_some() { fields(&prepared.facts, state, lift) } else { Vec::new() };
+            let fields =
+                if args.vtk.is_some() { fields(&prepared.facts, state, prepared.base.as_ref()) } else { Vec::new() };
             let whole = Whole::of(prepared, shown, fields);
             session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
         }

@@ -439,7 +439,7 @@ impl Contact {
         self.free.is_none() && self.springs.is_none() && self.response.uniform_compliance() == 0.0
     }
 
-    /// Returns false if the displacement is known up to a constant.
+    /// Returns false if the potential of a conductor is known up to a constant.
     pub(crate) fn has_level(&self) -> bool {
         self.free.as_ref().is_none_or(|free| free.has_level())
     }
@@ -449,9 +449,6 @@ impl Contact {
         match load {
             Load::MeanPressure(found) if !(found > 0.0 && found.is_finite()) => Err(Refusal::MeanPressure { found }),
             Load::Approach(found) => {
-                if !self.has_level() {
-                    return Err(Refusal::LineApproach);
-                }
                 // With a hardness points yield, and any approach has a state.
                 let is_fixed = self.hardness.is_none() && self.has_fixed_mean();
                 let limit = is_fixed.then_some(self.surface.mean_clearance());

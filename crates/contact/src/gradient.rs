@@ -75,14 +75,6 @@ pub enum GradientError {
         /// Value of the derivative.
         found: f64,
     },
-    /// The derivative with respect to an approach known up to a constant is not zero.
-    #[error(
-        "the derivative by the approach is {found}; it must be 0 for a profile whose approach is known up to a constant"
-    )]
-    NoLevel {
-        /// Value of the derivative.
-        found: f64,
-    },
     /// The interface has lateral displacements.
     #[error(
         "all components of displacement are unknown; u_z alone must be, since other derivatives are not implemented"
@@ -142,7 +134,7 @@ impl Contact {
         if self.share.own().len() != n {
             return Err(GradientError::Shared);
         }
-        of.check(shape, self.has_level())?;
+        of.check(shape)?;
         // All values below are in the units of the solve.
         let units = self.units();
         let (stress, length, energy) = (units.stress(), units.length(), units.energy());
@@ -207,12 +199,11 @@ impl Contact {
 }
 
 impl Cotangents {
-    /// Checks that the fields have the shape of the contact and that all values are finite. `has_level` is false for a
-    /// contact with a displacement known up to a constant.
+    /// Checks that the fields have the shape of the contact and that all values are finite.
     ///
     /// # Errors
-    /// A field that differs in shape, a number that is not finite, a derivative by an approach without a level.
-    pub fn check(&self, expected: [usize; 2], has_level: bool) -> Result<(), GradientError> {
+    /// A field that differs in shape, a number that is not finite.
+    pub fn check(&self, expected: [usize; 2]) -> Result<(), GradientError> {
         for (name, field) in [("pressure", &self.pressure), ("gap", &self.gap)] {
             let Some(field) = field else { continue };
             let found: [usize; 2] = field.dim().into();
@@ -232,9 +223,6 @@ impl Cotangents {
             if !found.is_finite() {
                 return Err(GradientError::Number { name, found });
             }
-        }
-        if self.approach != 0.0 && !has_level {
-            return Err(GradientError::NoLevel { found: self.approach });
         }
         Ok(())
     }

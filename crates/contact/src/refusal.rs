@@ -227,12 +227,6 @@ pub enum Refusal {
         /// slab); `None` for other bodies.
         limit: Option<f64>,
     },
-    /// The approach is prescribed for a profile with free boundaries on a half-space.
-    #[error(
-        "the approach is prescribed; for a profile with free boundaries on a half-space the mean pressure must be \
-         prescribed, since the displacement is known up to a constant"
-    )]
-    LineApproach,
     /// The body cannot have this boundary.
     #[error(transparent)]
     Body(#[from] GreenError),
@@ -292,8 +286,8 @@ pub enum Refusal {
     },
     /// A law moves all components of the displacement of a contact with other parts that need u_z alone.
     #[error(
-        "the law moves all components of the displacement; it must move u_z alone with friction, a hardness, wear or a \
-         body that relaxes"
+        "the law moves all components of the displacement; it must move u_z alone with friction, a hardness, wear or \
+         waves that relax by branches of their own"
     )]
     AllComponents,
     /// Another part moves a surface that is held sideways.

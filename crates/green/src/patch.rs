@@ -15,9 +15,8 @@ use layered::{Correction, MatrixCorrection};
 /// form (Love 1929). The contribution of layers is a quadrature of their compliance over all wavenumbers, accurate to
 /// about 1e-12 of the entry `[0, 0]`.
 ///
-/// On a line, the cells are infinitely long strips. Without a [level](has_level), the displacement is known up to a
-/// constant. The constant is chosen such that on a half-space, the displacement vanishes at a distance of one patch
-/// length from a much narrower strip.
+/// On a line, the cells are infinitely long strips. Without a [level](has_level) far away, the displacement is relative
+/// to points at a distance of one patch length from a much narrower strip.
 ///
 /// # Errors
 /// Returns an error for a plate, which has no support, and for layers thinner than 1/200 of the patch or 1/4 of a cell.
@@ -55,8 +54,8 @@ fn patch_of(
 }
 
 /// Returns true if the displacement caused by a pressure on a patch vanishes far away: on a surface, and on a profile
-/// if a base holds the body. For a profile on a half-space, it grows as the logarithm of the distance and is known up
-/// to a constant.
+/// if a base holds the body. For a profile on a half-space, it grows as the logarithm of the distance, and its level
+/// is a choice ([`patch_compliance`]).
 pub fn has_level(body: &Body, grid: &Grid) -> bool {
     !grid.is_line() || body.normal_compliance(0.0).is_finite()
 }

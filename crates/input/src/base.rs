@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use clap::Args;
-use gfmd_body::{BaseField, Interior};
+use gfmd_body::{BaseField, Interior, InteriorError};
 use gfmd_field::{Grid, Share};
 use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable, split_dataset};
 use gfmd_green::Body;
@@ -45,6 +45,8 @@ pub struct MovedBase {
     field: ArrayD<f64>,
     /// u_z of the unloaded surface, rows of this process.
     pub lift: Array2<f64>,
+    /// u_x and u_y (u_x of a profile) of the unloaded surface; only if no other process has rows.
+    pub sideways: Vec<Array2<f64>>,
 }
 
 /// Prescribed quantity.
@@ -79,7 +81,8 @@ impl BaseArgs {
     }
 
     /// Reads the field for a body with a surface on this `grid`, which has `times` as many points along each side as
-    /// the field; `unit` is the unit of its lengths, if it has one. Values in between follow from the waves.
+    /// the field; `unit` is the unit of its lengths, if it has one. Values in between follow from the waves. The surface may
+    /// be held sideways.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, has another shape or quantity, or is for another base.
@@ -89,6 +92,7 @@ impl BaseArgs {
         grid: &Grid,
         times: usize,
         unit: Option<&str>,
+        is_held: bool,
     ) -> Result<Option<MovedBase>, Failure> {
         let given = [&self.base_displacement, &self.base_traction];
         let Some((name, (kind, option, _))) =
@@ -128,16 +132,22 @@ impl BaseArgs {
         } else {
             BaseField::Traction(values)
         };
-        let lifted = base.surface_displacement(body, *grid).map_err(|error| Failure::input(key(option), error))?;
-        let lift = Array2::from_shape_fn((nx, ny), |(i, j)| lifted[(all - 1) * points + i * ny + j]);
-        let lift = match times {
-            1 => lift,
-            // The lift has no other waves.
-            times => {
-                finer(&lift, grid, times, Interpolation::Waves).map_err(|error| Failure::input(key(option), error))?.0
+        let moved = if is_held { base.held_displacement(body, *grid) } else { base.surface_displacement(body, *grid) };
+        let moved = moved.map_err(|error| Failure::input(key(option), error))?;
+        let on_grid = |component: &[f64]| {
+            let coarse = Array2::from_shape_fn((nx, ny), |(i, j)| component[i * ny + j]);
+            match times {
+                1 => Ok(coarse),
+                // The displacement has no other waves.
+                times => finer(&coarse, grid, times, Interpolation::Waves)
+                    .map(|(fine, _)| fine)
+                    .map_err(|error| Failure::input(key(option), error)),
             }
         };
-        Ok(Some(MovedBase { kind, field, lift }))
+        let mut sideways = moved.chunks_exact(points).map(on_grid).collect::<Result<Vec<_>, Failure>>()?;
+        // The normal component is the last.
+        let Some(lift) = sideways.pop() else { return Ok(None) };
+        Ok(Some(MovedBase { kind, field, lift, sideways }))
     }
 }
 
@@ -194,8 +204,9 @@ impl MovedBase {
             kind: Prescribed::Displacement,
             field: ArrayD::zeros(IxDyn(&[0, 0, 0])),
             lift: Array2::zeros([0, 0]),
+            sideways: Vec::new(),
         };
-        Self { lift, ..base.unwrap_or_else(nothing) }
+        Self { lift, sideways: Vec::new(), ..base.unwrap_or_else(nothing) }
     }
 }
 
@@ -205,17 +216,17 @@ pub fn stored_base(reader: &Reader) -> Option<(&'static str, String)> {
     found.map(|(key, (.., path))| (key, format!("{}:{path}", reader.path().display())))
 }
 
-/// Computes the fields inside a body over the base of the contact in the file `name`: the fields of the load with this
-/// mean traction, plus the fields of the base.
+/// Computes the fields inside a body over the base of the contact in the file `name`. `of_load` computes the fields of
+/// the load over a base at rest; it gets u_z of the unloaded surface, length. A surface that is held sideways stays in
+/// place as the base moves; any other one moves with it.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read, or for a traction on a plate or a stack of layers (not available).
 pub fn inside(
     name: &str,
-    body: &Body,
     grid: &Grid,
-    displacement: &[f64],
-    mean_traction: Option<[f64; 3]>,
+    is_held: bool,
+    of_load: impl FnOnce(&[f64]) -> Result<Interior, InteriorError>,
 ) -> Result<Interior, String> {
     let words = |error: gfmd_files::FileError| error.to_string();
     let path = split_dataset(name).map_or(name, |(path, _)| path);
@@ -227,14 +238,12 @@ pub fn inside(
     let components = if grid.is_line() { 2 } else { 3 };
     let stored: Vec<f64> = reader.values(moved).map_err(words)?;
     let lift: Vec<f64> = reader.values("/base/lift").map_err(words)?;
-    if stored.len() != components * grid.len() || lift.len() != grid.len() || displacement.len() != grid.len() {
+    if stored.len() != components * grid.len() || lift.len() != grid.len() {
         return Err("the base has another grid than the surface".into());
     }
     let base: Vec<f64> = (0..components).flat_map(|c| stored.iter().skip(c).step_by(components).copied()).collect();
-    let loaded: Vec<f64> = displacement.iter().zip(&lift).map(|(u, lift)| u - lift).collect();
-    let interior = Interior::frictionless(body, *grid, &loaded).and_then(|interior| match mean_traction {
-        Some(mean) => interior.with_mean_traction(mean),
-        None => Ok(interior),
-    });
-    interior.and_then(|interior| interior.over_base(&base)).map_err(|error| error.to_string())
+    let interior = of_load(&lift);
+    let interior =
+        interior.and_then(|interior| if is_held { interior.with_base(&base) } else { interior.over_base(&base) });
+    interior.map_err(|error| error.to_string())
 }

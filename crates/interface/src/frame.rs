@@ -21,6 +21,8 @@ pub(crate) struct Frame<'a> {
     /// Approach of the rigid surface, length.
     pub(crate) approach: f64,
     clearance: &'a [f64],
+    /// Lateral displacement without traction, component by component; empty if it is zero.
+    sideways: &'a [f64],
     patch: Option<&'a Patch>,
 }
 
@@ -46,9 +48,6 @@ impl Interface {
                 (mean * inside, 0.0)
             }
             Load::Approach(found) => {
-                if self.patch.as_ref().is_some_and(|patch| !patch.has_level()) {
-                    return Err(Refusal::LineApproach);
-                }
                 let limit = self.surface.mean_clearance();
                 if self.law.has_wall() && !self.gives_way() && held[z] && found >= limit {
                     return Err(Refusal::Approach { found, limit: Some(limit) });
@@ -56,7 +55,8 @@ impl Interface {
                 (0.0, found)
             }
         };
-        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance, patch: self.patch.as_ref() })
+        let (sideways, patch) = (self.sideways.as_deref().unwrap_or_default(), self.patch.as_ref());
+        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance, sideways, patch })
     }
 }
 
@@ -107,7 +107,8 @@ impl Frame<'_> {
     /// Returns the separations Δ_n and Δ_t at point `i`.
     pub(crate) fn separation(&self, position: &[f64], i: usize) -> (f64, [f64; 2]) {
         let (points, z) = (self.points(), self.z());
-        let along = |c: usize| if c < z { self.drive.lateral[c] - position[c * points + i] } else { 0.0 };
+        let displaced = |at: usize| position[at] + self.sideways.get(at).copied().unwrap_or(0.0);
+        let along = |c: usize| if c < z { self.drive.lateral[c] - displaced(c * points + i) } else { 0.0 };
         (self.clearance[i] - self.approach - position[z * points + i], [along(0), along(1)])
     }
 

@@ -6,7 +6,6 @@ use gfmd_vector::{dot, total};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::newton::{Adjoint, Bond, Linear};
-use crate::patch::Patch;
 use crate::{Interface, State};
 
 /// Largest accepted error of a result.
@@ -25,17 +24,13 @@ const FULL: &str = "all points are in contact, of a body whose mean level is fix
 impl Interface {
     /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by
     /// the wall kept, and the pressure of points at the hardness. The attraction counts, and under tension the
-    /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed, NaN for a profile whose
-    /// approach is known up to a constant. The error is the relative residual of the linear problem.
+    /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed. The error is the relative residual of the linear problem.
     ///
     /// The linear problem is solved to a residual of `tolerance`, but at least to 1e-5 and at most to 1e-11.
     ///
     /// # Errors
     /// Returns the errors of [`gradient`](Self::gradient); a hardness is none.
     pub fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, GradientError> {
-        if !self.patch.as_ref().is_none_or(Patch::has_level) {
-            return Ok(Stiffness { value: f64::NAN, error: f64::NAN, effort: Effort::default() });
-        }
         let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
         match self.derivatives(state, Load::Approach(state.approach), &of, tolerance.clamp(EXACT, LOOSEST)) {
             Ok(Gradient { load: value, error, effort, .. }) => Ok(Stiffness { value, error, effort }),
@@ -76,7 +71,7 @@ impl Interface {
                 "the interface has springs; it must have none, since their derivative is not implemented",
             ));
         }
-        of.check(shape, self.patch.as_ref().is_none_or(Patch::has_level))?;
+        of.check(shape)?;
         // All values in the units of the solve.
         let (stress, length, energy) = (self.units.stress(), self.units.length(), self.units.energy());
         let is_driven = matches!(load, Load::Approach(_));

@@ -10,7 +10,6 @@ use gfmd_field::Grid;
 pub(crate) struct Patch {
     points: [usize; 2],
     cell: [usize; 2],
-    has_level: bool,
     /// Clearance of the whole cell.
     clearance: Arc<[f64]>,
 }
@@ -21,17 +20,12 @@ const FAR: f64 = 1e30;
 
 impl Patch {
     /// Creates the patch of `surface` in its cell.
-    pub(crate) fn of(surface: &RigidSurface, cell: &Grid, has_level: bool) -> Self {
+    pub(crate) fn of(surface: &RigidSurface, cell: &Grid) -> Self {
         let points = surface.grid().points();
-        let patch = Self { points, cell: cell.points(), has_level, clearance: Arc::default() };
+        let patch = Self { points, cell: cell.points(), clearance: Arc::default() };
         let mut clearance = vec![FAR; cell.len()];
         patch.place(surface.clearance().iter().copied(), &mut clearance);
         Self { clearance: clearance.into(), ..patch }
-    }
-
-    /// Returns false if the displacement is known only up to a constant.
-    pub(crate) fn has_level(&self) -> bool {
-        self.has_level
     }
 
     pub(crate) fn clearance(&self) -> &[f64] {

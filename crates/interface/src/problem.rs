@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_field::Grid;
-use gfmd_green::{Body, GreenError, Plate, has_level};
+use gfmd_green::{Body, GreenError, Plate};
 use gfmd_law::{InUnits, Law};
 use gfmd_relax::Upper;
 use gfmd_response::{Elastic, FullResponse, NormalResponse, PlateResponse};
@@ -34,6 +34,9 @@ pub struct Interface {
     pub(crate) hardness: Option<Upper>,
     /// Compliance of the springs of all inside points, in `units`; `None` without springs.
     pub(crate) springs: Option<Arc<[f64]>>,
+    /// Lateral displacement of the surface without traction, component by component on the grid of `elastic`, in
+    /// `units`; `None` if it is zero.
+    pub(crate) sideways: Option<Arc<[f64]>>,
     pub(crate) surface: Arc<RigidSurface>,
     /// Patch inside the cell of `elastic`, with free boundaries.
     pub(crate) patch: Option<Patch>,
@@ -153,8 +156,8 @@ impl Interface {
         let surface = Arc::new(RigidSurface::new(elastic.grid(), heights)?);
         let (given, contact_modulus) = (Arc::clone(&surface), elastic.contact_modulus());
         let (law, patch, units) = (law.into_shared(), None, Units::ONE);
-        let (hardness, springs) = (None, None);
-        Ok(Self { elastic, law, hardness, springs, surface, patch, given, contact_modulus, units })
+        let (hardness, springs, sideways) = (None, None, None);
+        Ok(Self { elastic, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
     }
 
     /// Returns this interface with `depth` `[x, y]`, in length, added to the clearance. The approach is still measured
@@ -165,8 +168,30 @@ impl Interface {
     pub fn with_indentation(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let given = Arc::new(self.given.with_indentation(depth)?);
         let surface = self.units.surface(&given);
-        let patch = self.patch.as_ref().map(|patch| Patch::of(&surface, self.elastic.grid(), patch.has_level()));
+        let patch = self.patch.as_ref().map(|_| Patch::of(&surface, self.elastic.grid()));
         Ok(Self { surface, given, patch, ..self.clone() })
+    }
+
+    /// Returns this interface in all components above a surface that is displaced sideways without traction, by
+    /// `displacement` `[x, y]` in length, component by component. The displacement of a state does not contain it.
+    ///
+    /// # Errors
+    /// Returns an error if the number of values is not the number of points times the number of lateral components.
+    pub fn displaced_sideways(&self, displacement: &[f64]) -> Result<Self, Refusal> {
+        let expected = (self.elastic.components() - 1) * self.surface.clearance().len();
+        if displacement.len() != expected {
+            return Err(Refusal::Start { found: displacement.len(), expected });
+        }
+        let values = displacement.iter().map(|u| u / self.units.length());
+        let sideways: Vec<f64> = match &self.patch {
+            Some(patch) => {
+                let mut cell = vec![0.0; (self.elastic.components() - 1) * self.elastic.grid().len()];
+                patch.place(values, &mut cell);
+                cell
+            }
+            None => values.collect(),
+        };
+        Ok(Self { sideways: Some(sideways.into()), ..self.clone() })
     }
 
     /// Returns this interface with the tractions of its law, its hardness and the stiffness of its springs divided by
@@ -205,7 +230,7 @@ impl Interface {
         let given = RigidSurface::new(grid, heights)?.alone();
         let of_cell = |surface: &RigidSurface, body: &Body| {
             let elastic: Elastic = response(surface.grid(), body)?.into();
-            let patch = Patch::of(surface, elastic.grid(), has_level(body, surface.grid()));
+            let patch = Patch::of(surface, elastic.grid());
             Ok((elastic, Some(patch)))
         };
         Self::with_surface(body, given.into(), law, of_cell)
@@ -234,8 +259,8 @@ impl Interface {
         let law = if units.are_one() { law } else { InUnits::new(law, units.stress(), units.length()).into_shared() };
         let surface = units.surface(&given);
         let (elastic, patch) = response(&surface, &units.body(body))?;
-        let (hardness, springs, contact_modulus) = (None, None, body.contact_modulus());
-        Ok(Self { elastic, law, hardness, springs, surface, patch, given, contact_modulus, units })
+        let (hardness, springs, sideways, contact_modulus) = (None, None, None, body.contact_modulus());
+        Ok(Self { elastic, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
     }
 
     /// Returns the boundary of the surface.

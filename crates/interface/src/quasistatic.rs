@@ -60,6 +60,8 @@ pub struct QuasistaticContact {
     response: Option<Response>,
     wear: Option<Wear>,
     all_components: bool,
+    /// Lateral displacement of the surface by its base alone, component by component, in `units`; empty if it is zero.
+    sideways: Vec<f64>,
     /// Rigid surface as given.
     given: Arc<RigidSurface>,
     /// Rigid surface in `units`.
@@ -89,7 +91,7 @@ impl QuasistaticContact {
     /// that are out of range; and for a body with unknown compliance of a patch, or with unknown relaxation.
     pub fn new(parts: &Parts) -> Result<Self, Refusal> {
         let Parts { body, grid, heights, boundary, law, all_components, held, .. } = parts;
-        let Parts { hardness, shear, relaxation, wear, .. } = parts;
+        let Parts { hardness, shear, relaxation, wear, sideways, .. } = parts;
         let surface = RigidSurface::new(grid, heights)?;
         let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
         let units = Units::of(body, &given)?;
@@ -97,7 +99,7 @@ impl QuasistaticContact {
         if wear.is_some_and(|wear| wear.by_slip > 0.0) && shear.is_none() {
             return Err(Refusal::WearBySlip);
         }
-        if *all_components && (relaxation.is_some() || shear.is_some() || wear.is_some() || hardness.is_some()) {
+        if *all_components && (shear.is_some() || wear.is_some() || hardness.is_some()) {
             return Err(Refusal::AllComponents);
         }
         if *held {
@@ -138,7 +140,19 @@ impl QuasistaticContact {
             (Normal::Wall(contact), Some(hardness)) => Normal::Wall(contact.with_hardness(hardness.clone())?),
             (Normal::Law(interface), Some(hardness)) => Normal::Law(interface.with_hardness(hardness.clone())?),
         };
-        let components = response.as_ref().map_or(1, |response| response.components().len());
+        let components = match &normal {
+            Normal::Law(interface) => interface.elastic().components(),
+            Normal::Wall(_) => 1,
+        };
+        let components = response.as_ref().map_or(components, |response| response.components().len());
+        let sideways: Vec<f64> = match all_components {
+            true => sideways.iter().flat_map(|field| field.iter().map(|u| u / length)).collect(),
+            false => Vec::new(),
+        };
+        let expected = (components - 1) * grid.len();
+        if !sideways.is_empty() && sideways.len() != expected {
+            return Err(Refusal::Start { found: sideways.len(), expected });
+        }
         let medium = relaxation.map(|(prony, relaxes)| {
             let medium = Relaxing::new(body, grid, *boundary, components, prony, relaxes)?;
             let medium = if *held { medium.held_sideways()? } else { medium };
@@ -152,6 +166,7 @@ impl QuasistaticContact {
             response,
             wear: wear.map(|wear| Wear { by_distance: wear.by_distance * stress, by_slip: wear.by_slip * stress }),
             all_components: *all_components,
+            sideways,
             scaled: units.surface(&given),
             given,
             contact_modulus: parts.body.contact_modulus(),
@@ -438,8 +453,8 @@ impl Quasistatic for QuasistaticContact {
             Normal::Wall(_) => true,
         };
         let loss = match &self.normal {
-            Normal::Law(_) if !self.loses() && has_energy() => Loss::Balance(stored()),
-            Normal::Law(_) if !self.loses() => Loss::Unknown,
+            Normal::Law(_) if !has_energy() => Loss::Unknown,
+            Normal::Law(_) if !self.loses() => Loss::Balance(stored()),
             Normal::Wall(_) if self.medium.is_none() && self.wear.is_none() => Loss::Known(state.losses.total()),
             _ => {
                 let flows = self.shear.is_some() || self.hardness.is_some();

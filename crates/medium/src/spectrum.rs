@@ -74,9 +74,11 @@ impl Spectrum {
             _ if body.second().is_some() => refuse("a second body"),
             (Height::Infinite, _) => Ok(Self::Common(of_half_space(material, prony))),
             (_, Base::Elastic(_)) => refuse("layers"),
-            (_, Base::Rigid(ground)) if *ground != Ground::BONDED => refuse("a base other than a bonded one"),
             _ if is_free => refuse("a slab with free boundaries"),
-            (Height::Finite(height), Base::Rigid(_)) => Ok(Self::Waves(of_slab(body, height, grid, prony))),
+            (Height::Finite(height), Base::Rigid(Ground::BONDED)) => {
+                Ok(Self::Waves(of_slab(body, height, grid, prony)))
+            }
+            (_, Base::Rigid(_)) => Ok(Self::Waves(of_loose_slab(body, grid, prony))),
         }
     }
 }
@@ -98,6 +100,32 @@ fn of_half_space(material: &Material, prony: &Prony) -> Vec<Branch> {
     direct.chain(of_bulk).collect()
 }
 
+/// Computes the 2n branches per wave of a slab without shear at its base: waves have the branches of a half-space, since
+/// their stiffness is E* times a function of height and wavenumber.
+fn of_loose_slab(body: &Body, grid: &Grid, prony: &Prony) -> Waves {
+    let branches = of_half_space(body.material(), prony);
+    let uniform = of_uniform(body, prony).chain(std::iter::repeat(0.0)).take(branches.len());
+    let weights = branches.iter().map(|branch| branch.weight).collect::<Vec<f64>>();
+    let modes = grid.spectrum_len();
+    let of_mode = |mode: usize| match grid.mode_at(mode).is_uniform() {
+        true => uniform.clone().collect::<Vec<f64>>(),
+        false => weights.clone(),
+    };
+    Waves {
+        count: branches.len(),
+        times: branches.iter().map(|branch| branch.time).collect(),
+        own: Vec::new(),
+        weights: (0..modes).flat_map(of_mode).collect(),
+        stiffness: stiffness(body, grid, Body::normal_stiffness),
+    }
+}
+
+/// Returns the weights of the uniform mode of a slab, one for each branch of the shear modulus: C11 = K + 4G/3.
+fn of_uniform(body: &Body, prony: &Prony) -> impl Iterator<Item = f64> + Clone {
+    let k = bulk(body.material());
+    prony.branches().iter().map(move |branch| 4.0 / 3.0 * branch.weight / (k + 4.0 / 3.0))
+}
+
 /// Computes the 3n branches per wave of 1/G_zz = a + b G − A₁/(G + ¾K) − A₂/(G + βK) of a slab on a bonded base.
 fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
     let (material, branches) = (body.material(), prony.branches());
@@ -109,9 +137,7 @@ fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
     let of_mode = |index: usize| {
         let mode = grid.mode_at(index);
         if mode.is_uniform() {
-            // C11 = K + 4G/3.
-            let weight = |branch: &Branch| 4.0 / 3.0 * branch.weight / (k + 4.0 / 3.0);
-            let weights = branches.iter().map(weight).chain(std::iter::repeat_n(0.0, 2 * n));
+            let weights = of_uniform(body, prony).chain(std::iter::repeat_n(0.0, 2 * n));
             return (weights.collect::<Vec<f64>>(), times[n..].to_vec(), 1.0 / level);
         }
         let q = mode.wavenumber();
@@ -233,13 +259,22 @@ mod tests {
                     ratio,
                     max_relative = 1e-12
                 );
-                for height in [1e-6, 1e-3, 0.1, 1.0, 300.0] {
+                let heights = [1e-6, 1e-3, 0.1, 1.0, 300.0];
+                for (height, base) in heights
+                    .into_iter()
+                    .zip([Base::BONDED, Base::SLIDING, Base::FREE].into_iter().cycle())
+                    .chain(heights.map(|height| (height, Base::BONDED)))
+                {
                     let grid = Grid::new([6, 4], [1.0, 0.8]).unwrap();
-                    let slab = |material| Body::slab(material, height).unwrap();
-                    let waves = of_slab(&slab(material), height, &grid, &prony);
-                    for (index, mode) in grid.modes().enumerate().skip(1) {
-                        let q = mode.wavenumber();
-                        let ratio = slab(other).normal_stiffness(q) / slab(material).normal_stiffness(q);
+                    let slab = |material| Body::slab(material, height).unwrap().on(base.clone()).unwrap();
+                    let found = Spectrum::new(&slab(material), &grid, false, &prony, Relaxes::Shear).unwrap();
+                    let Spectrum::Waves(waves) = found else { panic!("each wave has its branches") };
+                    for (index, mode) in grid.modes().enumerate() {
+                        let of_body = |body: &Body| match mode.wavenumber() {
+                            0.0 => 1.0 / body.level_compliance()[1],
+                            q => body.normal_stiffness(q),
+                        };
+                        let ratio = of_body(&slab(other)) / of_body(&slab(material));
                         assert!(waves.of(index).all(|branch| branch.weight >= 0.0));
                         assert_relative_eq!(of(&mut waves.of(index), s), ratio, max_relative = 1e-11);
                     }
@@ -256,7 +291,6 @@ mod tests {
         let refused = |body: &Body, is_free| {
             Spectrum::new(body, &grid, is_free, &three(), Relaxes::Shear).unwrap_err().to_string()
         };
-        assert!(refused(&slab(0.3).on(Base::SLIDING).unwrap(), false).ends_with("with a base other than a bonded one"));
         assert!(refused(&slab(0.3).bonded_to(slab(0.3)).unwrap(), false).ends_with("with layers"));
         assert!(refused(&slab(0.3).against(slab(0.3)), false).ends_with("with a second body"));
         assert!(refused(&slab(0.3), true).ends_with("with a slab with free boundaries"));

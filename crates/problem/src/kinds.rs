@@ -20,17 +20,6 @@ fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRe
     fields.try_into().map_err(|_| Refusal::Basis { found: fields.len(), expected: N })
 }
 
-/// Returns the approach of stored fields. A file has no value for it if the displacement has no level; then it follows
-/// from the fields, which have a level of their own.
-fn approach(stored: &StoredFields<'_>, clearance: &[f64]) -> f64 {
-    if !stored.approach.is_nan() {
-        return stored.approach;
-    }
-    let fields = stored.gap.iter().zip(stored.displacement_z);
-    let sum: f64 = clearance.iter().zip(fields).map(|(clearance, (gap, u))| clearance - gap - u).sum();
-    sum / clearance.len() as f64
-}
-
 /// Describes a stiffness that is less exact than requested.
 fn inexact((reached, why): (Stiffness, Why)) -> NoStiffness {
     let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
@@ -48,8 +37,7 @@ impl ContactKind for Contact {
     }
 
     fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<Solution, Refusal> {
-        let approach = approach(&stored, Contact::surface(self).clearance());
-        Contact::certify(self, stored.pressure, Load::Approach(approach))
+        Contact::certify(self, stored.pressure, Load::Approach(stored.approach))
     }
 
     fn adopt(&self, state: &AnyState) -> Option<Solution> {
@@ -206,8 +194,7 @@ impl ContactKind for Interface {
     }
 
     fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<State, Refusal> {
-        let approach = approach(&stored, Interface::surface(self).clearance());
-        Interface::recall(self, StoredFields { approach, ..stored })
+        Interface::recall(self, stored)
     }
 
     fn stiffness(&self, state: &State, _: f64) -> Result<Stiffness, NoStiffness> {
@@ -249,8 +236,7 @@ impl ContactKind for QuasistaticContact {
     }
 
     fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<QuasistaticState, Refusal> {
-        let approach = approach(&stored, QuasistaticContact::surface(self).clearance());
-        QuasistaticContact::recall(self, StoredFields { approach, ..stored })
+        QuasistaticContact::recall(self, stored)
     }
 
     fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, NoStiffness> {

@@ -7,7 +7,7 @@ use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Squeezed, Wear
 use gfmd_law::{HardWall, Law};
 use gfmd_medium::Prony;
 use gfmd_plasticity::{PlasticityError, YieldingContact};
-use ndarray::ArrayRef2;
+use ndarray::{Array2, ArrayRef2};
 
 use crate::facts::Task;
 use crate::options::Plasticity;
@@ -29,6 +29,8 @@ pub struct Given<'a> {
     pub share: Share,
     /// Heights of the rigid surface, `[x, y]`, length, with the lift of a base that moves; peaks point at the body.
     pub heights: &'a ArrayRef2<f64>,
+    /// u_x and u_y of the surface by a base that moves, `[x, y]`, length; empty at rest.
+    pub sideways: &'a [Array2<f64>],
     /// Heights of the rigid surface below the slab, `[x, y]`, length; peaks point at the body.
     pub lower: Option<&'a ArrayRef2<f64>>,
     /// Law across the gap.
@@ -58,6 +60,7 @@ impl<'a> Given<'a> {
             grid,
             share: grid.whole(),
             heights,
+            sideways: &[],
             lower: None,
             law: HardWall.into_shared(),
             hardness: None,
@@ -131,6 +134,7 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         shear: *shear,
         relaxation: prony.zip(facts.relaxes),
         wear: *wear,
+        sideways: given.sideways,
     };
     if let Some(lower) = lower {
         if facts.task == Task::Path {

@@ -118,11 +118,11 @@ impl Facts {
         self.task == Task::Path && self.lateral && self.friction.is_none()
     }
 
-    /// Returns true if the displacement has a reference level: points far away, or its mean. A profile on a patch over
-    /// a half-space has none, since its displacement grows with the logarithm of the distance.
-    pub fn has_level(&self) -> bool {
+    /// Returns true for a profile on a patch over a half-space. Its displacement grows with the logarithm of the
+    /// distance, and counts from points one length of the profile away.
+    pub fn is_level_near(&self) -> bool {
         let is_open = self.support.is_open() || self.second.is_some_and(Support::is_open);
-        self.boundary == Boundary::Periodic || !self.line || !is_open
+        self.boundary == Boundary::Free && self.line && is_open
     }
 
     /// Returns true if the solver moves all components of the displacement by damped dynamics, as the source does.
@@ -200,6 +200,20 @@ parts! {
     All: |_| (key("components"), "all", setting("components", "all")), |f| f.unknown == Unknown::All;
     /// Surface held sideways.
     Held: |_| (key("components"), "held", setting("components", "held")), |f| f.unknown == Unknown::Held;
+    /// All components unknown, or the surface held sideways.
+    Sideways: |f| Part::Sideways.first(f), |f| Part::Sideways.has_one(f);
+    /// Friction, or lateral motion.
+    Rubbed: |f| Part::Rubbed.first(f), |f| Part::Rubbed.has_one(f);
+    /// Body with more than one layer or face, or a base that moves.
+    Composed: |f| Part::Composed.first(f), |f| Part::Composed.has_one(f);
+    /// Upper limit of the pressure, or wear.
+    Lossy: |f| Part::Lossy.first(f), |f| Part::Lossy.has_one(f);
+    /// Flow, or the loads at which it stops.
+    Flowing: |f| Part::Flowing.first(f), |f| Part::Flowing.has_one(f);
+    /// Law, or gas in the gap.
+    AcrossGap: |f| Part::AcrossGap.first(f), |f| Part::AcrossGap.has_one(f);
+    /// Base of a slab, other than the rigid one at rest that is bonded to it.
+    Based: |f| Part::Based.first(f), |f| Part::Based.has_one(f);
     /// Slopes that are not small.
     FiniteSlope: |_| (key("finite_slope"), "given", key("finite_slope")), |f| f.finite_slope;
     /// Rigid surface below the slab.
@@ -255,18 +269,21 @@ parts! {
         Some(MovedBase::Traction) => (key("base_traction"), "given", key("base_traction")),
         _ => (key("base_displacement"), "given", key("base_displacement")),
     }, |f| f.moved_base.is_some();
-    /// Base under a traction.
-    PulledBase: |_| (key("base_traction"), "given", key("base_traction")),
-        |f| f.moved_base == Some(MovedBase::Traction);
+    /// Body that moves as it relaxes over a moved base: under a traction, or with a changing Poisson's ratio.
+    Creeping: |f| match f.relaxes {
+        Some(Relaxes::Shear) => Part::Shear.words(f),
+        Some(Relaxes::Both) => Part::Prony.words(f),
+        None => (
+            key("prony"),
+            "given",
+            words![setting("relaxes", "shear"), ", or ", key("prony"), " and ", key("base_traction")],
+        ),
+    }, |f| {
+        let is_pulled = f.moved_base == Some(MovedBase::Traction);
+        f.relaxes == Some(Relaxes::Shear) || f.relaxes.is_some() && is_pulled
+    };
     /// Profile.
     Line: |_| (key("dim"), "2", words!["a profile (", setting("dim", 2), ")"]), |f| f.line;
-    /// Displacement known up to a constant.
-    NoLevel: |_| {
-        let settings = words![setting("boundary", "free"), ", ", setting("dim", 2)];
-        (key("boundary"), "free", words!["a profile on a half-space (", settings, ")"])
-    }, |f| !f.has_level();
-    /// Prescribed approach.
-    Approach: |_| (key("approach"), "given", key("approach")), |f| f.approach;
     /// Lateral motion without friction.
     Lateral: |_| {
         let friction = words![key("friction"), " or ", key("shear_strength")];
@@ -298,6 +315,34 @@ parts! {
     Resume: |_| (key("resume"), "given", key("resume")), |f| f.resume;
     /// Processes that share a problem.
     Several: |_| ("mpirun".into(), "given", "several processes".into()), |f| f.processes > 1;
+}
+
+impl Part {
+    /// Returns the parts that this one stands for, if it stands for several.
+    fn members(self) -> &'static [Self] {
+        match self {
+            Self::Sideways => &[Self::All, Self::Held],
+            Self::Rubbed => &[Self::Friction, Self::Lateral],
+            Self::Composed => &[Self::Layers, Self::SecondBody, Self::Lower, Self::MovedBase],
+            Self::Lossy => &[Self::Hardness, Self::Wear],
+            Self::Flowing => &[Self::Flow, Self::FlowThreshold],
+            Self::AcrossGap => &[Self::Law, Self::Gas],
+            Self::Based => &[Self::OtherBase, Self::MovedBase],
+            _ => &[],
+        }
+    }
+
+    /// Returns true if the problem has one of the [members](Self::members).
+    fn has_one(self, facts: &Facts) -> bool {
+        self.members().iter().any(|member| member.is_in(facts))
+    }
+
+    /// Returns the words for the first of the [members](Self::members) that the problem has.
+    fn first(self, facts: &Facts) -> Described {
+        let mut members = self.members().iter();
+        let found = members.find(|member| member.is_in(facts)).or(self.members().first());
+        found.map_or_else(|| (Words::default(), "given", Words::default()), |member| member.words(facts))
+    }
 }
 
 /// Returns the words for a base: its name if the facts have one, else the given `names`.
@@ -335,72 +380,49 @@ pub const RULES: &[Rule] = {
     use Part::*;
     &[
         rule(HalfSpace, Lower, "finite", "a second surface needs a lower face"),
-        rule(OtherBase, Lower, "left out", "the slab is held by the two surfaces alone"),
+        rule(Based, Lower, "left out", "the slab is held by the two surfaces alone"),
         rule(FiniteSlope, Lower, "left out", "nothing holds the slab sideways"),
         rule(Free, Lower, "periodic", "nothing holds the slab outside the patch"),
         rule(All, Lower, "normal", "nothing holds the slab sideways"),
-        rule(
-            Friction,
-            Lower,
-            "left out",
-            "the slip of each face is not known: nothing but friction holds the slab sideways",
-        ),
-        rule(Lateral, Lower, "left out", "nothing holds the slab sideways"),
+        rule(Rubbed, Lower, "left out", "the slip of each face is not known: nothing else holds the slab sideways"),
         rule(Lower, Shear, "left out", "the relaxation of each wave is not known"),
         rule(Yield, Lower, "left out", "the strain above a free lower face is not computed"),
         rule(Gas, Lower, "left out", "each face has a gap of its own, and the slab between them conducts, too"),
         rule(SecondBody, Lower, "left out", "it has one of the two surfaces, and which one is not given"),
-        rule(MovedBase, Lower, "left out", "there is no base"),
-        rule(Gas, FiniteSlope, "left out", "where surfaces are steep, the vertical gap is not their distance"),
-        rule(Law, FiniteSlope, "hard-wall", "where surfaces are steep, the vertical gap is not their distance"),
+        rule(AcrossGap, FiniteSlope, "left out", "where surfaces are steep, the vertical gap is not their distance"),
         rule(Free, FiniteSlope, "periodic", "points move beyond the rim, where no heights are known"),
-        rule(All, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
-        rule(Held, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
+        rule(Sideways, FiniteSlope, "normal", "the lateral displacement follows from the slopes"),
         rule(SecondBody, FiniteSlope, "left out", "the slope of each body is not known"),
         rule(MovedBase, FiniteSlope, "left out", "the base moves the surface sideways, too"),
-        rule(All, Table, "normal", "the normal compliance alone is known"),
-        rule(Held, Table, "normal", "the normal compliance alone is known"),
+        rule(Sideways, Table, "normal", "the normal compliance alone is known"),
         rule(FiniteSlope, Table, "left out", "the normal compliance alone is known"),
-        rule(Friction, Table, "left out", "the normal compliance alone is known"),
-        rule(Lateral, Table, "left out", "the normal compliance alone is known"),
+        rule(Rubbed, Table, "left out", "the normal compliance alone is known"),
         rule(Prony, Table, "left out", "its moduli are not known"),
         rule(Free, Table, "periodic", "the compliance of waves longer than the cell is not known"),
-        rule(Lower, Table, "left out", "it has no lower face"),
-        rule(MovedBase, Table, "left out", "it has no base"),
-        rule(SecondBody, Table, "left out", "the compliance is that of both bodies together"),
-        rule(Layers, Table, "left out", "the compliance is that of the whole body"),
+        rule(Composed, Table, "left out", "the table describes the whole body, or both bodies together, at one face"),
         rule(Held, Free, "normal", "nothing holds the surface outside the patch sideways"),
         rule(Held, SecondBody, "normal", "the relative displacement of two held bodies is not that of one"),
-        rule(All, MovedBase, "normal", "the base moves the surface sideways, too"),
-        rule(Held, MovedBase, "normal", "the base moves the surface sideways, too"),
-        rule(Held, Friction, "normal", "friction decides the lateral displacement"),
-        rule(Held, Lateral, "normal", "the law decides the lateral displacement"),
+        rule(Held, Rubbed, "normal", "friction, or the law, decides the lateral displacement"),
         rule(Held, Shear, "normal", "the relaxation of each wave is not known"),
         rule(Held, Yield, "normal", "the plastic strain moves the surface sideways"),
-        rule(MovedBase, Lateral, "left out", "the base moves the surface sideways, too"),
-        rule(MovedBase, Shear, "left out", "the surface above the base moves as the body relaxes"),
-        rule(PulledBase, Prony, "left out", "the body creeps under the traction"),
+        rule(MovedBase, Creeping, "left out", "the surface above the base moves as the body relaxes"),
         rule(
             MovedBase,
             Yield,
             "left out",
             "the stress by the base, which adds to the stress by the contact, is not computed",
         ),
-        rule(Hardness, OpenLaw, "left out", "without a wall nothing is pressed into the other surface"),
+        rule(Lossy, OpenLaw, "left out", "without a wall nothing is pressed in or rubbed off"),
         rule(Friction, ShearingLaw, "left out", "the law has a shear of its own"),
-        rule(Hardness, Lateral, "left out", LAW_ALONE),
+        rule(Lossy, Lateral, "left out", LAW_ALONE),
         rule(Free, MovedBase, "periodic", "the effect of the base is that of a periodic cell"),
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
         rule(Line, FreeSideways, "3", "the lateral displacement of a profile is known up to a constant"),
         rule(Sliding, FreeSideways, "bonded or half-space", "the body has no lateral support"),
-        rule(Prony, Lateral, "left out", LAW_ALONE),
         rule(SecondBody, Prony, "left out", "the second body would relax differently"),
-        rule(Wear, OpenLaw, "left out", "without a wall nothing is rubbed off"),
         rule(WearBySlip, Frictionless, "distance", "slip is known with friction only"),
-        rule(Wear, Lateral, "left out", LAW_ALONE),
         rule(StillFriction, WearByDistance, "left out", "surfaces that slide over a distance slip at all points"),
-        rule(Friction, Shear, "left out", "the relaxation of the shear is not known"),
-        rule(OtherBase, Shear, "bonded", "the relaxation of each wave is not known"),
+        rule(Rubbed, Shear, "left out", "the relaxation of the shear is not known"),
         rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
         rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
         rule(Hardness, Yield, "left out", "a hardness stands for the yielding below the surface"),
@@ -412,9 +434,7 @@ pub const RULES: &[Rule] = {
         rule(Free, Yield, "periodic", "the strain below the surface is computed in a periodic cell"),
         rule(Table, Yield, "left out", "the strain below the surface needs moduli"),
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
-        rule(Approach, NoLevel, "left out", "the approach has no reference level"),
-        rule(Flow, Line, "left out", "a profile has no flow"),
-        rule(FlowThreshold, Line, "left out", "a profile has no flow"),
+        rule(Flowing, Line, "left out", "a profile has no flow"),
         rule(Refine, Several, "none or estimate", ONLY_PERIODIC_WALLS_IN_PARALLEL),
         rule(History, Resume, "left out", "it records a search from its beginning"),
         rule(Law, Several, "hard-wall", ONLY_PERIODIC_WALLS_IN_PARALLEL),
@@ -493,14 +513,37 @@ impl Facts {
 }
 
 impl Part {
-    /// Returns the flag, with its value if it is one of several.
+    /// Returns the flag, with its value if it is one of several; the flags of all [members](Self::members).
     pub fn given(self) -> String {
+        self.given_among(&|_| true).unwrap_or_default()
+    }
+
+    /// Returns the flags as [`given`](Self::given), of the possible parts alone; `None` if none is possible.
+    fn given_among(self, is_possible: &dyn Fn(Self) -> bool) -> Option<String> {
+        if self.members().is_empty() {
+            return is_possible(self).then(|| self.flag());
+        }
+        let possible = self.members().iter().filter(|member| is_possible(**member));
+        let mut flags: Vec<String> = possible.map(|member| member.flag()).collect();
+        let last = flags.pop()?;
+        Some(if flags.is_empty() { last } else { format!("{} or {last}", flags.join(", ")) })
+    }
+
+    fn flag(self) -> String {
         let (name, found, _) = self.words(&Facts::default());
         let flag = name.spelled(Spelling::Flag);
         if self == Self::StillFriction {
             return self.beside(&Facts::default());
         }
         if found == "given" || self == Self::Law { flag } else { format!("{flag} {found}") }
+    }
+
+    /// Returns the words for the part beside another one, with flags, if it is possible.
+    fn beside_among(self, is_possible: &dyn Fn(Self) -> bool) -> Option<String> {
+        match self.members().is_empty() {
+            true => is_possible(self).then(|| self.beside(&Facts::default())),
+            false => self.given_among(is_possible),
+        }
     }
 
     /// Returns the words for the part beside another one, with flags.
@@ -523,6 +566,7 @@ impl Part {
                     | Self::Yield
                     | Self::WearByDistance
                     | Self::StillFriction
+                    | Self::Creeping
                     | Self::WearBySlip
                     | Self::Frictionless
             ),
@@ -548,10 +592,11 @@ const OF_SLIDING: [Part; 10] = {
 };
 
 fn rules_among(is_possible: impl Fn(Part) -> bool) -> Vec<(String, Vec<String>)> {
-    let facts = Facts::default();
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
-    for Rule { part, with, .. } in RULES.iter().filter(|rule| is_possible(rule.part) && is_possible(rule.with)) {
-        let (part, with) = (part.given(), with.beside(&facts));
+    for Rule { part, with, .. } in RULES {
+        let (Some(part), Some(with)) = (part.given_among(&is_possible), with.beside_among(&is_possible)) else {
+            continue;
+        };
         let words = format!("no {part}");
         match groups.iter_mut().find(|(other, _)| *other == with) {
             Some((_, all)) => all.push(words),
@@ -563,10 +608,9 @@ fn rules_among(is_possible: impl Fn(Part) -> bool) -> Vec<(String, Vec<String>)>
 
 /// Returns the rules as a Markdown table: part, other part, allowed values, reason.
 pub fn table() -> String {
-    let facts = Facts::default();
     let row = |Rule { part, with, allowed, why }: &Rule| {
-        let (given, with) = (part.given(), with.beside(&facts));
-        format!("| {given} | {with} | {allowed} | {why} |\n")
+        let with = with.beside_among(&|_| true).unwrap_or_default();
+        format!("| {} | {with} | {allowed} | {why} |\n", part.given())
     };
     let head = "| given | with | must be | reason |\n|---|---|---|---|\n";
     RULES.iter().filter(|rule| rule.with != Part::Path).fold(head.to_owned(), |table, rule| table + &row(rule))

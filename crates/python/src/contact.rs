@@ -10,6 +10,7 @@ use gfmd_contact::{
     Boundary, Conductance, ConductanceError, Conductors, Cotangents, Drive, Fields as _, Load, Progress, Refusal,
 };
 use gfmd_green::Height;
+use gfmd_input::base::MovedBase;
 use gfmd_input::failure::{Failure, reached};
 use gfmd_input::json;
 use gfmd_input::session::Session;
@@ -25,7 +26,7 @@ use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, statistics_of};
 use gfmd_run::accuracy;
 use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, fields};
 use gfmd_unit::Quantity;
-use ndarray::{Array2, ArrayView2};
+use ndarray::ArrayView2;
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -195,7 +196,7 @@ pub(crate) struct State {
     rest: AnyState,
     facts: Facts,
     /// Lift of a moved base.
-    lift: Option<Array2<f64>>,
+    base: Option<MovedBase>,
     /// Numbers of a solved state; `None` for a recalled one.
     record: Option<Record>,
 }
@@ -447,7 +448,7 @@ impl Problem {
 
 impl Problem {
     fn state(&self, rest: AnyState, record: Option<Record>) -> State {
-        State { rest, record, facts: self.prepared.facts, lift: self.prepared.lift().cloned() }
+        State { rest, record, facts: self.prepared.facts, base: self.prepared.base.clone() }
     }
 }
 
@@ -464,7 +465,7 @@ impl State {
     /// it alive.
     #[getter]
     fn fields(this: Bound<'_, Self>) -> Vec<(&'static str, Array<'_>)> {
-        let Self { rest, facts, lift, .. } = this.get();
+        let Self { rest, facts, base, .. } = this.get();
         let array = |Field { name, values, .. }: Field<'_>| {
             let array = if values.is_view() {
                 lent(&this, &values.view())
@@ -473,7 +474,7 @@ impl State {
             };
             (name, array)
         };
-        fields(facts, rest, lift.as_ref()).into_iter().map(array).collect()
+        fields(facts, rest, base.as_ref()).into_iter().map(array).collect()
     }
 }
 

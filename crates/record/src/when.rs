@@ -20,6 +20,11 @@ pub(crate) fn approach_given(facts: &Facts) -> bool {
     facts.approach
 }
 
+/// Returns true if displacements count from points one length of the profile away.
+pub(crate) fn level_near(facts: &Facts) -> bool {
+    facts.is_level_near()
+}
+
 /// Returns true if the load is prescribed, and for all paths, since surfaces may part at any step.
 pub(crate) fn load_given(facts: &Facts) -> bool {
     !facts.approach || path(facts)

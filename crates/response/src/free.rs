@@ -8,8 +8,8 @@ use crate::elastic::fits;
 use crate::units::power_of_two;
 
 /// Compliance of a non-periodic patch. The pressure is constant on the cell around every grid point and zero outside
-/// the patch. The displacement refers to the grid points; it is zero far away if it [has a level](Self::has_level)
-/// (theory.md, section 3.1). Built once and shared between problems and threads.
+/// the patch. The displacement refers to the grid points. It is zero far away, or for a profile on a half-space one patch
+/// length away ([`patch_compliance`]; theory.md, section 3.1). Built once and shared between problems and threads.
 ///
 /// The inverse, a stiffness, is approximated: it is diagonal in cosine waves, with the inverse of the mean compliance
 /// of each wave on the patch, multiplied on both sides by weights that increase towards the edges, where the pressure
@@ -44,7 +44,7 @@ impl FreeCompliance {
     /// # Errors
     /// Returns an error if the body has no level far away, or if layers are too thin ([`patch_compliance`]).
     pub fn new(grid: Grid, body: &Body) -> Result<Self, GreenError> {
-        Ok(Self::tabulated(grid, patch_compliance(body, &grid)?, has_level(body, &grid)))
+        Ok(Self::tabulated(grid, patch_compliance(body, &grid)?, true))
     }
 
     /// Tabulates the resistance of a conductor on `grid`: potential for displacement, current density for pressure.
@@ -90,7 +90,8 @@ impl FreeCompliance {
         self.convolution.grid()
     }
 
-    /// Returns true if displacements are relative to points far away; false if they are known up to a constant.
+    /// Returns true if displacements have a reference level; false for the potential of a profile over a half-space, which
+    /// is known up to a constant.
     pub fn has_level(&self) -> bool {
         self.has_level
     }

@@ -190,7 +190,7 @@ impl Series<'_> {
         handler: &mut dyn StateHandler,
     ) -> Result<SeriesOutcome, Failure> {
         let Self { prepared, session, drives, tolerance, .. } = *self;
-        let (facts, lift) = (&prepared.facts, prepared.lift());
+        let (facts, base) = (&prepared.facts, prepared.base.as_ref());
         let part = SeriesLayout::of(facts).name;
         let (mut file, mut outcome, mut is_edge_warned) = (file, SeriesOutcome::default(), false);
         if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
@@ -256,11 +256,11 @@ impl Series<'_> {
             let further = if place_in_file.is_some() { handler.further(state) } else { Vec::new() };
             let further: Vec<Cow<[f64]>> = further.into_iter().map(Cow::Owned).collect();
             if let (Some(file), Some(place)) = (&mut file, place_in_file) {
-                session.agree(file.write(place, state, lift))?;
+                session.agree(file.write(place, state, base))?;
                 handler.write_further(file, place, &further)?;
             }
             if let (Some(kept), None, false) = (&mut kept, &stopped, index + 1 == drives.len() && self.ends_with_file) {
-                let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, lift) } else { Vec::new() };
+                let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, base) } else { Vec::new() };
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
                 let fields = fields.iter().map(|field| contiguous(field)).chain(further).collect();
                 kept.add(&FinishedStep { text, fields });

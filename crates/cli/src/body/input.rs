@@ -267,7 +267,7 @@ const NO_SHEAR: &str =
     "of this contact causes a shear traction, which the result does not have; the stress inside is not available";
 
 /// Returns true if the body of a run relaxes.
-fn relaxes(record: &toml::Table) -> bool {
+pub(super) fn relaxes(record: &toml::Table) -> bool {
     record.contains_key("prony")
 }
 

@@ -150,13 +150,11 @@ impl StepCheck<'_> {
         let facts = &self.stored.prepared.facts;
         let now = |name: &str| self.stored.number(name, step);
         let causes = LOSSES.map(now);
-        let is_known = facts.relaxes.is_none() || facts.has_level();
-        if is_known && causes.iter().any(|lost| lost.is_finite()) {
+        if causes.iter().any(|lost| lost.is_finite()) {
             let sum = causes.into_iter().filter(|lost| lost.is_finite()).sum();
             comparison.number("/path/dissipated", now("dissipated"), sum, now("elastic_energy"));
         }
-        // Without a level, the energies and the approach are unknown.
-        if now("extra_solves") != 0.0 || !facts.has_level() {
+        if now("extra_solves") != 0.0 {
             return;
         }
         let flows = facts.friction.is_some() || facts.hardness || facts.yields;
@@ -256,8 +254,7 @@ impl StepCheck<'_> {
     /// With a law, the work before the first step is unknown.
     fn balance(&self, step: usize, comparison: &mut Comparison) {
         let facts = &self.stored.prepared.facts;
-        // The approach and the energies of a displacement without a level are not stored.
-        if facts.has_law() && step == 0 || !facts.has_level() {
+        if facts.has_law() && step == 0 {
             return;
         }
         let now = |name: &str| self.stored.number(name, step);
@@ -302,9 +299,8 @@ impl StepCheck<'_> {
         let (number, height) = (|name: &str| file.number(name, step), file.height());
         let faces = self.faces(waypoint)?;
         let apart: Vec<f64> = faces.iter().map(Face::apart).collect();
-        // The mean displacement of a half-space is a convention, as is the level of a profile on a patch.
         let levels = match faces.len() {
-            1 if facts.has_level() => vec![number("approach")],
+            1 => vec![number("approach")],
             2 => {
                 comparison.number("/path/approach (of the gaps)", number("approach"), apart.iter().sum(), height);
                 comparison.number("/path/lower_approach", number("lower_approach"), apart[1], height);

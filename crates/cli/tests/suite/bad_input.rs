@@ -44,7 +44,6 @@ fn flags_out_of_range() {
         ("all --dim 2 --boundary free", ["--dim", "--components all"]),
         ("held --boundary free", ["held", "--boundary free"]),
         ("held --second-body 1,0.3", ["held", "--second-body"]),
-        ("all --height 1 --base-displacement b.npy", ["all", "--base-displacement"]),
         ("all --fields displacement_x,plastic_depth", ["--fields", "plastic_depth"]),
         ("all --solver verlet-critical --damping 1,1,1", ["--damping", "compressible slab"]),
     ] {

@@ -86,6 +86,8 @@ fn a_path_in_time_is_written_checked_drawn_and_told() {
     for (name, flags) in [
         ("both", "--boundary free"),
         ("shear", "--height 0.3 --poisson 0.3 --relaxes shear"),
+        ("sliding-shear", "--height 0.3 --poisson 0.3 --relaxes shear --base sliding"),
+        ("plate-shear", "--height 0.3 --poisson 0.3 --relaxes shear --base free --moduli instantaneous"),
         ("layers", "--height 0.1 --layer 0.5,0.3,0.2 --moduli instantaneous"),
         ("law", "--law exponential --param gamma=1e-4,range=4e-3"),
         ("law-shear", "--law npc --param phi_n=1e-4,delta_n=4e-3,phi_t=1e-4,delta_t=4e-3 --height 0.3 --relaxes shear"),
@@ -101,7 +103,11 @@ fn a_path_in_time_is_written_checked_drawn_and_told() {
         let times: Vec<f64> = file.values("/path/time").unwrap();
         assert_eq!((times[2], times[3], times[6]), (1.0, 1.0, 21.0));
         assert_eq!(file.shape("/fields/pressure").unwrap(), [3, 24, 24]);
-        let branches = if name.ends_with("shear") { 6 } else { 2 };
+        let branches = match name {
+            "sliding-shear" | "plate-shear" => 4,
+            "shear" | "law-shear" => 6,
+            _ => 2,
+        };
         assert_eq!(file.shape("/history/branch").unwrap(), [branches, 24, 24]);
         let below: Vec<f64> = file.values("/history/displacement").unwrap();
         let last: Vec<f64> = file.slab("/fields/displacement_z", 2).unwrap();
@@ -150,8 +156,8 @@ fn unusable_input_is_refused_in_one_line() {
             "--e-star is 1; it must be left out with --relaxes shear",
         ),
         (
-            "--prony 1:0.5 --time 1 --relaxes shear --height 0.2 --base sliding",
-            "it must be bonded with --relaxes shear",
+            "--prony 1:0.5 --time 1 --relaxes shear --height 0.2 --base sliding --boundary free",
+            "it must be periodic with --relaxes shear",
         ),
         (
             "--prony 1:0.5 --time 1 --relaxes shear --friction 0.3",

@@ -125,8 +125,7 @@ fn what_cannot_be_done_is_refused() {
     }
     let line = Grid::line(16, 1.0).unwrap();
     let contact = Contact::with_boundary(Boundary::Free, &half_space(), &line, &rough([16, 1])).unwrap();
-    let error = contact.press(Load::Approach(0.01)).solve().unwrap_err();
-    assert!(matches!(error, SolveError::Refused(Refusal::LineApproach)), "{error}");
-    assert!(contact.stiffness(&contact.press(Load::MeanPressure(0.01)).solve().unwrap(), 1e-9).unwrap().value.is_nan());
+    let error = contact.press(Load::Approach(-0.01)).solve().unwrap_err();
+    assert!(matches!(error, SolveError::Refused(Refusal::Approach { .. })), "{error}");
     assert!("endless".parse::<Boundary>().is_err() && Boundary::ALL.map(|b| b.name().parse()) == Boundary::ALL.map(Ok));
 }

@@ -193,8 +193,9 @@ fn unusable_derivatives_are_refused() {
     let wave = Array2::from_shape_fn((32, 1), |(i, _)| 0.01 * (0.2 * i as f64).cos());
     let contact = Contact::with_boundary(Boundary::Free, &body(None, 1.0), &line, &wave).unwrap();
     let solution = contact.press(Load::MeanPressure(0.01)).solve().unwrap();
-    let found = contact.gradient(&solution, case.load, &Cotangents { approach: 1.0, ..none() });
-    assert_eq!(found, Err(GradientError::NoLevel { found: 1.0 }));
+    let by_load = contact.gradient(&solution, case.load, &Cotangents { approach: 1.0, ..none() }).unwrap().load;
+    let stiffness = contact.stiffness(&solution, 1e-10).unwrap().value;
+    assert!((by_load * stiffness - 1.0).abs() < 1e-8, "{by_load} {stiffness}");
     // Without derivatives of the number there is no gradient.
     let zero = contact.gradient(&solution, case.load, &none()).unwrap();
     assert_eq!((zero.load, zero.modulus, zero.heights.sum()), (0.0, 0.0, 0.0));

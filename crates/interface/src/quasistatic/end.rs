@@ -30,6 +30,12 @@ impl QuasistaticContact {
                 let mut indentation: Vec<f64> =
                     sheared.iter().flat_map(|sheared| &sheared.displacement).map(|u| -u).collect();
                 let mut pressure: Vec<f64> = sheared.iter().flat_map(|sheared| &sheared.traction).map(|t| -t).collect();
+                if let (NormalState::Law(state), true) = (&normal, self.all_components) {
+                    let lateral = state.displacement.len() - points;
+                    let moved = state.displacement.iter().zip(&step.sideways);
+                    indentation.extend(moved.map(|(u, own)| -(u + own)));
+                    pressure.extend(state.traction.iter().take(lateral).map(|t| -t));
+                }
                 let displacement = normal.fields().displacement_z();
                 match &unpressed {
                     Some(depth) => indentation.extend(depth.iter().zip(displacement).map(|(depth, u)| depth - u)),
@@ -41,7 +47,7 @@ impl QuasistaticContact {
             }
             _ => (None, None),
         };
-        let mut normal = normal.of_step(factor, unpressed.as_ref(), touch);
+        let mut normal = normal.of_step(factor, (unpressed.as_ref(), &step.sideways), touch);
         if let Load::Approach(asked) = step.drive.load {
             *normal.approach() = asked;
         }

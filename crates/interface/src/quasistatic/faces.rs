@@ -57,6 +57,7 @@ impl QuasistaticContact {
             response: None,
             wear: wear.map(|wear| Wear { by_distance: wear.by_distance * stress, ..wear }),
             all_components: false,
+            sideways: Vec::new(),
             scaled,
             given,
             contact_modulus: body.contact_modulus(),

@@ -101,6 +101,15 @@ impl Normal {
         })
     }
 
+    /// Returns the contact above a surface displaced sideways without traction
+    /// ([`Interface::displaced_sideways`]).
+    pub(super) fn displaced_sideways(&self, displacement: &[f64]) -> Result<Self, Refusal> {
+        match self {
+            Self::Law(interface) => interface.displaced_sideways(displacement).map(Self::Law),
+            Self::Wall(_) => Err(Refusal::AllComponents),
+        }
+    }
+
     pub(super) fn equilibrate(
         &self,
         drive: Drive,
@@ -214,9 +223,9 @@ impl NormalState {
         }
     }
 
-    /// Converts the state of the contact of a step, which divides tractions by `factor`, does not know the `depth` of
-    /// the elastic surface at zero pressure, and measures its approach from `touch`.
-    pub(super) fn of_step(self, factor: f64, depth: Option<&Array2<f64>>, touch: f64) -> Self {
+    /// Converts the state of the contact of a step, which divides tractions by `factor`, does not know the `depth` and
+    /// the lateral displacement of the elastic surface without traction, and measures its approach from `touch`.
+    pub(super) fn of_step(self, factor: f64, (depth, sideways): (Option<&Array2<f64>>, &[f64]), touch: f64) -> Self {
         match self {
             Self::Wall(mut state) => {
                 if let Some(depth) = depth {
@@ -236,6 +245,7 @@ impl NormalState {
                     let mut displacement = state.displacement.index_axis_mut(Axis(0), z);
                     displacement -= depth;
                 }
+                state.displacement.iter_mut().zip(sideways).for_each(|(displacement, own)| *displacement += own);
                 state.approach += touch;
                 Self::Law(state)
             }
@@ -244,7 +254,7 @@ impl NormalState {
 
     /// Converts the state to the contact of a step, to start its search there: the inverse of
     /// [`of_step`](Self::of_step). At a wall the pressure alone is a start.
-    pub(super) fn to_step(&self, factor: f64, depth: Option<&Array2<f64>>, touch: f64) -> Self {
+    pub(super) fn to_step(&self, factor: f64, (depth, sideways): (Option<&Array2<f64>>, &[f64]), touch: f64) -> Self {
         match self.clone() {
             Self::Wall(mut state) => {
                 state.pressure.mapv_inplace(|p| p / factor);
@@ -257,6 +267,7 @@ impl NormalState {
                     let mut displacement = state.displacement.index_axis_mut(Axis(0), z);
                     displacement += depth;
                 }
+                state.displacement.iter_mut().zip(sideways).for_each(|(displacement, own)| *displacement -= own);
                 state.approach -= touch;
                 Self::Law(state)
             }

@@ -5,7 +5,7 @@ use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_medium::{Prony, Relaxes};
-use ndarray::ArrayRef2;
+use ndarray::{Array2, ArrayRef2};
 
 /// Parts of a [`QuasistaticContact`](crate::QuasistaticContact). All but body, grid and heights are optional, and any
 /// combination with a physical meaning can be solved.
@@ -34,6 +34,9 @@ pub struct Parts<'a> {
     pub relaxation: Option<(&'a Prony, Relaxes)>,
     /// Wear of the surfaces.
     pub wear: Option<Wear>,
+    /// u_x and u_y (u_x of a profile) of the surface by a base that moves, `[x, y]`, in length; empty at rest. It counts
+    /// for a law that moves all components.
+    pub sideways: &'a [Array2<f64>],
 }
 
 impl<'a> Parts<'a> {
@@ -51,6 +54,7 @@ impl<'a> Parts<'a> {
             shear: None,
             relaxation: None,
             wear: None,
+            sideways: &[],
         }
     }
 }

@@ -44,6 +44,8 @@ pub(super) struct Step<'a> {
     /// Depth of the surfaces at the start of the step: worn off, pressed in, and not yet recovered by the body. `None`
     /// for surfaces that keep none.
     depth: Option<Array2<f64>>,
+    /// Lateral displacement not yet recovered by the body, below a law that moves all components; empty without memory.
+    pub(super) sideways: Vec<f64>,
     pub(super) shear: Option<ShearStep>,
 }
 
@@ -93,6 +95,20 @@ impl<'a> Step<'a> {
         };
         let points = contact.points();
         let normal = contact.normal.stiffened(&affine.stiffening)?;
+        let sideways = match (&contact.medium, contact.all_components) {
+            (Some(_), true) => {
+                let lateral = &affine.residual_indentation[..affine.residual_indentation.len() - points];
+                lateral.iter().map(|depth| -depth).collect()
+            }
+            _ => Vec::new(),
+        };
+        let normal = match (&sideways[..], &contact.sideways[..]) {
+            ([], []) => normal,
+            (own, []) | ([], own) => normal.displaced_sideways(own)?,
+            (own, base) => {
+                normal.displaced_sideways(&own.iter().zip(base).map(|(own, base)| own + base).collect::<Vec<f64>>())?
+            }
+        };
         let keeps_depth = contact.medium.is_some() || contact.wear.is_some() || contact.hardness.is_some();
         let depth = keeps_depth.then(|| {
             let mut depth = match &contact.medium {
@@ -106,7 +122,7 @@ impl<'a> Step<'a> {
         });
         let shear = contact.response.as_ref().map(|response| ShearStep::new(contact, response, drive, start, &affine));
         let moved = drive.distance - distance;
-        Ok(Self { contact, drive, start, memory, affine, moved, normal, depth, shear: shear.transpose()? })
+        Ok(Self { contact, drive, start, memory, affine, moved, normal, depth, sideways, shear: shear.transpose()? })
     }
 
     /// Returns the depth of the surfaces, `grown` in the step, and without the lift by the shear.
@@ -215,8 +231,8 @@ impl<'a> Step<'a> {
         if is_apart {
             return Ok(Pressed { state: contact.unloaded(drive.load)?, touch, is_apart, failed: None });
         }
-        let warm =
-            warm.map(|state| state.to_step(self.affine.factor(), self.unpressed(Effect::Assumed).as_ref(), touch));
+        let unpressed = self.unpressed(Effect::Assumed);
+        let warm = warm.map(|state| state.to_step(self.affine.factor(), (unpressed.as_ref(), &self.sideways), touch));
         let (mut reached, mut failed) = (None, None);
         match contact.equilibrate(drive, solver, budget, warm.as_ref(), watch) {
             Ok(state) => reached = Some(state),

@@ -177,16 +177,18 @@ fn a_state_that_is_kept_or_recalled_leads_to_the_same_bits() {
 }
 
 #[test]
-fn what_has_no_level_far_away_is_refused() {
+fn approaches_of_profiles_are_prescribed_and_found() {
     let line = Grid::line(32, 1.0).unwrap();
     let interface = on_patch(&line, &rough([32, 1]), Exponential::new(1e-4, 2e-3).unwrap());
-    let error = interface.press(Load::Approach(0.01)).solve().unwrap_err();
-    assert!(matches!(error, SolveError::Refused(Refusal::LineApproach)), "{error}");
-    // A profile on a slab has a level.
+    let found = interface.press(Load::Approach(0.01)).solve().unwrap();
+    let loaded = interface.press(Load::MeanPressure(found.mean_pressure)).solve().unwrap();
+    assert!((loaded.approach - 0.01).abs() < 1e-9, "{}", loaded.approach);
+    // A profile on a slab has a level far away.
     let slab = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap();
     let law = Exponential::new(1e-4, 2e-3).unwrap();
     let interface = Interface::with_boundary(Boundary::Free, &slab, &line, &rough([32, 1]), law).unwrap();
     assert!(interface.press(Load::Approach(0.01)).solve().unwrap().mean_pressure > 0.0);
+    // Nothing holds a plate.
     let plate = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.2).unwrap().on(gfmd_green::Base::FREE).unwrap();
     let grid = Grid::square(8, 1.0).unwrap();
     let error = Interface::with_boundary(Boundary::Free, &plate, &grid, &rough([8, 8]), HardWall).unwrap_err();

@@ -4,6 +4,7 @@ mod checkpoint;
 mod closed_forms;
 mod energy;
 mod input;
+mod lateral;
 mod law;
 mod reference;
 mod sliding;

@@ -92,6 +92,7 @@ impl Parts {
             grid: &self.grid,
             share: self.grid.whole(),
             heights: &self.heights,
+            sideways: &[],
             lower: self.lower.as_deref(),
             law: Arc::clone(&self.law),
             hardness: self.facts.hardness.then_some(0.04.into()),

@@ -5,10 +5,10 @@ use gfmd_interface::{Loss, Losses};
 use super::{
     Column,
     special::yielding,
-    undefined::{NO_LEVEL, imbalance, level, lost, relaxing_level, without_law},
+    undefined::{imbalance, lost, without_law},
 };
 use crate::column::{Form, Origin, Table};
-use crate::when::{any, between, friction, hardness, law, path, relaxing, several_causes, wears, yields};
+use crate::when::{any, between, friction, hardness, law, level_near, path, relaxing, several_causes, wears, yields};
 use crate::{Cell, StateContext};
 
 /// Energies, losses, stability, stiffness.
@@ -20,11 +20,11 @@ pub(super) const COLUMNS: &[Column] = &[
             (between, "elastic energy of the slab per area, by the pressures on both faces"),
             (relaxing, "energy stored in the springs of all branches, per area of the surface"),
             (yields, "elastic energy per area of the surface, with the energy of residual stress"),
+            (level_near, "elastic energy per area, zero one length of the profile away"),
             (any, "elastic energy per area of the surface"),
         ],
         |at| at.summary.elastic_energy.into(),
     )
-    .unless(level)
     .on(Table::Energy, "elastic", Form::Size),
     Column::new(
         "interface_energy",
@@ -65,7 +65,6 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| lost(at, false),
     )
     .with(path)
-    .unless(relaxing_level)
     .by(Origin::Way)
     .on(Table::Energy, "dissipated", Form::Size),
     Column::new(
@@ -82,7 +81,6 @@ pub(super) const COLUMNS: &[Column] = &[
         &[(any, "part of dissipated that the dashpots of the body lose in this step, per area")],
         |at| by_cause(at, |losses| losses.relaxation),
     )
-    .unless(relaxing_level)
     .with(|facts| several_causes(facts) && relaxing(facts))
     .by(Origin::Way),
     Column::new(
@@ -241,8 +239,6 @@ fn by_cause(at: &StateContext, of: fn(&Losses) -> f64) -> Cell {
 fn stiff(at: &StateContext, of: fn(&gfmd_contact::Stiffness) -> f64) -> Cell {
     match &at.stiffness {
         Ok(found) if found.value.is_finite() => of(found).into(),
-        // Only a contact without a displacement level has a NaN stiffness.
-        Ok(found) if found.value.is_nan() => Cell::undefined(NO_LEVEL),
         Ok(_) => Cell::undefined(
             "infinite: in full contact the surface moves as a whole, and the mean level of this body is fixed",
         ),

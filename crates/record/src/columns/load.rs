@@ -1,11 +1,8 @@
 //! Load, approach, time and lateral displacement of a state.
 
-use super::{
-    Column,
-    undefined::{level, reduced},
-};
+use super::{Column, undefined::reduced};
 use crate::column::Form;
-use crate::when::{any, between, free, path, relaxing, steep, wears};
+use crate::when::{any, between, free, level_near, path, relaxing, steep, wears};
 use crate::{Cell, StateContext};
 
 /// Columns of the drive of a state, and of the loads that hold it.
@@ -32,11 +29,11 @@ pub(super) const COLUMNS: &[Column] = &[
         "length",
         &[
             (between, "approach of the two rigid surfaces beyond the distance at which both touch the undeformed slab"),
+            (level_near, "rigid approach beyond first touch, against points one length of the profile away"),
             (any, "rigid approach beyond first touch"),
         ],
         |at| at.approach.into(),
     )
-    .unless(level)
     .head("approach", Form::Size),
     Column::new("time", "time", &[(any, "time since first touch, in the unit of the relaxation times")], |at| {
         at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.time).into()

@@ -3,23 +3,8 @@
 use gfmd_interface::Loss;
 use gfmd_problem::Facts;
 
-use crate::when::{of_a_law, relaxing};
+use crate::when::of_a_law;
 use crate::{Cell, StateContext};
-
-/// Returns the reason why numbers that depend on the displacement level have no value.
-pub(super) fn level(facts: &Facts) -> Option<&'static str> {
-    (!facts.has_level()).then_some(NO_LEVEL)
-}
-
-/// Returns the reason why energy lost by relaxation has no value.
-pub(super) fn relaxing_level(facts: &Facts) -> Option<&'static str> {
-    if relaxing(facts) { level(facts) } else { None }
-}
-
-/// Reason for a missing displacement level.
-pub(super) const NO_LEVEL: &str = "a profile with free boundaries on a half-space is displaced by a logarithm of the \
-                                   distance: its displacement is known up to a constant, as are the approach, the \
-                                   elastic energy, what a body that relaxes loses, and the stiffness";
 
 pub(super) fn without_law(facts: &Facts) -> Option<&'static str> {
     (!of_a_law(facts)).then_some("no law acts across the gap")

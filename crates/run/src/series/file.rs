@@ -5,14 +5,14 @@ use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use gfmd_contact::{Fields as _, Hardness};
+use gfmd_contact::Hardness;
 use gfmd_field::Share;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, axes, contiguous};
 use gfmd_problem::{AnyState, Facts};
 use gfmd_record::{ARRAYS, Array, Record, arrays, repulsion};
 use gfmd_unit::Units;
 
-use ndarray::{Array2, CowArray, Ix2};
+use ndarray::{CowArray, Ix2};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -20,6 +20,7 @@ use super::layout::SeriesLayout;
 use super::prepared::Prepared;
 use crate::columns::write_columns;
 use crate::convergence::NotConverged;
+use gfmd_input::base::MovedBase;
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness;
 use gfmd_input::lower;
@@ -89,16 +90,25 @@ impl Chosen {
         Some([place(repulsion(facts))?, place("gap")?])
     }
 
-    /// Returns the chosen fields of a state, in file order; a moved base adds `lift` to the displacement.
+    /// Returns the chosen fields of a state, in file order; a moved `base` adds to the displacement.
     pub fn fields<'s>(
         &self,
         facts: &Facts,
         state: &'s AnyState,
-        lift: Option<&Array2<f64>>,
+        base: Option<&MovedBase>,
     ) -> Vec<CowArray<'s, f64, Ix2>> {
-        let lifted = |array: &Array| match lift {
-            Some(lift) if array.name == "displacement_z" => Some((&state.displacement_z() + lift).into()),
-            _ => (array.value)(state, facts),
+        let lifted = |array: &Array| {
+            let field = (array.value)(state, facts)?;
+            let moved = base.and_then(|base| match array.name {
+                "displacement_z" => Some(&base.lift),
+                "displacement_x" => base.sideways.first(),
+                "displacement_y" => base.sideways.get(1),
+                _ => None,
+            });
+            Some(match moved {
+                Some(moved) => (&field + moved).into(),
+                None => field,
+            })
         };
         self.of(facts).filter_map(lifted).collect()
     }
@@ -151,9 +161,9 @@ pub struct Field<'s> {
     pub values: CowArray<'s, f64, Ix2>,
 }
 
-/// Returns all fields of a state; a moved base adds `lift` to the displacement.
-pub fn fields<'s>(facts: &Facts, state: &'s AnyState, lift: Option<&Array2<f64>>) -> Vec<Field<'s>> {
-    let values = Chosen::All.fields(facts, state, lift);
+/// Returns all fields of a state; a moved `base` adds to the displacement.
+pub fn fields<'s>(facts: &Facts, state: &'s AnyState, base: Option<&MovedBase>) -> Vec<Field<'s>> {
+    let values = Chosen::All.fields(facts, state, base);
     arrays(facts).zip(values).map(|(array, values)| Field { name: array.name, units: array.unit, values }).collect()
 }
 
@@ -241,12 +251,12 @@ impl<'a> StateFile<'a> {
         hardness::write(hardness, self.archive.as_mut(), &self.share, [&x, &y], &self.units)
     }
 
-    /// Writes the fields of one state; a moved base adds `lift` to the displacement.
+    /// Writes the fields of one state; a moved `base` adds to the displacement.
     ///
     /// # Errors
     /// Returns an error if the file cannot be written.
-    pub fn write(&mut self, index: usize, state: &AnyState, lift: Option<&Array2<f64>>) -> Result<(), Failure> {
-        self.write_fields(index, self.chosen.fields(&self.facts, state, lift))
+    pub fn write(&mut self, index: usize, state: &AnyState, base: Option<&MovedBase>) -> Result<(), Failure> {
+        self.write_fields(index, self.chosen.fields(&self.facts, state, base))
     }
 
     /// Writes like [`write`](Self::write), from the field values row by row.

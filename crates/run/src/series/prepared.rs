@@ -14,7 +14,7 @@ use gfmd_law::Law;
 use gfmd_measure::{GapGas, Scales, top, top_inside};
 use gfmd_medium::Prony;
 use gfmd_plasticity::Cell;
-use gfmd_problem::{AnyState, Facts, Given, KeptStrain, Posed, Words, key, pose, setting, words};
+use gfmd_problem::{AnyState, Facts, Given, KeptStrain, Posed, Unknown, Words, key, pose, setting, words};
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
@@ -147,7 +147,7 @@ impl Prepared {
         }
         let elastic = facts.memory_need(asked.solver, asked.once);
         let faces = 1 + usize::from(facts.lower.is_some());
-        let components = if facts.friction.is_some() { 3 } else { faces };
+        let components = if facts.friction.is_some() || facts.lateral { 3 } else { faces };
         let relaxing = |prony: &Prony| elastic.relaxing(prony.branches().len(), components);
         let need = asked.prony.as_ref().map_or(elastic, relaxing);
         let plasticity = asked.plasticity_on();
@@ -162,7 +162,8 @@ impl Prepared {
             None => need,
         };
         session.fits(need, &surface.grid, &surface.heights)?;
-        let (base, hardness) = asked.fields(&body, &surface, session)?;
+        let is_held = facts.unknown == Unknown::Held;
+        let (base, hardness) = asked.fields((&body, is_held), &surface, session)?;
         let surface = match &base {
             // The contact sees the surface as displaced by the base.
             Some(base) => surface.displaced(&base.lift).map_err(|error| Failure::input(asked.source.name(), error))?,
@@ -297,6 +298,7 @@ impl Prepared {
             body: &self.body,
             grid: &self.surface.grid,
             heights: &heights,
+            sideways: self.base.as_ref().map_or(&[], |base| &base.sideways),
             share: self.surface.share.clone(),
             lower: self.lower.as_ref().map(|lower| &*lower.heights),
             law: Arc::clone(law),
@@ -562,14 +564,14 @@ impl<'a> Asked<'a> {
     /// files.
     fn fields(
         &self,
-        body: &Body,
+        (body, is_held): (&Body, bool),
         surface: &Surface,
         session: &Session,
     ) -> Result<(Option<MovedBase>, Option<Hardness>), Failure> {
         let Surface { grid, share, unit, .. } = surface;
         let read = || {
             let times = self.source.finer.map_or(1, |times| times as usize);
-            let base = self.base.read(body, grid, times, unit.as_deref())?;
+            let base = self.base.read(body, grid, times, unit.as_deref(), is_held)?;
             Ok((base, self.hardness.map(|hardness| hardness.read(grid)).transpose()?))
         };
         if share.is_whole() {

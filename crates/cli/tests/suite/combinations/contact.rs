@@ -74,20 +74,17 @@ fn lift(case: &Case) -> Vec<f64> {
             let shortest = plane.is_shortest(place);
             let n = [0, 1].map(|axis| if shortest[axis] { 0.0 } else { [x, y][axis] / q });
             let along = [0, 1].map(|part| n[0] * parts[0][place][part] + n[1] * parts[1][place][part]);
+            let surface = |top| case.body.first.solve(q, top).at(0.0, false);
+            // A surface held sideways has the shear that takes it back.
+            let uz = |top| match (surface(top), surface(Top::Sheared)) {
+                (free, sheared) if case.components == Components::Held => free.uz - free.ux / sheared.ux * sheared.uz,
+                (free, _) => free.uz,
+            };
             let (up, sideways) = match is_traction {
                 // An upward traction on the lower face is a pressure there, and a traction along the wave is -sxz.
-                true => (
-                    case.body.first.solve(q, Top::PressedBelow).at(0.0, false).uz,
-                    -case.body.first.solve(q, Top::ShearedBelow).at(0.0, false).uz,
-                ),
-                false => (
-                    case.body.first.solve(q, Top::BaseUp).at(0.0, false).uz,
-                    if case.body.first.base == Base::Sliding {
-                        0.0
-                    } else {
-                        case.body.first.solve(q, Top::BaseAlong).at(0.0, false).uz
-                    },
-                ),
+                true => (uz(Top::PressedBelow), -uz(Top::ShearedBelow)),
+                false if case.body.first.base == Base::Sliding => (uz(Top::BaseUp), 0.0),
+                false => (uz(Top::BaseUp), uz(Top::BaseAlong)),
             };
             let [re, im] = parts[2][place];
             [up * re - sideways * along[1], up * im + sideways * along[0]]
@@ -379,7 +376,8 @@ fn one(
             let pressed = pressure.iter().map(|p| -p).collect();
             all_components(case, &Vectors([zero.clone(), zero, pressed]))
         });
-        if let Some(Vectors([x, y, _])) = &all {
+        // The base moves the surface sideways, too.
+        if let (Some(Vectors([x, y, _])), None) = (&all, &case.moved) {
             let most = largest(x).max(largest(y)).max(1e-3 * scale);
             for (name, expected) in
                 [("displacement_x", x), ("displacement_y", y)].iter().take(2 - usize::from(case.is_line))
@@ -393,30 +391,23 @@ fn one(
             _ => elastic.dense.displace(&pressure),
         };
         let most = largest(&dense).max(1e-3 * scale);
-        let level = if has_level(case) { 0.0 } else { mean(&dense) + mean(&loaded) };
-        let apart = dense.iter().zip(&loaded).map(|(d, u)| (d + u - level).abs()).fold(0.0, f64::max);
+        let apart = dense.iter().zip(&loaded).map(|(d, u)| (d + u).abs()).fold(0.0, f64::max);
         // The mean displacement of a slab matches the mean pressure of the law up to the tolerance.
         let unbalanced = if case.law.is_some() { 10.0 * case.tolerance } else { 0.0 };
         found.near("displacement_z less that of the pressure", apart, 0.0, elastic.tolerance.max(unbalanced) * most);
-        // An unknown level has no energy.
-        energy = has_level(case)
-            .then(|| 0.5 * pressure.iter().zip(&dense).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64);
+        energy = Some(0.5 * pressure.iter().zip(&dense).map(|(p, d)| p * d).sum::<f64>() / plane.len() as f64);
         // The approach closes the gap and the displacement opens it.
         let open: Vec<f64> = rough.clearance.iter().zip(&loaded).map(|(c, u)| c - u).collect();
         let depth = case.hardness.as_ref().map(|_| field("plastic_depth"));
         let depth = depth.unwrap_or_else(|| vec![0.0; plane.len()]);
         let shift: Vec<f64> = (0..plane.len()).map(|at| open[at] + depth[at] - gap[at]).collect();
-        let known = if approach.is_nan() { mean(&shift) } else { approach };
-        let apart = shift.iter().map(|shift| (shift - known).abs()).fold(0.0, f64::max);
+        let apart = shift.iter().map(|shift| (shift - approach).abs()).fold(0.0, f64::max);
         found.near(
             "gap less clearance - u_z - approach",
             apart,
             0.0,
-            1e-8 * (largest(&rough.clearance) + known.abs() + largest(&loaded)),
+            1e-8 * (largest(&rough.clearance) + approach.abs() + largest(&loaded)),
         );
-        if approach.is_nan() {
-            found.null(load, "approach");
-        }
         if let Some(hardness) = &case.hardness {
             plastic(found, load, [&pressure, &gap, &depth], hardness, (case.tolerance, scale));
         }
@@ -432,8 +423,6 @@ fn one(
             energy,
             1e2 * elastic.tolerance.max(of_patch) * energy.abs() + rounding,
         );
-    } else if !has_level(case) && !case.has_lower && !case.is_steep {
-        found.null(load, "elastic_energy");
     }
     // Interaction.
     if let Some(law) = &case.law {
@@ -467,11 +456,6 @@ pub(crate) fn softest(case: &Case) -> f64 {
     let least = waves.into_iter().map(|q| 1.0 / case.body.compliance(q, false)).fold(f64::INFINITY, f64::min);
     let level = case.body.compliance(0.0, false);
     if level > 0.0 && !case.is_free { least.min(1.0 / level) } else { least }
-}
-
-/// Returns true if the displacement has a level; a line with free boundaries on a half-space has none.
-pub(crate) fn has_level(case: &Case) -> bool {
-    !(case.is_free && case.is_line && case.body.lowest() > 0.0)
 }
 
 fn plastic(
@@ -577,8 +561,7 @@ pub(crate) fn tangent(found: &mut Found, case: &Case, load: &Value, pressure: &[
         && !case.has_lower
         && !case.moves_all()
         && case.friction.is_none()
-        && case.shear_strength.is_none()
-        && has_level(case);
+        && case.shear_strength.is_none();
     let free = |at: &usize| {
         pressure[*at] > 0.0 && case.hardness.as_ref().is_none_or(|h| pressure[*at] < h[*at] * (1.0 - 1e-12))
     };

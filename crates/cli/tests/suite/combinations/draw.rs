@@ -544,7 +544,11 @@ impl Case {
             let _ = write!(text, " --lower-surface l{index}.npy");
         }
         let can_move = !is_free && !matches!(body.first.base, Base::HalfSpace(..)) || is_wild;
-        let may_move = (plain || is_wild) && !body.first.layers.is_empty() && can_move;
+        // The shortest waves of a surface held sideways have other averages.
+        let is_odd = plane.n.iter().all(|n| n % 2 == 1);
+        let may_move = (plain || is_wild || components != Components::Normal && !is_steep && !has_lower && is_odd)
+            && !body.first.layers.is_empty()
+            && can_move;
         // Random numbers of earlier paths stay.
         let moves = may_move && if is_path { index.is_multiple_of(3) } else { dice.chance(0.4) };
         let moved = moves.then(|| {

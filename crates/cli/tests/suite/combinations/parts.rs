@@ -349,11 +349,6 @@ impl Parts {
         (drives, waypoints)
     }
 
-    /// Returns true if the approach and the energies have a level.
-    fn has_level(&self) -> bool {
-        !(self.is_free && self.is_line && self.body.lowest() > 0.0)
-    }
-
     /// Returns true if a shear does not lift the surface, and a pressure does not move it sideways.
     fn is_uncoupled(&self) -> bool {
         self.body.is_half_space() && self.body.second.is_none() && self.body.top().poisson == 0.5
@@ -659,7 +654,7 @@ fn energies(parts: &Parts, steps: &[Value], found: &mut Found) {
         let size: f64 = lost.values().map(|value| value.abs()).sum();
         found.near("the sum of the losses", sum, dissipated, 1e-12 * size.max(dissipated.abs()));
     }
-    if parts.energy_solves != Some(0) || step.get("work_imbalance").is_none() || !parts.has_level() {
+    if parts.energy_solves != Some(0) || step.get("work_imbalance").is_none() {
         return;
     }
     let imbalance = number(step, "work_imbalance");

@@ -7,7 +7,7 @@ use gfmd_files::Reader;
 use serde_json::Value;
 
 use super::contact::{
-    Elastic, Rough, arrays, conductance, counted, elastic, has_level, measured, repulsion, softest, tangent, wall,
+    Elastic, Rough, arrays, conductance, counted, elastic, measured, repulsion, softest, tangent, wall,
 };
 use super::draw::{Body, Case, Control};
 use super::elastic::{Complex, Plane, without_sines};
@@ -211,8 +211,7 @@ fn one(
         }
     };
     if let Some(uz) = &uz {
-        let level = if has_level(case) { 0.0 } else { mean(&displacement) - mean(uz) };
-        let apart = uz.iter().zip(&displacement).map(|(a, b)| (b - a - level).abs()).fold(0.0, f64::max);
+        let apart = uz.iter().zip(&displacement).map(|(a, b)| (b - a).abs()).fold(0.0, f64::max);
         let scale = largest(uz).max(1e-3 * rough.deviation);
         // The pressure of a wall balances the displacement up to the tolerance.
         let allowed = elastic.tolerance.max(100.0 * case.tolerance);
@@ -318,16 +317,13 @@ fn energy(
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / points;
     if let (Some(traction), Some(displacement)) = (&state.traction, &state.displacement) {
         let stored: f64 = (0..3).map(|c| 0.5 * product(&traction.0[c], &displacement.0[c])).sum();
-        if has_level(case) {
-            found.is(step, "elastic_energy", stored, 1e-6_f64.max(10.0 * case.tolerance));
-        }
+        found.is(step, "elastic_energy", stored, 1e-6_f64.max(10.0 * case.tolerance));
     }
     let lost = number(step, "dissipated");
     // Without an error, the loss closes the balance up to its imbalance.
     let errors = ["dissipated_error", "work_imbalance"].map(|key| number(step, key));
     let error = errors.into_iter().find(|error| error.is_finite()).unwrap_or(0.0);
     if lost.is_finite() {
-        // The energy of a line without a level is unknown.
         let scale = Some(number(step, "elastic_energy").abs()).filter(|energy| energy.is_finite()).unwrap_or(0.0);
         found.must(lost >= -error - 1e-6_f64.max(10.0 * case.tolerance) * scale, || {
             format!("dissipated is {lost:e}, {error:e}")
@@ -366,8 +362,8 @@ fn energy(
         let grown: Vec<f64> = depth.iter().zip(shallow).map(|(now, then)| now - then).collect();
         found.must(grown.iter().all(|grown| *grown >= -1e-12), || "a plastic depth has shrunk".into());
         let expected = product(&grown, hardness);
-        // Small depth changes have the rounding error of the depths. The energy of a line without level is unknown.
-        let kept = 1e-9 * if has_level(case) { number(step, "elastic_energy").abs() } else { 0.0 };
+        // Small depth changes have the rounding error of the depths.
+        let kept = 1e-9 * number(step, "elastic_energy").abs();
         let rounding = 1e-12 * product(depth, hardness);
         found.near("dissipated", lost, expected, 1e-6 * expected + kept + rounding);
     }

@@ -348,7 +348,7 @@ fn body(parts: &Parts, step: &Value, state: &State, reached: &Reached, sizes: &S
         .collect();
     let mut levels: Vec<f64> = state.faces().zip(&uz).map(|(face, uz)| mean(&face.displacement) - mean(uz)).collect();
     match levels[..] {
-        [_] if parts.has_level() => levels = vec![0.0],
+        [_] => levels = vec![0.0],
         // Nothing holds the plate as a whole.
         [upper, lower] => levels = vec![0.5 * (upper - lower), 0.5 * (lower - upper)],
         _ => {}
@@ -361,7 +361,7 @@ fn body(parts: &Parts, step: &Value, state: &State, reached: &Reached, sizes: &S
     let allowed = reached.tolerance.max(100.0 * parts.tolerance);
     found.near("displacement_z less that of the tractions", apart, 0.0, allowed * size);
     let is_whole = state.shear.is_none() || reached.displacement.len() == 3;
-    if is_whole && parts.has_level() {
+    if is_whole {
         // A uniform pressure, such as the hardness everywhere, moves a half-space as a whole.
         let rounding = 1e-12 * largest(&state.pressure) * size;
         if parts.yielding.is_some() {
@@ -440,7 +440,7 @@ fn way(
             });
         }
     }
-    if let (Some(reached), true) = (reached, parts.relaxation.is_some() && parts.has_level()) {
+    if let (Some(reached), true) = (reached, parts.relaxation.is_some()) {
         let lost =
             if step.get("lost_relaxation").is_some() { alone("lost_relaxation") } else { number(step, "dissipated") };
         if lost.is_finite() && (state.shear.is_none() || reached.displacement.len() == 3) {
