@@ -145,10 +145,11 @@ impl Facts {
         let is_alone = !(self.hardness
             || self.yields
             || self.friction.is_some()
-            || self.boundary == Boundary::Free && !self.shears_by_law()
+            || self.boundary == Boundary::Free
             || self.relaxes.is_some()
             || self.wear.is_some());
-        self.has_law() || self.task == Task::Path && (is_alone || self.lower.is_some())
+        let is_solved = is_alone || self.lower.is_some() || self.shears_by_law();
+        self.has_law() || self.task == Task::Path && is_solved
     }
 
     /// Returns true for the path of a hard wall without friction that is solved by hard-wall methods.
@@ -231,6 +232,11 @@ parts! {
     Sliding: |f| base(f, "sliding"), |f| f.support.ground() == Some(Ground::SLIDING);
     /// Base other than the rigid one that is bonded to a slab.
     OtherBase: |f| base(f, "given"), |f| matches!(f.support, Support::Slab(base) if base != BaseKind::Bonded);
+    /// Half-space as the base of a slab.
+    ElasticBase: |_| (key("base"), "half-space", setting("base", "half-space")),
+        |f| f.support == Support::Slab(BaseKind::HalfSpace);
+    /// Layers, or a half-space, below the top layer.
+    Layered: |f| Part::Layered.first(f), |f| Part::Layered.has_one(f);
     /// Second elastic body.
     SecondBody: |_| (key("second_body"), "given", key("second_body")), |f| f.second.is_some();
     /// Layers below the top one.
@@ -319,7 +325,7 @@ parts! {
 
 impl Part {
     /// Returns the parts that this one stands for, if it stands for several.
-    fn members(self) -> &'static [Self] {
+    pub fn members(self) -> &'static [Self] {
         match self {
             Self::Sideways => &[Self::All, Self::Held],
             Self::Rubbed => &[Self::Friction, Self::Lateral],
@@ -327,6 +333,7 @@ impl Part {
             Self::Lossy => &[Self::Hardness, Self::Wear],
             Self::Flowing => &[Self::Flow, Self::FlowThreshold],
             Self::AcrossGap => &[Self::Law, Self::Gas],
+            Self::Layered => &[Self::Layers, Self::ElasticBase],
             Self::Based => &[Self::OtherBase, Self::MovedBase],
             _ => &[],
         }
@@ -423,7 +430,7 @@ pub const RULES: &[Rule] = {
         rule(WearBySlip, Frictionless, "distance", "slip is known with friction only"),
         rule(StillFriction, WearByDistance, "left out", "surfaces that slide over a distance slip at all points"),
         rule(Rubbed, Shear, "left out", "the relaxation of the shear is not known"),
-        rule(Layers, Shear, "left out", "the relaxation of each wave is not known"),
+        rule(Layered, Shear, "left out", "the relaxation of each wave is not known"),
         rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
         rule(Hardness, Yield, "left out", "a hardness stands for the yielding below the surface"),
         rule(Law, Yield, "hard-wall", "with an attraction, a step of a body that yields may have several solutions"),
@@ -586,9 +593,9 @@ pub fn rules_of_sliding() -> Vec<(String, Vec<String>)> {
 }
 
 /// Parts that steady sliding can have; friction is there whatever relaxes, on a half-space.
-const OF_SLIDING: [Part; 10] = {
+const OF_SLIDING: [Part; 11] = {
     use Part::*;
-    [Hardness, HalfSpace, Plate, Sliding, OtherBase, SecondBody, Layers, Prony, Shear, Line]
+    [Hardness, HalfSpace, Plate, Sliding, OtherBase, ElasticBase, SecondBody, Layers, Prony, Shear, Line]
 };
 
 fn rules_among(is_possible: impl Fn(Part) -> bool) -> Vec<(String, Vec<String>)> {

@@ -83,6 +83,8 @@ fn the_program_has_the_values_of_dense_solutions() {
 #[test]
 fn a_path_in_time_is_written_checked_drawn_and_told() {
     let folder = tempfile::tempdir().unwrap();
+    let base = ndarray::Array3::from_shape_fn((24, 24, 3), |(i, j, c)| 0.002 * ((i + 2 * j + c) as f64 * 0.5).sin());
+    ndarray_npy::write_npy(folder.path().join("base.npy"), &base).unwrap();
     for (name, flags) in [
         ("both", "--boundary free"),
         ("shear", "--height 0.3 --poisson 0.3 --relaxes shear"),
@@ -91,6 +93,11 @@ fn a_path_in_time_is_written_checked_drawn_and_told() {
         ("layers", "--height 0.1 --layer 0.5,0.3,0.2 --moduli instantaneous"),
         ("law", "--law exponential --param gamma=1e-4,range=4e-3"),
         ("law-shear", "--law npc --param phi_n=1e-4,delta_n=4e-3,phi_t=1e-4,delta_t=4e-3 --height 0.3 --relaxes shear"),
+        (
+            "law-lateral",
+            "--law npc --param phi_n=1e-4,delta_n=4e-3,phi_t=1e-4,delta_t=4e-3 --lateral 0.001,0.002,0.003 --height 0.3 \
+             --base-displacement base.npy",
+        ),
         ("law-free", "--law dugdale --param gamma=1e-4,range=4e-3 --boundary free --flow"),
     ] {
         let run = format!(
@@ -111,7 +118,8 @@ fn a_path_in_time_is_written_checked_drawn_and_told() {
         assert_eq!(file.shape("/history/branch").unwrap(), [branches, 24, 24]);
         let below: Vec<f64> = file.values("/history/displacement").unwrap();
         let last: Vec<f64> = file.slab("/fields/displacement_z", 2).unwrap();
-        assert!(below.iter().zip(&last).all(|(d, u)| (d + u).abs() <= 1e-15));
+        let lift = if file.contains("/base/lift") { file.values("/base/lift").unwrap() } else { vec![0.0; last.len()] };
+        assert!(below.iter().zip(&last).zip(&lift).all(|((d, u), lift)| (d + u - lift).abs() <= 1e-15), "{name}");
         let checked = json(folder.path(), &["check", &format!("{name}.h5"), "--rerun", "--json"]);
         assert_eq!(checked["differing"], 0, "{name}");
         assert!(folder.path().join(format!("{name}-path.svg")).exists());

@@ -131,8 +131,9 @@ class Numbers(Record):
 
     @property
     def approach(self) -> float:
-        """Length: rigid approach beyond first touch. With `lower_surface`: approach of the two rigid surfaces beyond
-        the distance at which both touch the undeformed slab.
+        """Length: rigid approach beyond first touch. In some problems: rigid approach beyond first touch, against
+        points one length of the profile away. With `lower_surface`: approach of the two rigid surfaces beyond the
+        distance at which both touch the undeformed slab.
         """
 
     @property
@@ -207,8 +208,9 @@ class Numbers(Record):
 
     @property
     def elastic_energy(self) -> float:
-        """Stress * length: elastic energy per area of the surface. With `lower_surface`: elastic energy of the slab
-        per area, by the pressures on both faces.
+        """Stress * length: elastic energy per area of the surface. In some problems: elastic energy per area, zero
+        one length of the profile away. With `lower_surface`: elastic energy of the slab per area, by the pressures
+        on both faces.
         """
 
     @property
@@ -292,15 +294,15 @@ class Numbers(Record):
 
     @property
     def mean_pressure_limit(self) -> float:
-        """Stress: estimate of mean_pressure on an infinitely fine grid at the same approach. With `approach` only."""
+        """Stress: estimate of mean_pressure on an infinitely fine grid at the same approach. In some problems only."""
 
     @property
     def mean_pressure_limit_error(self) -> float:
-        """Stress: 95 % of the errors of mean_pressure_limit are smaller. With `approach` only."""
+        """Stress: 95 % of the errors of mean_pressure_limit are smaller. In some problems only."""
 
     @property
     def mean_pressure_grid_error(self) -> float:
-        """Stress: grid error of mean_pressure: |mean_pressure - limit| + limit_error. With `approach` only."""
+        """Stress: grid error of mean_pressure: |mean_pressure - limit| + limit_error. In some problems only."""
 
     @property
     def approach_limit(self) -> float:
@@ -545,7 +547,8 @@ class Steps(Record):
 
     @property
     def approach(self) -> Array:
-        """Length [step]: rigid approach beyond first touch. With `lower_surface`: approach of the two rigid surfaces
+        """Length [step]: rigid approach beyond first touch. In some problems: rigid approach beyond first touch,
+        against points one length of the profile away. With `lower_surface`: approach of the two rigid surfaces
         beyond the distance at which both touch the undeformed slab.
         """
 
@@ -603,10 +606,11 @@ class Steps(Record):
 
     @property
     def elastic_energy(self) -> Array:
-        """Stress * length [step]: elastic energy per area of the surface. With `yield_stress`: elastic energy per
-        area of the surface, with the energy of residual stress. With `lower_surface` or `prony`: energy stored in
-        the springs of all branches, per area of the surface. With `lower_surface`: elastic energy of the slab per
-        area, by the pressures on both faces.
+        """Stress * length [step]: elastic energy per area of the surface. In some problems: elastic energy per area,
+        zero one length of the profile away. With `yield_stress`: elastic energy per area of the surface, with the
+        energy of residual stress. With `lower_surface` or `prony`: energy stored in the springs of all branches, per
+        area of the surface. With `lower_surface`: elastic energy of the slab per area, by the pressures on both
+        faces.
         """
 
     @property
@@ -621,12 +625,12 @@ class Steps(Record):
         the law has no energy. With `yield_stress`: energy dissipated by plastic strain in this step, per area,
         without hardening_energy. In some problems: work of the pressure on the depth lost in this step, per area,
         without the work of friction. In some problems: energy lost in the dashpots in this step, per area. With
-        `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `law` and `prony` or `hardness`
-        and `prony` or `friction` and `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear`
-        or `prony` and `wear`: energy lost in the dashpots and in jumps in this step, per area; in the first one
-        without jumps. With `law` and `hardness` or `law` and `friction` or `hardness` and `friction` or `hardness`
-        and `prony` or `friction` and `prony` or `law` and `wear` or `hardness` and `wear` or `friction` and `wear`
-        or `prony` and `wear`: energy lost in this step by all causes, per area: the sum of the columns lost_*.
+        `law` and `friction` or `law` and `hardness="or __coefficient"` or `friction` and `hardness="or
+        __coefficient"` or `law` and `prony` or `friction` and `prony` or `hardness="or __coefficient"` and `prony`
+        or `hardness` and `wear`: energy lost in the dashpots and in jumps in this step, per area; in the first one
+        without jumps. With `law` and `friction` or `law` and `hardness="or __coefficient"` or `friction` and
+        `hardness="or __coefficient"` or `friction` and `prony` or `hardness="or __coefficient"` and `prony` or
+        `hardness` and `wear`: energy lost in this step by all causes, per area: the sum of the columns lost_*.
         """
 
     @property
@@ -638,13 +642,13 @@ class Steps(Record):
     @property
     def lost_relaxation(self) -> Array:
         """Stress * length [step]: part of dissipated that the dashpots of the body lose in this step, per area. With
-        `law` and `prony` or `hardness` and `prony` or `friction` and `prony` or `prony` and `wear` only.
+        `law` and `prony` or `friction` and `prony` or `hardness="or __coefficient"` and `prony` only.
         """
 
     @property
     def lost_friction(self) -> Array:
         """Stress * length [step]: part of dissipated that is lost by slip in this step, per area. With `law` and
-        `friction` or `hardness` and `friction` or `friction` and `prony` or `friction` and `wear` only.
+        `friction` or `friction` and `hardness="or __coefficient"` or `friction` and `prony` only.
         """
 
     @property
@@ -664,20 +668,22 @@ class Steps(Record):
     @property
     def lost_jumps(self) -> Array:
         """Stress * length [step]: part of dissipated that is lost in jumps in this step, per area: what the balance
-        of work and energy misses, and so below zero by no more than its error. With `law` and `hardness` or `law`
-        and `friction` or `law` and `prony` or `law` and `wear` only.
+        of work and energy misses, and so below zero by no more than its error. With `law` and `friction` or `law`
+        and `hardness="or __coefficient"` or `law` and `prony` only.
         """
 
     @property
     def dissipated_error(self) -> Array:
         """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved, or if dissipated is
         unknown. In some problems: estimated error of dissipated: twice its difference from a path in half as many
-        increments; 0 in a step of no time without a law; NaN if that path was not followed. In some problems:
-        estimated error of dissipated: 0 in a step of no distance, else NaN. With `law` and `hardness` or `law` and
-        `friction` or `hardness` and `friction` or `hardness` and `prony` or `friction` and `prony` or `law` and
-        `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`: estimated error of
-        dissipated, from its difference from a path in half as many increments; 0 in a step that cannot lose energy;
-        NaN if that path was not followed.
+        increments; 0 in a step of no time without a law; NaN if that path was not followed. With `law` and
+        `friction` or `law` and `hardness="or __coefficient"` or `friction` and `hardness="or __coefficient"` or
+        `friction` and `prony` or `hardness="or __coefficient"` and `prony` or `hardness="or __coefficient"` and
+        `wear`: estimated error of dissipated: 0 in a step of no distance, else NaN. With `law` and `friction` or
+        `law` and `hardness="or __coefficient"` or `friction` and `hardness="or __coefficient"` or `friction` and
+        `prony` or `hardness="or __coefficient"` and `prony` or `hardness` and `wear`: estimated error of dissipated,
+        from its difference from a path in half as many increments; 0 in a step that cannot lose energy; NaN if that
+        path was not followed.
         """
 
     @property
@@ -898,39 +904,39 @@ class Steps(Record):
     @property
     def flow_xx(self) -> Array:
         """Without unit [step]: mean flux along x by a mean pressure gradient along x, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
+        equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_xy(self) -> Array:
         """Without unit [step]: mean flux along x by a mean pressure gradient along y, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
+        equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_yx(self) -> Array:
         """Without unit [step]: mean flux along y by a mean pressure gradient along x, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
+        equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_yy(self) -> Array:
         """Without unit [step]: mean flux along y by a mean pressure gradient along y, over that of a uniform gap
-        equal to the mean gap. With `flow` only.
+        equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_percolates_x(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if the gap lets a fluid through along x. With `flow` only."""
+        """Flag [step]: true if the gap lets a fluid through along x. With `flow="or __flow_threshold"` only."""
 
     @property
     def flow_percolates_y(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if the gap lets a fluid through along y. With `flow` only."""
+        """Flag [step]: true if the gap lets a fluid through along y. With `flow="or __flow_threshold"` only."""
 
     @property
     def flow_residual(self) -> Array:
         """Without unit [step]: upper less lower bound of the conductivity along an axis, over the conductivity;
-        larger of x and y. With `flow` only.
+        larger of x and y. With `flow="or __flow_threshold"` only.
         """
 
     @property
@@ -945,34 +951,34 @@ class Steps(Record):
 
     @property
     def mean_pressure_limit(self) -> Array:
-        """Stress [step]: estimate of mean_pressure on an infinitely fine grid at the same approach. With `approach`
+        """Stress [step]: estimate of mean_pressure on an infinitely fine grid at the same approach. In some problems
         only.
         """
 
     @property
     def mean_pressure_limit_error(self) -> Array:
-        """Stress [step]: 95 % of the errors of mean_pressure_limit are smaller. With `approach` only."""
+        """Stress [step]: 95 % of the errors of mean_pressure_limit are smaller. In some problems only."""
 
     @property
     def mean_pressure_grid_error(self) -> Array:
-        """Stress [step]: grid error of mean_pressure: |mean_pressure - limit| + limit_error. With `approach` only."""
+        """Stress [step]: grid error of mean_pressure: |mean_pressure - limit| + limit_error. In some problems only."""
 
     @property
     def mean_shear_limit(self) -> Array:
         """Stress [step, 2]: estimate of mean_shear_x on an infinitely fine grid under the same mean pressure. With
-        `friction` or `lateral` or `boundary="free"` only.
+        `friction="or __lateral"` only.
         """
 
     @property
     def mean_shear_limit_error(self) -> Array:
-        """Stress [step, 2]: 95 % of the errors of mean_shear_x_limit are smaller. With `friction` or `lateral` or
-        `boundary="free"` only.
+        """Stress [step, 2]: 95 % of the errors of mean_shear_x_limit are smaller. With `friction="or __lateral"`
+        only.
         """
 
     @property
     def mean_shear_grid_error(self) -> Array:
-        """Stress [step, 2]: grid error of mean_shear_x: |mean_shear_x - limit| + limit_error. With `friction` or
-        `lateral` or `boundary="free"` only.
+        """Stress [step, 2]: grid error of mean_shear_x: |mean_shear_x - limit| + limit_error. With `friction="or
+        __lateral"` only.
         """
 
     @property
@@ -1150,30 +1156,38 @@ class Steps(Record):
     @property
     def flow_xx_limit(self) -> Array:
         """Without unit [step]: estimate of flow_xx on an infinitely fine grid under the same mean pressure. With
-        `flow` only.
+        `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_xx_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of flow_xx_limit are smaller. With `flow` only."""
+        """Without unit [step]: 95 % of the errors of flow_xx_limit are smaller. With `flow="or __flow_threshold"`
+        only.
+        """
 
     @property
     def flow_xx_grid_error(self) -> Array:
-        """Without unit [step]: grid error of flow_xx: |flow_xx - limit| + limit_error. With `flow` only."""
+        """Without unit [step]: grid error of flow_xx: |flow_xx - limit| + limit_error. With `flow="or
+        __flow_threshold"` only.
+        """
 
     @property
     def flow_yy_limit(self) -> Array:
         """Without unit [step]: estimate of flow_yy on an infinitely fine grid under the same mean pressure. With
-        `flow` only.
+        `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_yy_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of flow_yy_limit are smaller. With `flow` only."""
+        """Without unit [step]: 95 % of the errors of flow_yy_limit are smaller. With `flow="or __flow_threshold"`
+        only.
+        """
 
     @property
     def flow_yy_grid_error(self) -> Array:
-        """Without unit [step]: grid error of flow_yy: |flow_yy - limit| + limit_error. With `flow` only."""
+        """Without unit [step]: grid error of flow_yy: |flow_yy - limit| + limit_error. With `flow="or
+        __flow_threshold"` only.
+        """
 
     @property
     def leak_limit(self) -> Array:
@@ -1226,8 +1240,8 @@ class StepFields(Record):
 
     @property
     def shear_x(self) -> Array:
-        """Stress [waypoint, x, y]: shear traction on the elastic surface along x. With `friction` or `lateral` or
-        `boundary="free"` only. Read-only.
+        """Stress [waypoint, x, y]: shear traction on the elastic surface along x. With `friction="or __lateral"`
+        only. Read-only.
         """
 
     @property
