@@ -337,8 +337,8 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::computation(error.to_string()))?;
     if session.is_first() {
-        // The width of the format sets the width of the table.
-        let table = || width().map_or_else(|| report.to_string(), |width| format!("{report:width$}"));
+        // The width of the format sets the width of the tables.
+        let table = || if session.wide { report.to_string() } else { format!("{report:width$}", width = width()) };
         write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
     }
     match gfmd_input::json::undefined(&numbers) {
@@ -349,10 +349,13 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     }
 }
 
-/// Returns the width of the terminal that shows the output; `None` without a terminal.
-fn width() -> Option<usize> {
-    let size = io::stdout().is_terminal().then(terminal_size::terminal_size)?;
-    size.map(|(width, _)| width.0.into())
+/// Width of tables in characters, unless the terminal is narrower or all columns are asked for.
+const WIDTH: usize = 80;
+
+/// Returns the width of tables.
+fn width() -> usize {
+    let size = io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
+    size.map_or(WIDTH, |(width, _)| WIDTH.min(width.0.into()))
 }
 
 fn put(text: &str) -> io::Result<()> {

@@ -571,6 +571,18 @@ impl Report {
     }
 }
 
+/// Breaks a text into lines of at most `width` characters, between words.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= width) {
+            Some(line) => *line += &format!(" {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 /// The number of details of an instrument that a page shows.
 const DETAILS: usize = 12;
 
@@ -597,10 +609,15 @@ impl fmt::Display for Report {
             }
         };
         for (name, (number, unit), meaning) in self.readable() {
-            write!(f, "{name:<22} {number:>14} {unit:<12} {meaning}")?;
-            match asked(name) {
-                Some(asked) => writeln!(f, "; asked {asked:.6e}")?,
-                None => writeln!(f)?,
+            let meaning = match asked(name) {
+                Some(asked) => format!("{meaning}; asked {asked:.6e}"),
+                None => meaning.to_owned(),
+            };
+            let number = format!("{name:<22} {number:>13} {unit:<10}");
+            let width = f.width().map_or(usize::MAX, |width| width.saturating_sub(number.chars().count() + 1));
+            for (line, words) in wrapped(&meaning, width).into_iter().enumerate() {
+                let before = if line == 0 { &number } else { "" };
+                writeln!(f, "{before:<47} {words}")?;
             }
         }
         if !self.window.is_none() {

@@ -44,6 +44,7 @@ mod squeezed;
 mod stiffness;
 mod study;
 mod sweep;
+mod tables;
 mod theory;
 mod trust;
 mod units;
