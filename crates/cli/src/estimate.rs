@@ -61,6 +61,9 @@ pub struct Report {
     pub rms_height: f64,
     pub rms_gradient: f64,
     pub e_star: f64,
+    /// Name of the body's material, and the source of its values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// Equivalent band of the spectrum; `null` without one.
     pub hurst: Option<f64>,
     pub eps_f_inv: Option<f64>,
@@ -139,6 +142,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         surface: surface.description,
         rms_gradient,
         e_star,
+        material: args.body.material.clone(),
         hurst: band.map(|band| band.hurst),
         eps_f_inv: band.map(|band| band.eps_f_inv),
         plasticity_index: args.hardness.map(|hardness| e_star * rms_gradient / hardness),
@@ -251,6 +255,9 @@ impl fmt::Display for Report {
         writeln!(f, "{}", self.surface)?;
         let [height, modulus] = [units.words(self.rms_height, "length"), units.words(self.e_star, "stress")];
         writeln!(f, "rms height {height}, rms gradient {:.4}, E* {modulus}", self.rms_gradient)?;
+        if let Some(material) = &self.material {
+            writeln!(f, "material: {material}")?;
+        }
         if let (Some(hurst), Some(ratio)) = (self.hurst, self.eps_f_inv) {
             writeln!(f, "the spectrum is like a self-affine one with H = {hurst:.2} and 1/eps_f = {ratio:.1}")?;
         }

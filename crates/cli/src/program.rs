@@ -17,8 +17,8 @@ use serde::Serialize;
 use crate::kinds::kinds;
 use crate::line::{Line, one_line, plain_words};
 use crate::{
-    body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, path, processes, prony, punch,
-    report, serve, session, slide, study, surface, theory,
+    body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, materials, path, processes, prony,
+    punch, report, serve, session, slide, study, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -63,6 +63,8 @@ pub enum Command {
     Report(Box<report::Args>),
     /// Open a page in the browser: take a scan, prepare it, press it, look at maps of the result
     Serve(Box<serve::Args>),
+    /// List the materials of --material: modulus, Poisson's ratio, source
+    Materials(materials::Args),
     /// Print a script by which a shell completes commands and flags
     Completions(completions::Args),
 }
@@ -275,6 +277,7 @@ impl Command {
                 serve::run(args, session, |started| print(started, session))?;
                 whole(Plain(String::new()))
             }
+            Self::Materials(_) => whole(materials::run()),
             Self::Completions(args) => whole(Plain(completions::run(args, command()))),
         })
     }

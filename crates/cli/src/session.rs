@@ -113,6 +113,18 @@ pub fn print_sheet(
     sheet.footnote().iter().try_for_each(|line| writeln!(f, "{line}"))
 }
 
+/// Breaks a text into lines of at most `width` characters, between words.
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= width) {
+            Some(line) => *line += &format!(" {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 /// Writes the end of a printed report: the files written and drawn, one per line.
 pub fn list_files(f: &mut fmt::Formatter, out: Option<&Path>, plots: &[PathBuf]) -> fmt::Result {
     if let Some(out) = out {

@@ -25,7 +25,7 @@ use ndarray::Array2;
 use serde::Serialize;
 
 use crate::report::check_replaceable;
-use crate::session::list_files;
+use crate::session::{list_files, wrapped};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::scan::Scan;
@@ -569,18 +569,6 @@ impl Report {
     fn unit_of(&self, power: i32) -> String {
         unit_of(self.unit.as_deref().unwrap_or("length"), power)
     }
-}
-
-/// Breaks a text into lines of at most `width` characters, between words.
-fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= width) {
-            Some(line) => *line += &format!(" {word}"),
-            None => lines.push(word.to_owned()),
-        }
-    }
-    lines
 }
 
 /// The number of details of an instrument that a page shows.

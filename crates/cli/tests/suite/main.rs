@@ -24,6 +24,7 @@ mod help;
 mod hostile;
 mod interoperability;
 mod law;
+mod materials;
 mod measuring;
 mod options;
 mod pictures;

@@ -23,7 +23,7 @@ const LINES: [(&str, &str); 11] = [
     ("contact --n 32 --eps-f-inv 4 --height 0.3 --lower-seed 2 --p-star 0.05 -q", "residual"),
     ("path UNITS --pressure 1MPa,10MPa --steps 2 --friction 0.3 --lateral 0.1um,0um", "dissipated"),
     (
-        "path --n 32 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=3e-3 --approach=-0.003,0.01,-0.006 --steps 6 -q",
+        "path --n 32 --eps-f-inv 4 --law exponential --param gamma=1e-4,range=3e-3 --approach=-0.003,0.01 --steps 6 -q",
         "elastic",
     ),
     ("wear UNITS --pressure 10MPa --coefficient 1e-4/MPa --distance 0um,1um,10um --steps 1 --flow", "deepest"),
