@@ -95,8 +95,8 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
     Ok(session)
 }
 
-/// Prints a table whose lines have a `margin` before them and a remark behind them, both by their number, 0 for the line
-/// of heads; then the columns that were left out.
+/// Prints a table whose lines have a `margin` before them and a `remark` behind them, both by the number of the line, 0
+/// for the heads; then the columns that were left out.
 pub fn print_sheet(
     f: &mut fmt::Formatter,
     sheet: impl FnOnce(Option<usize>) -> Sheet,

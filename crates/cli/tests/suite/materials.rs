@@ -62,8 +62,10 @@ fn files_record_a_material_and_are_checked_resumed_and_reported() {
 #[test]
 fn a_study_takes_materials_as_bodies() {
     let folder = tempfile::tempdir().unwrap();
+    let bodies = "{ name = 'al', material = 'aluminium' }, { name = 'plain', young = '70GPa', poisson = 0.3 }";
     let study = "command = 'contact'\n[contact]\nn = 16\neps_f_inv = 4\nsize = '100um'\npressure = ['10MPa']\n[study]\n\
-                 body = [{ name = 'al', material = 'aluminium' }, { name = 'plain', young = '70GPa', poisson = 0.3 }]\n";
+                 body = [";
+    let study = format!("{study}{bodies}]\n");
     std::fs::write(folder.path().join("s.toml"), study).unwrap();
     let found = json(folder.path(), &["study", "s.toml", "-q", "--json"]);
     let areas = found["numbers"]["area_fraction"]["values"].to_string();

@@ -181,15 +181,15 @@ class Body(Record):
         material: Optional[str] = None,
     ) -> None:
         if material is not None:
-            found = Material.named(material)
-            for given, value in (("young", young), ("e_star", e_star), ("poisson", poisson or None)):
-                if value is not None:
+            chosen = Material.named(material)
+            for replaced, own in (("young", young), ("e_star", e_star), ("poisson", poisson or None)):
+                if own is not None:
                     raise InputError(
-                        f"material is {material}; it must be given without {given}: it has a modulus and a Poisson's"
+                        f"material is {material}; it must be given without {replaced}: it has a modulus and a Poisson's"
                         " ratio"
                     )
-            young, poisson = found["young"], found["poisson"]
-            material = f"{found.name} ({found.source})"
+            young, poisson = chosen["young"], chosen["poisson"]
+            material = f"{chosen.name} ({chosen.source})"
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
         nu = _ratio("poisson", poisson)
