@@ -9,11 +9,13 @@ use std::fmt;
 use clap::Args as ClapArgs;
 use gfmd_measure::theory::{Estimate, Estimated, Persson};
 use gfmd_problem::{key, words};
+use gfmd_record::{Importance, Printed, Sheet};
 use gfmd_surface::{Areal, Direction, PowerSpectrum, SurfaceError};
 use gfmd_unit::Units;
 use serde::{Deserialize, Serialize};
 
 use crate::loads::PressingArgs;
+use crate::session::print_sheet;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::{SourceArgs, Surface};
@@ -59,6 +61,9 @@ pub struct Report {
     pub rms_height: f64,
     pub rms_gradient: f64,
     pub e_star: f64,
+    /// Name of the body's material, and the source of its values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// Equivalent band of the spectrum; `null` without one.
     pub hurst: Option<f64>,
     pub eps_f_inv: Option<f64>,
@@ -137,6 +142,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         surface: surface.description,
         rms_gradient,
         e_star,
+        material: args.body.material.clone(),
         hurst: band.map(|band| band.hurst),
         eps_f_inv: band.map(|band| band.eps_f_inv),
         plasticity_index: args.hardness.map(|hardness| e_star * rms_gradient / hardness),
@@ -249,6 +255,9 @@ impl fmt::Display for Report {
         writeln!(f, "{}", self.surface)?;
         let [height, modulus] = [units.words(self.rms_height, "length"), units.words(self.e_star, "stress")];
         writeln!(f, "rms height {height}, rms gradient {:.4}, E* {modulus}", self.rms_gradient)?;
+        if let Some(material) = &self.material {
+            writeln!(f, "material: {material}")?;
+        }
         if let (Some(hurst), Some(ratio)) = (self.hurst, self.eps_f_inv) {
             writeln!(f, "the spectrum is like a self-affine one with H = {hurst:.2} and 1/eps_f = {ratio:.1}")?;
         }
@@ -258,43 +267,40 @@ impl fmt::Display for Report {
         let [area, error] = [self.percolation_area_fraction, self.percolation_area_fraction_error];
         writeln!(f, "contacts percolate at the area fraction {area:.3} ± {error:.3}")?;
         writeln!(f)?;
-        let heads = [
-            "p*",
-            "mean pressure",
-            "area fraction",
-            "mean gap",
-            "stiffness",
-            "rms pressure",
-            "max pressure",
-            "to percolation",
-        ];
-        let mut rows = vec![heads.map(str::to_owned)];
-        for load in &self.loads {
-            let relative = |value: Option<f64>, error: Option<f64>, text: &dyn Fn(f64) -> String| {
-                value.zip(error).map_or_else(
-                    || "-".to_owned(),
-                    |(value, error)| format!("{} ± {:.2} %", text(value), 100.0 * error / value),
-                )
-            };
-            rows.push([
-                format!("{:.4}", load.p_star),
-                rounded(&units, load.mean_pressure, "stress"),
-                relative(load.area_fraction, load.area_fraction_error, &|value| format!("{value:.4}")),
-                relative(load.mean_gap, load.mean_gap_error, &|value| rounded(&units, value, "length")),
-                relative(load.stiffness, load.stiffness_error, &|value| rounded(&units, value, "stress/length")),
-                relative(load.rms_pressure, load.rms_pressure_error, &|value| rounded(&units, value, "stress")),
-                relative(load.max_pressure, load.max_pressure_error, &|value| rounded(&units, value, "stress")),
-                load.percolation_distance
-                    .zip(load.percolation_distance_error)
-                    .map_or_else(|| "-".to_owned(), |(distance, error)| format!("{distance:.3} ± {error:.3}")),
-            ]);
-        }
-        let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or_default();
-        let widths: [usize; 8] = std::array::from_fn(width);
-        for row in &rows {
-            let cells = row.iter().zip(widths).map(|(cell, width)| format!("{cell:>width$}"));
-            writeln!(f, "{}", cells.collect::<Vec<_>>().join("  "))?;
-        }
+        let relative = |value: Option<f64>, error: Option<f64>, text: &dyn Fn(f64) -> String| {
+            value.zip(error).map_or_else(
+                || "-".to_owned(),
+                |(value, error)| format!("{} ± {:.2} %", text(value), 100.0 * error / value),
+            )
+        };
+        let mut columns = Vec::new();
+        let mut column = |word: &str, importance, cell: &dyn Fn(&Load) -> String| {
+            let cells = std::iter::once(word.to_owned()).chain(self.loads.iter().map(cell)).collect();
+            columns.push(Printed { word: word.to_owned(), cells, importance });
+        };
+        column("p*", Importance::Main, &|load| format!("{:.4}", load.p_star));
+        column("mean pressure", Importance::Main, &|load| rounded(&units, load.mean_pressure, "stress"));
+        column("area fraction", Importance::Main, &|load| {
+            relative(load.area_fraction, load.area_fraction_error, &|value| format!("{value:.4}"))
+        });
+        column("mean gap", Importance::Usual, &|load| {
+            relative(load.mean_gap, load.mean_gap_error, &|value| rounded(&units, value, "length"))
+        });
+        column("stiffness", Importance::Usual, &|load| {
+            relative(load.stiffness, load.stiffness_error, &|value| rounded(&units, value, "stress/length"))
+        });
+        column("rms pressure", Importance::Detail, &|load| {
+            relative(load.rms_pressure, load.rms_pressure_error, &|value| rounded(&units, value, "stress"))
+        });
+        column("max pressure", Importance::Usual, &|load| {
+            relative(load.max_pressure, load.max_pressure_error, &|value| rounded(&units, value, "stress"))
+        });
+        column("to percolation", Importance::Detail, &|load| {
+            load.percolation_distance
+                .zip(load.percolation_distance_error)
+                .map_or_else(|| "-".to_owned(), |(distance, error)| format!("{distance:.3} ± {error:.3}"))
+        });
+        print_sheet(f, |width| Sheet::of(columns, width), 0, |_| String::new(), |_| String::new())?;
         let reasons: BTreeMap<_, _> = self.loads.iter().flat_map(|load| &load.undefined).collect();
         for (reason, names) in reasons {
             writeln!(f, "no {}: {reason}", names.join(", "))?;

@@ -31,6 +31,7 @@ pub mod kinds;
 pub mod law;
 mod line;
 mod loads;
+pub mod materials;
 mod measuring;
 pub mod path;
 mod processes;

@@ -17,8 +17,8 @@ use serde::Serialize;
 use crate::kinds::kinds;
 use crate::line::{Line, one_line, plain_words};
 use crate::{
-    body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, path, processes, prony, punch,
-    report, serve, session, slide, study, surface, theory,
+    body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, materials, path, processes, prony,
+    punch, report, serve, session, slide, study, surface, theory,
 };
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::agree;
@@ -63,6 +63,8 @@ pub enum Command {
     Report(Box<report::Args>),
     /// Open a page in the browser: take a scan, prepare it, press it, look at maps of the result
     Serve(Box<serve::Args>),
+    /// List the materials of --material: modulus, Poisson's ratio, source
+    Materials(materials::Args),
     /// Print a script by which a shell completes commands and flags
     Completions(completions::Args),
 }
@@ -275,6 +277,7 @@ impl Command {
                 serve::run(args, session, |started| print(started, session))?;
                 whole(Plain(String::new()))
             }
+            Self::Materials(_) => whole(materials::run()),
             Self::Completions(args) => whole(Plain(completions::run(args, command()))),
         })
     }
@@ -337,8 +340,8 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     let numbers: serde_json::Value =
         serde_json::from_str(&text).map_err(|error| Failure::computation(error.to_string()))?;
     if session.is_first() {
-        // The width of the format sets the width of the table.
-        let table = || width().map_or_else(|| report.to_string(), |width| format!("{report:width$}"));
+        // The width of the format sets the width of the tables.
+        let table = || if session.wide { report.to_string() } else { format!("{report:width$}", width = width()) };
         write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
     }
     match gfmd_input::json::undefined(&numbers) {
@@ -349,10 +352,13 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
     }
 }
 
-/// Returns the width of the terminal that shows the output; `None` without a terminal.
-fn width() -> Option<usize> {
-    let size = io::stdout().is_terminal().then(terminal_size::terminal_size)?;
-    size.map(|(width, _)| width.0.into())
+/// Width of tables in characters, unless the terminal is narrower or all columns are asked for.
+const WIDTH: usize = 80;
+
+/// Returns the width of tables.
+fn width() -> usize {
+    let size = io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
+    size.map_or(WIDTH, |(width, _)| WIDTH.min(width.0.into()))
 }
 
 fn put(text: &str) -> io::Result<()> {

@@ -9,6 +9,7 @@ use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_mpi::World;
 use gfmd_problem::key;
+use gfmd_record::Sheet;
 use gfmd_vector::Ranks;
 use tracing::level_filters::LevelFilter;
 
@@ -20,6 +21,9 @@ pub struct Common {
     /// Print exactly one JSON object on stdout instead of a table
     #[arg(long, global = true)]
     pub json: bool,
+    /// Print all columns of tables; by default the most important ones that fit in 80 characters
+    #[arg(long, global = true)]
+    pub wide: bool,
     /// Number of threads; 0 takes all cores. Results do not depend on it
     #[arg(long, global = true, default_value_t = 0, value_name = "N")]
     pub threads: usize,
@@ -75,7 +79,7 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
         tracing::info!("{} processes, threads of each: {threads}; {}", world.size(), world.version());
     }
     let mut session = Session::silent();
-    (session.quiet, session.json) = (quiet, common.json);
+    (session.quiet, session.json, session.wide) = (quiet, common.json, common.wide);
     let session = match world {
         Some(world) => session.together(Arc::clone(world) as Arc<dyn Ranks>, processes::on_this_machine()),
         None => session,
@@ -89,6 +93,36 @@ pub fn start(common: Common, world: Option<&Arc<World>>) -> Result<Session, Fail
     };
     ctrlc::set_handler(handler).map_err(|error| Failure::computation(format!("cannot catch Ctrl-C: {error}")))?;
     Ok(session)
+}
+
+/// Prints a table whose lines have a `margin` before them and a `remark` behind them, both by the number of the line, 0
+/// for the heads; then the columns that were left out.
+pub fn print_sheet(
+    f: &mut fmt::Formatter,
+    sheet: impl FnOnce(Option<usize>) -> Sheet,
+    rows: usize,
+    margin: impl Fn(usize) -> String,
+    remark: impl Fn(usize) -> String,
+) -> fmt::Result {
+    let length = |of: &dyn Fn(usize) -> String| (0..=rows).map(|line| of(line).chars().count()).max().unwrap_or(0);
+    let around = length(&margin) + length(&remark);
+    let sheet = sheet(f.width().map(|width| width.saturating_sub(around)));
+    for (index, line) in sheet.lines.iter().enumerate() {
+        writeln!(f, "{}{line}{}", margin(index), remark(index))?;
+    }
+    sheet.footnote().iter().try_for_each(|line| writeln!(f, "{line}"))
+}
+
+/// Breaks a text into lines of at most `width` characters, between words.
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= width) {
+            Some(line) => *line += &format!(" {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// Writes the end of a printed report: the files written and drawn, one per line.

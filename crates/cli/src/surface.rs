@@ -25,7 +25,7 @@ use ndarray::Array2;
 use serde::Serialize;
 
 use crate::report::check_replaceable;
-use crate::session::list_files;
+use crate::session::{list_files, wrapped};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::scan::Scan;
@@ -597,10 +597,15 @@ impl fmt::Display for Report {
             }
         };
         for (name, (number, unit), meaning) in self.readable() {
-            write!(f, "{name:<22} {number:>14} {unit:<12} {meaning}")?;
-            match asked(name) {
-                Some(asked) => writeln!(f, "; asked {asked:.6e}")?,
-                None => writeln!(f)?,
+            let meaning = match asked(name) {
+                Some(asked) => format!("{meaning}; asked {asked:.6e}"),
+                None => meaning.to_owned(),
+            };
+            let number = format!("{name:<22} {number:>13} {unit:<10}");
+            let width = f.width().map_or(usize::MAX, |width| width.saturating_sub(number.chars().count() + 1));
+            for (line, words) in wrapped(&meaning, width).into_iter().enumerate() {
+                let before = if line == 0 { &number } else { "" };
+                writeln!(f, "{before:<47} {words}")?;
             }
         }
         if !self.window.is_none() {

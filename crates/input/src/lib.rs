@@ -13,6 +13,7 @@ pub mod failure;
 pub mod hardness;
 pub mod json;
 pub mod lower;
+pub mod materials;
 pub mod memory;
 pub mod processes;
 pub mod rows;

@@ -33,6 +33,8 @@ pub struct Session {
     pub quiet: bool,
     /// True if reports are JSON, not tables.
     pub json: bool,
+    /// True if tables have all their columns, whatever their width.
+    pub wide: bool,
     interrupted: Arc<AtomicBool>,
     warnings: Warnings,
     /// Place of results that are kept in memory.
@@ -98,6 +100,7 @@ impl Session {
         Self {
             quiet: true,
             json: true,
+            wide: true,
             interrupted,
             warnings: Warnings::default(),
             memory: None,

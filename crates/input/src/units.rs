@@ -10,6 +10,7 @@ use gfmd_unit::Units;
 use toml::{Table, Value};
 
 use crate::failure::Failure;
+use crate::materials::{self, MATERIAL, Material, resolved};
 use crate::session::NamedMap;
 use crate::table;
 
@@ -158,6 +159,18 @@ pub fn of_words(
         };
         word.replace(&rows);
     }
+    let given = |option: &str| words.iter().filter_map(Word::given).find(|(key, _)| *key == option);
+    let named = match given(MATERIAL) {
+        Some((_, name)) => resolved(name, |option| given(option).is_some())?,
+        None => None,
+    };
+    if let Some((recorded, Material { young, poisson, .. })) = named {
+        words.iter_mut().filter(|word| word.given().is_some_and(|(key, _)| key == MATERIAL)).for_each(|word| {
+            word.replace(&recorded);
+        });
+        let values = [("young", young.clone()), ("poisson", poisson.to_string())];
+        words.extend(values.map(|(option, value)| Word::value(option, &format!("{}=", flag(option)), &value)));
+    }
     let mut sought = Sought::default();
     for ((key, text), kinds) in words.iter().filter_map(|word| word.quantity(kinds)) {
         let before = sought.any;
@@ -216,6 +229,7 @@ pub fn of_words(
 /// # Errors
 /// The errors of `of_words`.
 pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &KindsByKey) -> Result<(), Failure> {
+    materials::of_table(table)?;
     let mut sought = Sought::default();
     for (key, value) in &*table {
         if let Some(kinds) = kinds.get(&**key) {

@@ -79,6 +79,19 @@ pub enum Form {
     Unsure,
 }
 
+/// Importance of a column in a table of limited width, from the least to the most important ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Importance {
+    /// Cost of the search and its residual.
+    Effort,
+    /// Number that follows from others or refines one.
+    Detail,
+    /// Number that most readers look at.
+    Usual,
+    /// Number by which rows are told apart, or the answer.
+    Main,
+}
+
 /// The place of a column in the tables that people read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Head {
@@ -88,6 +101,8 @@ pub struct Head {
     pub word: &'static str,
     /// The digits.
     pub form: Form,
+    /// The importance, by which tables that are too wide leave columns out.
+    pub importance: Importance,
 }
 
 /// A kind of result whose numbers are columns: states of a contact, punches, surfaces.
@@ -208,7 +223,30 @@ impl<S: Subject> Column<S> {
     }
 
     pub(crate) const fn on(self, table: Table, word: &'static str, form: Form) -> Self {
-        Self { head: Some(Head { table, word, form }), ..self }
+        Self { head: Some(Head { table, word, form, importance: Importance::Usual }), ..self }
+    }
+
+    /// Sets the importance in its table.
+    const fn ranked(self, importance: Importance) -> Self {
+        match self.head {
+            Some(head) => Self { head: Some(Head { importance, ..head }), ..self },
+            None => self,
+        }
+    }
+
+    /// In its table a number by which rows are told apart, or the answer.
+    pub(crate) const fn main(self) -> Self {
+        self.ranked(Importance::Main)
+    }
+
+    /// In its table a number that follows from others or refines one.
+    pub(crate) const fn detail(self) -> Self {
+        self.ranked(Importance::Detail)
+    }
+
+    /// In its table the cost of the search.
+    pub(crate) const fn effort(self) -> Self {
+        self.ranked(Importance::Effort)
     }
 
     pub(crate) const fn by(self, origin: Origin) -> Self {

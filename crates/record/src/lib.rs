@@ -19,7 +19,7 @@ mod when;
 
 pub use arrays::{ARRAYS, Array, arrays, repulsion};
 pub use cell::Cell;
-pub use column::{Column, Form, Head, Meaning, Number, Origin, State, Subject, Table};
+pub use column::{Column, Form, Head, Importance, Meaning, Number, Origin, State, Subject, Table};
 pub use columns::{
     COLUMNS, FEWEST_WAVES, Punch, PunchContext, PunchFacts, SLIDING_FIELDS, Sliding, SlidingContext, SlidingFacts,
     SlidingField, Surface, SurfaceContext, SurfaceDetail, SurfaceFacts, UNRESOLVED, columns, not_calibrated, page,
@@ -27,6 +27,6 @@ pub use columns::{
 pub use context::{Measured, NOT_SOLVED, OnFinerGrid, StateContext};
 pub use digits::with_limit;
 pub use json::{RecordError, by_reason, reason_for};
-pub use record::{ROUGH, Record, lines, reason_of, reasons};
+pub use record::{BRACKETS, ROUGH, Record, lines, reason_of, reasons};
 pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches, statistics_of};
-pub use table::{aligned, columns_of, heads, readable, significant, table_of};
+pub use table::{Printed, Sheet, columns_of, heads, readable, significant, table_of};

@@ -157,7 +157,10 @@ pub fn reason_of(text: &str, row: usize) -> Option<String> {
 /// The meaning of the sign behind a number.
 pub const ROUGH: &str = "two digits and ~: the grid error of the number is not known";
 
-/// Returns the lines below a table of rows: the meaning of `~`, if a number has it, and each reason once, with all the
+/// The meaning of digits in brackets behind a number.
+pub const BRACKETS: &str = "digits in brackets: the grid error of the number in units of its last digit";
+
+/// Returns the lines below a table of rows: the meaning of brackets and `~`, if a number has them, and each reason once, with all the
 /// `shown` columns that it leaves without a value. `name` is what a row is called, in singular and plural.
 /// The columns of the grid error of a number are named by the number.
 pub fn lines<S: Subject>(rows: &[Record<S>], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
@@ -179,14 +182,16 @@ pub fn lines<S: Subject>(rows: &[Record<S>], name: [&str; 2], shown: impl Fn(&st
             None => listed.push((reason, from_fn(|other| if other == list { vec![named] } else { Vec::new() }))),
         }
     }
-    // Shown with two digits and `~`.
+    // Shown with brackets, or with two digits and `~`.
     let is_in_a_table = |name: &str| S::COLUMNS.iter().any(|column| column.name == name && column.head.is_some());
-    let is_rough = |row: &Record<S>, column: &Column<S>| {
+    let limited = |row: &Record<S>, column: &Column<S>| {
         let shown = column.limit_of().filter(|number| is_in_a_table(number));
-        shown.and_then(|number| row.with_limit(number, 1.0)).is_some_and(|shown| shown.ends_with('~'))
+        shown.and_then(|number| row.with_limit(number, 1.0))
     };
-    let is_rough = rows.iter().any(|row| row.cells.iter().any(|(column, _)| is_rough(row, column)));
-    let rough = is_rough.then(|| ROUGH.to_owned());
+    let limited: Vec<String> =
+        rows.iter().flat_map(|row| row.cells.iter().filter_map(|(column, _)| limited(row, column))).collect();
+    let legends = [('(', BRACKETS), ('~', ROUGH)].into_iter();
+    let legends = legends.filter(|(sign, _)| limited.iter().any(|shown| shown.contains(*sign)));
     let line = |(reason, [columns, limits]): (String, [Vec<&str>; 2])| {
         let limits = match limits.len() {
             0 => None,
@@ -196,7 +201,7 @@ pub fn lines<S: Subject>(rows: &[Record<S>], name: [&str; 2], shown: impl Fn(&st
         let named: Vec<String> = columns.into_iter().map(ToOwned::to_owned).chain(limits).collect();
         format!("no {}: {reason}", named.join(", "))
     };
-    rough.into_iter().chain(listed.into_iter().map(line)).collect()
+    legends.map(|(_, legend)| legend.to_owned()).chain(listed.into_iter().map(line)).collect()
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use crate::column::{Column, Form, Head, Subject, Table};
+use crate::column::{Column, Form, Head, Importance, Subject, Table};
 use crate::digits::with_limit;
 use crate::record::Record;
 use gfmd_unit::{DisplayUnit, Units};
@@ -12,20 +12,83 @@ pub fn heads<S: Subject>(table: Table) -> impl Iterator<Item = (&'static Column<
     S::COLUMNS.iter().filter_map(move |column| Some((column, of(column)?)))
 }
 
+/// Column of a printed table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Printed {
+    /// Word above the numbers.
+    pub word: String,
+    /// Head, then a cell for each row.
+    pub cells: Vec<String>,
+    /// Importance, by which columns are left out.
+    pub importance: Importance,
+}
+
+impl Printed {
+    /// Returns the number of characters of a line that the column takes.
+    fn width(&self) -> usize {
+        self.cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2
+    }
+}
+
+/// Printed table.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sheet {
+    /// Line of heads, then a line for each row. Empty without a column.
+    pub lines: Vec<String>,
+    /// Words of the columns that the width has no room for.
+    pub left_out: Vec<String>,
+}
+
+impl Sheet {
+    /// Aligns columns. If they are wider than `width`, the most important columns that fit stay, the first one always;
+    /// none of them is less important than one that is left out.
+    pub fn of(columns: Vec<Printed>, width: Option<usize>) -> Self {
+        let mut room = width.map(|width| width.saturating_sub(columns.first().map_or(0, Printed::width)));
+        let mut stays = vec![true; columns.len()];
+        let mut is_full = false;
+        for importance in [Importance::Main, Importance::Usual, Importance::Detail, Importance::Effort] {
+            let was_full = is_full;
+            for (index, column) in columns.iter().enumerate().skip(1) {
+                let Some(room) = room.as_mut().filter(|_| column.importance == importance) else { continue };
+                stays[index] = !was_full && column.width() <= *room;
+                if stays[index] {
+                    *room -= column.width();
+                }
+                is_full |= !stays[index];
+            }
+        }
+        let mut sheet = Self {
+            lines: vec![String::new(); columns.first().map_or(0, |column| column.cells.len())],
+            ..Self::default()
+        };
+        for (column, stays) in columns.into_iter().zip(stays) {
+            if stays {
+                let width = column.width();
+                sheet.lines.iter_mut().zip(&column.cells).for_each(|(line, cell)| *line += &format!("{cell:>width$}"));
+            } else {
+                sheet.left_out.push(column.word);
+            }
+        }
+        sheet
+    }
+
+    /// Returns the line that names the columns left out; `None` if there are none.
+    pub fn footnote(&self) -> Option<String> {
+        (!self.left_out.is_empty()).then(|| format!("left out: {} (--wide shows all)", self.left_out.join(", ")))
+    }
+}
+
 /// Writes states as tables of text: a line of heads, then one line per state, in readable units if the units of the
 /// problem are known. Only columns with a number in some row appear. The last column is the largest residual; the table
-/// of the lower face has its own. Lines longer than `width` lose columns of the effort. Empty if the states have no
-/// column of the tables.
-pub fn table_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units, width: Option<usize>) -> Vec<String> {
-    match columns_of(rows, tables, units) {
-        columns if columns.is_empty() => Vec::new(),
-        columns => aligned(columns, width),
-    }
+/// of the lower face has its own. Lines are at most `width` long ([`Sheet::of`]). Empty if the states have no column of
+/// the tables.
+pub fn table_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units, width: Option<usize>) -> Sheet {
+    Sheet::of(columns_of(rows, tables, units), width)
 }
 
 /// Returns the columns of [`table_of`]: each has its head, with the unit, and a number for each state. Empty if the
 /// states have no column of the tables.
-pub fn columns_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units) -> Vec<Vec<String>> {
+pub fn columns_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Units) -> Vec<Printed> {
     let has = |column: &Column<S>, head: Head| {
         rows.iter().any(|row| match row.value(column.name) {
             Some(value) => !value.is_nan() && (head.form != Form::SizeUnlessZero || value != 0.0),
@@ -37,12 +100,15 @@ pub fn columns_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Unit
     if !heads.iter().any(|(_, head)| tables.contains(&head.table)) {
         return Vec::new();
     }
-    let columns = heads.iter().map(|(column, head)| {
+    let columns = heads.iter().map(|(column, Head { word, form, importance, .. })| {
         let unit = readable(column, rows, units);
-        let word =
-            unit.as_ref().map_or_else(|| head.word.to_owned(), |unit| format!("{} / {}", head.word, unit.divisor()));
-        let cells = rows.iter().map(|row| shown(row, column.name, head.form, unit.as_ref()));
-        std::iter::once(word).chain(cells).collect::<Vec<_>>()
+        let cells = rows.iter().map(|row| shown(row, column.name, *form, unit.as_ref()));
+        let head = unit.as_ref().map_or_else(|| (*word).to_owned(), |unit| format!("{word} / {}", unit.divisor()));
+        Printed {
+            word: (*word).to_owned(),
+            cells: std::iter::once(head).chain(cells).collect(),
+            importance: *importance,
+        }
     });
     let residual = match tables {
         [Table::State, ..] => Some("residual"),
@@ -53,31 +119,11 @@ pub fn columns_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Unit
     let is_known = |prefix: &&str| rows.iter().any(|row| row.cells.iter().any(|(of, _)| of.name.starts_with(prefix)));
     let residual = residual.filter(|prefix| tables[0] == Table::State || is_known(prefix));
     let residuals = residual.map(|prefix| {
+        let word = "residual".to_owned();
         let cells = rows.iter().map(|row| format!("{:.1e}", row.worst_of(prefix)));
-        std::iter::once("residual".to_owned()).chain(cells).collect::<Vec<_>>()
+        Printed { cells: std::iter::once(word.clone()).chain(cells).collect(), word, importance: Importance::Effort }
     });
     columns.chain(residuals).collect()
-}
-
-/// Heads of columns that a table drops, in this order, if it is wider than its terminal.
-const EFFORT: [&str; 3] = ["residual", "pairs", "steps"];
-
-/// Aligns columns, each with its head, into lines of text. Drops the columns of the effort one by one until the lines
-/// are at most `width` long.
-pub fn aligned(mut columns: Vec<Vec<String>>, width: Option<usize>) -> Vec<String> {
-    let width_of = |column: &Vec<String>| column.iter().map(|cell| cell.chars().count()).max().unwrap_or(0) + 2;
-    for head in EFFORT {
-        let found: usize = columns.iter().map(width_of).sum();
-        if width.is_some_and(|width| found > width) {
-            columns.retain(|column| column.first().is_none_or(|first| first != head));
-        }
-    }
-    let mut lines = vec![String::new(); columns.first().map_or(0, Vec::len)];
-    for column in columns {
-        let width = width_of(&column);
-        lines.iter_mut().zip(&column).for_each(|(line, cell)| *line += &format!("{cell:>width$}"));
-    }
-    lines
 }
 
 /// Formats a number for a table; `-` without a value. A number with a grid error appears as its limit on fine grids
@@ -149,12 +195,58 @@ mod tests {
             "  2.0000e-1         -   1234       NaN",
         ];
         let tables = [Table::State, Table::Energy];
-        assert_eq!(table_of(&rows, &tables, &Units::default(), None), wanted);
-        for (width, length) in [(38, 38), (37, 28), (28, 28), (27, 21), (5, 21)] {
-            let lines = table_of(&rows, &tables, &Units::default(), Some(width));
-            assert_eq!(lines, wanted.map(|line| &line[..length]), "{width}");
+        assert_eq!(
+            table_of(&rows, &tables, &Units::default(), None),
+            Sheet { lines: wanted.map(Into::into).into(), left_out: Vec::new() }
+        );
+        assert_eq!(table_of(&rows, &[Table::Patches], &Units::default(), None), Sheet::default());
+        for (width, length, left_out) in [
+            (38, 38, vec![]),
+            (37, 28, vec!["residual"]),
+            (28, 28, vec!["residual"]),
+            (27, 21, vec!["steps", "residual"]),
+            (5, 11, vec!["area", "steps", "residual"]),
+        ] {
+            let sheet = table_of(&rows, &tables, &Units::default(), Some(width));
+            assert_eq!(sheet.lines, wanted.map(|line| &line[..length]), "{width}");
+            assert_eq!(sheet.left_out, left_out);
         }
-        assert!(table_of(&rows, &[Table::Patches], &Units::default(), None).is_empty());
+    }
+
+    #[test]
+    fn a_narrow_table_keeps_its_most_important_columns() {
+        let column = |word: &str, width: usize, importance| Printed {
+            word: word.into(),
+            cells: vec![word.into(), "1".repeat(width - 2)],
+            importance,
+        };
+        let columns = [
+            column("a", 10, Importance::Detail),
+            column("b", 10, Importance::Detail),
+            column("c", 5, Importance::Detail),
+            column("d", 10, Importance::Main),
+            column("e", 10, Importance::Usual),
+            column("f", 3, Importance::Effort),
+        ];
+        for (width, left_out) in [
+            (48, ""),
+            (47, "f"),
+            (45, "f"),
+            (44, "c, f"),
+            (39, "b, f"),
+            (34, "b, c, f"),
+            (29, "b, c, e, f"),
+            (19, "b, c, d, e, f"),
+            (1, "b, c, d, e, f"),
+        ] {
+            let sheet = Sheet::of(columns.to_vec(), Some(width));
+            assert_eq!(sheet.left_out.join(", "), left_out, "{width}");
+            assert!(sheet.lines[0].len() <= width.max(10));
+            assert_eq!(sheet.footnote().is_some(), !left_out.is_empty());
+        }
+        let whole = Sheet::of(columns.to_vec(), None);
+        assert_eq!(whole, Sheet::of(columns.to_vec(), Some(48)));
+        assert_eq!(Sheet::of(Vec::new(), Some(5)), Sheet::default());
     }
 
     #[test]
@@ -170,7 +262,7 @@ mod tests {
         ];
         let wanted =
             ["         p*     flow xx  flow yy  open along x", "  1.0000e-1  0.1014(12)  0.0041~            no"];
-        assert_eq!(table_of(&[row(&flow)], &[Table::Flow], &Units::default(), None), wanted);
+        assert_eq!(table_of(&[row(&flow)], &[Table::Flow], &Units::default(), None).lines, wanted);
     }
 
     #[test]
@@ -179,11 +271,11 @@ mod tests {
             row(&[("p_star", Cell::Real(0.1)), ("mean_gap", Cell::Real(gap)), ("mean_gap_limit", limit)])
         };
         let rows = [of(3.2e-7, Cell::Real(3.214e-7)), of(1.27e-9, Cell::undefined("near closing"))];
-        let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None), None);
+        let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None), None).lines;
         assert!(lines[0].contains("mean gap / nm"), "{lines:?}");
         assert!(lines[2].contains("1.3~"), "{lines:?}");
         let lost = row(&[("dissipated", Cell::Real(0.05)), ("dissipated_error", Cell::Real(2e-3))]);
-        let lines = table_of(&[lost], &[Table::Energy], &Units::new(Some("m"), None), None);
+        let lines = table_of(&[lost], &[Table::Energy], &Units::new(Some("m"), None), None).lines;
         assert!(lines[0].ends_with("+- / (mJ/m²)") && lines[1].ends_with("2.0e0"), "{lines:?}");
         assert_eq!(
             [320.0, 0.0, 1.25, 4e-6, -71.294].map(significant),

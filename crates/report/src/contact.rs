@@ -49,6 +49,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
                 (shown("area_fraction", 100.0)) " % of the surface is in contact "
                 span { "at " i { "p" } "* = " (given(p_star[last])) }
             }
+            (loads.joint(last))
         });
         page.answer.push(html! {
             p {

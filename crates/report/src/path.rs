@@ -95,6 +95,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
                 @if error > 0.0 { span { "± " (number(factor * error)) (unit) } }
             } @else { "No energy is defined for this law" }
         }
+        (stored.joint(computed - 1))
     });
     let lowest = (0..computed).min_by(|a, b| mean[*a].total_cmp(&mean[*b])).unwrap_or(0);
     let friction = shear.iter().zip(&mean).take(computed).map(|(shear, mean)| (shear / mean).abs());

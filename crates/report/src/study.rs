@@ -4,15 +4,19 @@ use gfmd_check::study::{Cube, CubeNumber, MeanOver};
 use gfmd_files::Reader;
 use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use gfmd_record::{Origin, Sliding, State, Subject, heads, significant, with_limit};
+use gfmd_record::{Head, Importance, Origin, Sliding, State, Subject, heads, significant, with_limit};
 use maud::{Markup, html};
 
 use crate::page::{Certificate, Fact, Page, Table, config, of, powers, sentence, text, transforms, whole};
 
 /// Number of a study in a table.
 pub struct Shown<'a> {
-    /// Word above the numbers, with the unit.
+    /// Word above the numbers.
+    pub word: &'static str,
+    /// The word with the unit.
     pub head: String,
+    /// Importance in a table.
+    pub importance: Importance,
     /// Values.
     pub number: &'a CubeNumber,
     /// Factor to the shown unit.
@@ -36,9 +40,9 @@ fn shown_of<S: Subject>(cube: &Cube) -> Vec<Shown<'_>> {
         let finite = number.values.iter().filter(|value| value.is_finite());
         let largest = finite.map(|value| value.abs()).reduce(f64::max).filter(|largest| *largest > 0.0)?;
         let unit = units.shown(column.unit, largest);
-        let word = head.word;
+        let Head { word, importance, .. } = head;
         let head = unit.as_ref().map_or_else(|| word.to_owned(), |unit| format!("{word} / {}", unit.divisor()));
-        Some(Shown { head, number, factor: unit.map_or(1.0, |unit| unit.factor) })
+        Some(Shown { word, head, importance, number, factor: unit.map_or(1.0, |unit| unit.factor) })
     });
     found.collect()
 }

@@ -7,7 +7,7 @@ use gfmd_record::{Table, lines, table_of, with_limit};
 
 use super::Report;
 use crate::measuring::legends;
-use crate::session::list_files;
+use crate::session::{list_files, print_sheet};
 use gfmd_input::hardness::GivenHardness;
 
 impl fmt::Display for Report {
@@ -22,15 +22,18 @@ impl fmt::Display for Report {
             writeln!(f, "hardness {hardness}, plastic fractions {}\n", shares.collect::<Vec<_>>().join(", "))?;
         }
         let units = self.head.units();
-        for (index, line) in table_of(&self.loads, &[Table::State], &units, f.width()).iter().enumerate() {
-            let converged = index == 0 || self.loads[index - 1].is("converged");
-            writeln!(f, "{line}{}", if converged { "" } else { "  NOT CONVERGED" })?;
-        }
+        let remark = |line: usize| match line == 0 || self.loads[line - 1].is("converged") {
+            true => String::new(),
+            false => "  NOT CONVERGED".into(),
+        };
+        let sheet = |width| table_of(&self.loads, &[Table::State], &units, width);
+        print_sheet(f, sheet, self.loads.len(), |_| String::new(), remark)?;
         let upper = if self.head.lower.is_some() { "upper face\n" } else { "" };
         for (title, table) in [("lower face\n", Table::LowerFace), (upper, Table::Patches), (upper, Table::Flow)] {
-            let lines = table_of(&self.loads, &[table], &units, f.width());
-            if !lines.is_empty() {
-                writeln!(f, "\n{title}{}", lines.join("\n"))?;
+            let sheet = table_of(&self.loads, &[table], &units, f.width());
+            if !sheet.lines.is_empty() {
+                write!(f, "\n{title}")?;
+                print_sheet(f, |_| sheet, 0, |_| String::new(), |_| String::new())?;
                 for legend in legends(table, &self.loads) {
                     writeln!(f, "{legend}")?;
                 }

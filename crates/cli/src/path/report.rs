@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use gfmd_measure::GridLimit;
 use gfmd_problem::Facts;
-use gfmd_record::{Record, Table, lines, table_of, with_limit};
+use gfmd_record::{Record, Sheet, Table, columns_of, lines, table_of, with_limit};
 use gfmd_unit::{DisplayUnit, Units};
 use serde::Serialize;
 
 use crate::measuring::legends;
-use crate::session::list_files;
+use crate::session::{list_files, print_sheet};
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
 use gfmd_report::path::work_imbalance;
@@ -173,19 +173,22 @@ fn error_of_losses(steps: &[Record]) -> Option<f64> {
     lost.map(|step| step.value("dissipated_error")).sum()
 }
 
+/// Returns the number of the step on a line of a table, blanks on the line of heads.
+fn number(line: usize) -> String {
+    format!("{:>5}", line.checked_sub(1).map_or_else(String::new, |step| step.to_string()))
+}
+
 /// Prints the table of the steps, one line per step.
 fn print_steps(f: &mut fmt::Formatter<'_>, steps: &[Record], units: &Units) -> fmt::Result {
-    let width = f.width().map(|width| width.saturating_sub(5));
-    for (index, line) in table_of(steps, &[Table::State, Table::Energy], units, width).iter().enumerate() {
-        let Some(step) = index.checked_sub(1) else {
-            writeln!(f, "{:>5}{line}", "")?;
-            continue;
-        };
-        let is = |name: &str| steps[step].is(name);
-        let jumped = if is("passed_instability") { "  passed an instability" } else { "" };
-        writeln!(f, "{step:>5}{line}{jumped}{}", if is("converged") { "" } else { "  NOT CONVERGED" })?;
-    }
-    Ok(())
+    let remark = |line: usize| {
+        let Some(step) = line.checked_sub(1) else { return String::new() };
+        let jumped = if steps[step].is("passed_instability") { "  jump" } else { "" };
+        format!("{jumped}{}", if steps[step].is("converged") { "" } else { "  NOT CONVERGED" })
+    };
+    let sheet = |width| table_of(steps, &[Table::State, Table::Energy], units, width);
+    print_sheet(f, sheet, steps.len(), number, remark)?;
+    let jumped = steps.iter().any(|step| step.is("passed_instability"));
+    if jumped { writeln!(f, "jump: the step passed an instability") } else { Ok(()) }
 }
 
 /// Prints a table of the measurements, one line per step, below the `title`, if there is one.
@@ -195,13 +198,13 @@ fn print_measured(
     table: Table,
     title: &str,
 ) -> fmt::Result {
-    let lines = table_of(steps, &[table], units, None);
-    for (index, line) in lines.iter().enumerate() {
-        let step = index.checked_sub(1).map_or_else(|| format!("\n{title}     "), |step| format!("{step:>5}"));
-        writeln!(f, "{step}{line}")?;
+    let columns = columns_of(steps, &[table], units);
+    if columns.is_empty() {
+        return Ok(());
     }
-    let legends = if lines.is_empty() { Vec::new() } else { legends(table, steps) };
-    legends.into_iter().try_for_each(|legend| writeln!(f, "{legend}"))
+    write!(f, "\n{title}")?;
+    print_sheet(f, |width| Sheet::of(columns, width), steps.len(), number, |_| String::new())?;
+    legends(table, steps).into_iter().try_for_each(|legend| writeln!(f, "{legend}"))
 }
 
 /// Columns of the table that may lack a value although others of their kind have one.

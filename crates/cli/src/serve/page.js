@@ -53,19 +53,6 @@ const USUAL = {
 const LOADS = { p_star: "Reduced pressure p*", pressure: "Mean pressure", force: "Force", approach: "Approach" };
 const OWN = "choose, or type values below";
 const BARE = "numbers without a unit: E = 1";
-// Textbook values, to begin with.
-const MATERIALS = [
-    [OWN, null, null],
-    ["steel", "210GPa", "0.3"],
-    ["aluminium", "70GPa", "0.33"],
-    ["copper", "120GPa", "0.34"],
-    ["titanium", "110GPa", "0.34"],
-    ["silicon", "160GPa", "0.22"],
-    ["glass", "70GPa", "0.22"],
-    ["polycarbonate", "2.4GPa", "0.37"],
-    ["rubber", "3MPa", "0.5"],
-    [BARE, "1", "0"],
-];
 const state = { options: new Map(), scan: null, about: null, shown: null, runs: [], chosen: null };
 
 function named(option) {
@@ -162,13 +149,15 @@ function refuse(id, error) {
     tell(id, error);
 }
 
-function build(options) {
+function build(options, materials) {
     const places = { preparation: $("preparation"), problem: $("problem") };
     const groups = new Map();
     for (const option of options) {
         if (option.group === "Load") continue;
         const entry = field(option);
         state.options.set(option.key, entry);
+        // The list of materials sets it.
+        if (option.key === "material") continue;
         const place = option.group === "Surface" || option.group === "Preparation" ? "preparation" : "problem";
         if (USUAL[place].includes(option.key)) continue;
         const name = `${place}:${option.group}`;
@@ -181,12 +170,17 @@ function build(options) {
     }
     places.problem.append(loads(options.filter((option) => option.group === "Load")));
     for (const [name, group] of groups) places[name.split(":")[0]].append(group);
-    for (const [name] of MATERIALS) $("material").append(make("option", { value: name }, name));
+    for (const name of [OWN, ...Object.keys(materials), BARE])
+        $("material").append(make("option", { value: name }, name));
     $("material").addEventListener("change", () => {
-        const [, young, poisson] = MATERIALS.find(([name]) => name === $("material").value);
-        if (!young) return;
-        state.options.get("young").write(young);
-        state.options.get("poisson").write(poisson);
+        const name = $("material").value;
+        const found = materials[name];
+        $("material-source").textContent = found ? `E = ${found.young}, nu = ${found.poisson}: ${found.source}` : "";
+        const [material, young, poisson] = ["material", "young", "poisson"].map((key) => state.options.get(key));
+        material.write(found ? name : "");
+        if (name === OWN && !found) return;
+        young.write(found ? "" : "1");
+        poisson.write(found ? "" : "0");
     });
 }
 
@@ -473,10 +467,10 @@ function sheet({ title, columns }) {
 }
 
 async function begin() {
-    const { options, folder, limit } = await get("form");
+    const { options, materials, folder, limit } = await get("form");
     state.limit = limit;
     $("folder").textContent = folder;
-    build(options);
+    build(options, materials);
     watchMap();
     $("file").addEventListener("change", () => send($("file").files[0]));
     const drop = $("drop");

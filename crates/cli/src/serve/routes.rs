@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gfmd_input::failure::Failure;
+use gfmd_input::materials::materials;
 use oxhttp::model::header::{CONTENT_LENGTH, CONTENT_TYPE};
 use oxhttp::model::{Body, Method, Request, Response, StatusCode};
 use rayon::ThreadPool;
@@ -114,7 +115,7 @@ impl Desk {
         }
         match words[..] {
             ["form"] => Ok(as_json(&json!({
-                "options": entries(), "folder": self.folder, "limit": self.limit,
+                "options": entries(), "materials": materials(), "folder": self.folder, "limit": self.limit,
                 "version": env!("CARGO_PKG_VERSION"),
             }))),
             ["runs"] => Ok(as_json(&self.runs.all().iter().map(|run| run.about()).collect::<Vec<Value>>())),

@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use gfmd_files::Reader;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
-use gfmd_record::{ARRAYS, Table, columns_of, lines};
+use gfmd_record::{ARRAYS, Printed, Table, columns_of, lines};
 use gfmd_unit::Units;
 use ndarray::ArrayView2;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -62,6 +62,12 @@ pub(super) enum Phase {
 struct Sheet {
     title: &'static str,
     columns: Vec<Vec<String>>,
+}
+
+impl Sheet {
+    fn of(title: &'static str, columns: Vec<Printed>) -> Self {
+        Self { title, columns: columns.into_iter().map(|column| column.cells).collect() }
+    }
 }
 
 /// Result of a run.
@@ -219,7 +225,7 @@ impl Found {
             ("Patches and conductance", &[Table::Patches]),
             ("Flow", &[Table::Flow]),
         ];
-        let sheets = sheets.map(|(title, tables)| Sheet { title, columns: columns_of(&report.loads, tables, &units) });
+        let sheets = sheets.map(|(title, tables)| Sheet::of(title, columns_of(&report.loads, tables, &units)));
         let whole: serde_json::Value =
             serde_json::from_str(&session.json(report)?).map_err(|error| Failure::computation(error.to_string()))?;
         let warnings = whole["warnings"].as_array().into_iter().flatten();

@@ -15,7 +15,7 @@ use gfmd_run::series::Head;
 use serde::Serialize;
 
 use super::steady_state::SteadyState;
-use crate::session::list_files;
+use crate::session::{list_files, print_sheet};
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -73,16 +73,17 @@ impl fmt::Display for Report {
             };
             writeln!(f, "hardness {hardness}; plastic: points at the hardness, depth: mean plastic depth\n")?;
         }
-        let mut lines = table_of(&self.states, &[Table::State], &units, f.width());
-        for (line, state) in lines.iter_mut().skip(1).zip(&self.states) {
-            *line += if state.is("converged") { "" } else { "  NOT CONVERGED" };
-        }
+        let remark = |line: usize| match line == 0 || self.states[line - 1].is("converged") {
+            true => String::new(),
+            false => "  NOT CONVERGED".into(),
+        };
+        let sheet = |width| table_of(&self.states, &[Table::State], &units, width);
+        print_sheet(f, sheet, self.states.len(), |_| String::new(), remark)?;
         let heat = table_of(&self.states, &[Table::Heat], &units, f.width());
-        if !heat.is_empty() {
-            lines.push(String::new());
-            lines.extend(heat);
+        if !heat.lines.is_empty() {
+            writeln!(f)?;
+            print_sheet(f, |_| heat, 0, |_| String::new(), |_| String::new())?;
         }
-        lines.iter().try_for_each(|line| writeln!(f, "{line}"))?;
         writeln!(f, "{ROUGH}; compare with a grid of half the spacing")?;
         list_files(f, self.out.as_deref(), &self.plots)
     }

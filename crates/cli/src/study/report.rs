@@ -5,13 +5,13 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gfmd_check::study::{Cube, CubeNumber, MeanOver, StateAxis, status};
-use gfmd_record::aligned;
+use gfmd_record::{Importance, Printed, Sheet};
 use gfmd_report::study::{Shown, shown, words};
 use gfmd_sweep::Shard;
 use serde::Serialize;
 
 use super::config::StudyConfig;
-use crate::session::list_files;
+use crate::session::{list_files, print_sheet};
 
 /// Printed result.
 #[derive(Clone, Debug, Serialize)]
@@ -104,34 +104,39 @@ impl fmt::Display for Report {
         let failed: Vec<usize> = (0..cube.members()).filter(|member| !cube.errors[*member].is_empty()).collect();
         let seeds = cube.seeds.len();
         writeln!(f, "{}, {} failed", words(cube), failed.len())?;
-        let over = if seeds == 1 { "one seed".into() } else { format!("means over {seeds} seeds (standard error)") };
+        let over = if seeds == 1 {
+            "one seed".into()
+        } else {
+            format!("means over {seeds} seeds (digits in brackets: standard error in units of the last digit)")
+        };
         writeln!(f, "{over}\n")?;
-        let mut columns: Vec<Vec<String>> = Vec::new();
+        let mut columns: Vec<Printed> = Vec::new();
         let rows: Vec<[usize; 3]> = (0..cube.surfaces.len())
             .flat_map(|surface| (0..cube.bodies.len()).map(move |body| (surface, body)))
             .flat_map(|(surface, body)| (0..cube.states()).map(move |state| [surface, body, state]))
             .collect();
-        let mut text = |head: &str, of: &dyn Fn(&[usize; 3]) -> String| {
-            columns.push(std::iter::once(head.to_owned()).chain(rows.iter().map(of)).collect());
+        let mut text = |[word, head]: [&str; 2], importance: Importance, of: &dyn Fn(&[usize; 3]) -> String| {
+            let cells = std::iter::once(head.to_owned()).chain(rows.iter().map(of)).collect();
+            columns.push(Printed { word: word.to_owned(), cells, importance });
         };
         if cube.surfaces.len() > 1 {
-            text("surface", &|row| cube.surfaces[row[0]].clone());
+            text(["surface"; 2], Importance::Main, &|row| cube.surfaces[row[0]].clone());
         }
         if cube.bodies.len() > 1 {
-            text("body", &|row| cube.bodies[row[1]].clone());
+            text(["body"; 2], Importance::Main, &|row| cube.bodies[row[1]].clone());
         }
         for (index, axis) in cube.axes.iter().enumerate() {
             let unit = if axis.units == "1" { String::new() } else { format!(" / {}", axis.units) };
-            text(&format!("{}{unit}", axis.name), &|row| cube.coordinates(row[2])[index].to_string());
+            text([&axis.name, &format!("{}{unit}", axis.name)], Importance::Main, &|row| {
+                cube.coordinates(row[2])[index].to_string()
+            });
         }
-        for Shown { head, number, factor, .. } in shown(cube) {
-            text(&head, &|[surface, body, state]| {
+        for Shown { word, head, importance, number, factor } in shown(cube) {
+            text([word, &head], importance, &|[surface, body, state]| {
                 gfmd_report::study::cell(cube.mean(number, *surface, *body, *state), factor)
             });
         }
-        for line in aligned(columns, f.width()) {
-            writeln!(f, "{line}")?;
-        }
+        print_sheet(f, |width| Sheet::of(columns, width), 0, |_| String::new(), |_| String::new())?;
         for member in failed.iter().take(LISTED) {
             let [surface, seed, body] = cube.place(*member);
             let place =

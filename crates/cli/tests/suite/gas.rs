@@ -104,6 +104,24 @@ fn all_gaps_have_a_gas() {
 }
 
 #[test]
+fn leaks_and_conductances_stand_in_the_headline_of_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let asked = "--n 32 --eps-f-inv 4 --size 100um --young 70GPa --pressure 100MPa --statistics --flow --gas air \
+                 --conductivity 10W/(m*K),20W/(m*K) --viscosity 1mPa*s --pressure-drop 1bar --json";
+    for (command, file) in [("contact", "c.h5"), ("path --steps 1", "p.h5")] {
+        run(folder, &format!("{command} {asked} --out {file}"));
+        assert_eq!(run(folder, &format!("check {file} --json"))["differing"], 0, "{command}");
+        assert!(gfmd(folder, &["report", file, "--out", "page.html"]).status.success());
+        let page = std::fs::read_to_string(folder.join("page.html")).unwrap();
+        for words in ["leaks along x", "conducted by the contacts", "conducted by the gas"] {
+            assert_eq!(page.matches(words).count(), 1, "{command}: {words}");
+        }
+        assert!(page.contains("W/(m² K)") && page.contains("l/s"), "{command}");
+    }
+}
+
+#[test]
 fn a_gas_that_is_not_known_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let known = "--unit um --young 1GPa --gas air";

@@ -27,6 +27,11 @@ pub struct BodyArgs {
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
     pub poisson: f64,
+    /// Material whose Young's modulus and Poisson's ratio the body has, in place of --young and --poisson; lengths need
+    /// a unit. gfmd materials lists the names with their sources
+    #[arg(long, value_name = "NAME")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// Contact modulus E* = E/(1 - NU^2), in place of --young
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -187,6 +192,10 @@ impl BodyArgs {
     /// # Errors
     /// Returns an error if a flag is out of range, or if flags cannot be combined.
     pub fn body(&self) -> Result<Body, Unusable> {
+        // The values of a material are options, too, once it is looked up.
+        if let (Some(name), None) = (&self.material, self.young) {
+            return Err(Unusable::value(key("material"), name, words!["given with ", key("young"), ", its modulus"]));
+        }
         let material = match self.e_star {
             Some(modulus) => {
                 if modulus.is_finite() && modulus > 0.0 {
@@ -429,6 +438,10 @@ pub struct RecordedBodyArgs {
     /// Poisson's ratio, above -1 and up to 0.5
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     poisson: Option<f64>,
+    /// Material whose Young's modulus and Poisson's ratio the body has, in place of --young and --poisson
+    #[arg(long, value_name = "NAME")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<String>,
     /// Contact modulus E* = E/(1 - NU^2), in place of --young
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     #[option(kinds = Kinds::STRESS)]
@@ -472,6 +485,10 @@ impl RecordedBodyArgs {
         // A given modulus replaces the recorded one, and a given base the recorded half-space.
         if self.young.is_some() {
             table.remove("e_star");
+        }
+        // A recorded material has the recorded values.
+        if self.young.is_some() || self.e_star.is_some() || self.poisson.is_some() {
+            table.remove("material");
         }
         if self.base.is_some_and(|base| base != BaseKind::HalfSpace) {
             for key in ["base_young", "base_poisson"] {

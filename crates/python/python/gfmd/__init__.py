@@ -12,7 +12,7 @@ Example:
     0.114
 """
 
-from ._body import Body, Law, law
+from ._body import Body, Law, Material, law, material
 from ._below import FieldsBelow, Green, Punch, green, interior, punch
 from ._cite import cite
 from ._contact import Adhesion, Contact, Contacts, Flow, Gradient
@@ -51,6 +51,7 @@ __all__ = [
     "Interrupted",
     "KappaSweep",
     "Law",
+    "Material",
     "NotConverged",
     "Path",
     "PronyFit",
@@ -80,6 +81,7 @@ __all__ = [
     "law",
     "load",
     "many",
+    "material",
     "paraboloid",
     "path",
     "profile",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, Optional, Union, get_args
@@ -24,6 +25,51 @@ _Compliance = Union[
 _Base = Literal["bonded", "sliding", "free", "half-space"]
 
 
+class Material(dict[str, Any]):
+    """Arguments of `gfmd.Body` for a material, with its `name` and the `source` of the values. See `gfmd.material`."""
+
+    name: str
+    source: str
+
+    @classmethod
+    def named(cls, name: str, *others: str) -> Material:
+        """Returns the material with a name, and `others` of its values."""
+        known: dict[str, dict[str, Any]] = json.loads(_gfmd.materials())
+        if name not in known:
+            raise InputError(f"material is {shown(name)}; it must be one of {', '.join(known)}")
+        found = known[name]
+        for other in others:
+            if other == "source" or other not in found:
+                raise InputError(f"{shown(other)} is not a value that the source of {name} has: {found['source']}")
+        made = cls({key: found[key] for key in ("young", "poisson", *others)})
+        made.name, made.source = name, found["source"]
+        return made
+
+
+def material(name: str, *others: str) -> Material:
+    """Returns the arguments `young` and `poisson` of `gfmd.Body` for a material; its attribute `source` names where
+    the values stand. `gfmd.Body(material=name)` takes the same values, and results then record name and source.
+
+    Args:
+        name: name of the material, as `gfmd materials` lists them.
+        others: further values, such as "yield_stress", of materials whose source has them.
+
+    Raises:
+        InputError: an unknown name, a value that the source does not have.
+
+    Example:
+        >>> gfmd.material("aluminium")
+        {'young': '70GPa', 'poisson': 0.3}
+        >>> gfmd.material("steel-s355", "yield_stress")["yield_stress"]
+        '355MPa'
+        >>> gfmd.Body(**gfmd.material("aluminium")).young
+        70000000000.0
+        >>> gfmd.Body(material="aluminium").material
+        'aluminium (EN 1999-1-1:2007, 3.2.5 (all structural alloys))'
+    """
+    return Material.named(name, *others)
+
+
 class Body(Record):
     """An elastic body: a half-space, or a slab or a stack of layers on a base; with `second_body` a pair of bodies.
 
@@ -32,6 +78,7 @@ class Body(Record):
             be strings with a unit, such as "70GPa".
         poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
+        material: name of a material, in place of `young` and `poisson`; results record its source (`gfmd.material`).
         height: height of the slab, or of the top layer, length; None or infinity for a half-space.
         base: support of the lowest layer: "bonded" (to a rigid base), "sliding" (on a rigid base without friction),
             "free" (a plate, held by the opposite of the mean traction on its lower face), or "half-space" (bonded to an
@@ -105,6 +152,7 @@ class Body(Record):
     hardening_curve: tuple[tuple[Quantity, ...], ...]
     kinematic_hardening: Optional[Quantity]
     layer_yield: tuple[Quantity, ...]
+    material: str
     _given: tuple[Optional[Quantity], float, Optional[Quantity], Optional[Quantity]]
 
     @hinted
@@ -130,7 +178,18 @@ class Body(Record):
         layer_yield: Sequence[Quantity] = (),
         compliance: Optional[_Compliance] = None,
         uniform_compliance: Optional[float] = None,
+        material: Optional[str] = None,
     ) -> None:
+        if material is not None:
+            chosen = Material.named(material)
+            for replaced, own in (("young", young), ("e_star", e_star), ("poisson", poisson or None)):
+                if own is not None:
+                    raise InputError(
+                        f"material is {material}; it must be given without {replaced}: it has a modulus and a Poisson's"
+                        " ratio"
+                    )
+            young, poisson = chosen["young"], chosen["poisson"]
+            material = f"{chosen.name} ({chosen.source})"
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
         nu = _ratio("poisson", poisson)
@@ -177,7 +236,10 @@ class Body(Record):
                         f"{name} is {shown(found)}; it must be left out with compliance, which is that of the whole"
                         " body"
                     )
-        super().__init__({**values, **_below(base, thickness, base_young, base_poisson), **plasticity, **table})
+        known = {} if material is None else {"material": material}
+        super().__init__(
+            {**values, **known, **_below(base, thickness, base_young, base_poisson), **plasticity, **table}
+        )
         given = (
             found if not isinstance(asked, str) else asked for asked, found in ((young, modulus), (e_star, contact))
         )
@@ -200,6 +262,7 @@ class Body(Record):
             *relaxation,
             *table,
             tuple(plasticity.items()),
+            self._values.get("material"),
         )
 
     def __eq__(self, other: object) -> bool:
@@ -395,6 +458,7 @@ def _body(
     compliance: Optional[Sequence[Sequence[float]]] = None,
     uniform_compliance: Optional[float] = None,
     plasticity: Sequence[tuple[str, Any]] = (),
+    material: Optional[str] = None,
 ) -> Body:
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
     table = None if compliance is None else np.array(compliance, dtype=np.float64)
@@ -406,7 +470,10 @@ def _body(
         "uniform_compliance": uniform_compliance,
     }
     options: dict[str, Any] = {**below, **relaxation, **dict(plasticity)}
-    return Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **options)
+    body = Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **options)
+    if material is not None:
+        body._values["material"] = material
+    return body
 
 
 def body_of(config: dict[str, Any]) -> Body:
@@ -415,7 +482,7 @@ def body_of(config: dict[str, Any]) -> Body:
     below: dict[str, Any] = {name: config.get(name) for name in ("base_young", "base_poisson", "second_body")}
     young = None if e_star is not None else config.get("young")
     top = (young, config.get("poisson", 0.0), e_star, None if height == "inf" else height)
-    below.update({name: config.get(name) for name in ("compliance", "uniform_compliance")})
+    below.update({name: config.get(name) for name in ("compliance", "uniform_compliance", "material")})
     return _body(*top, config.get("base", "bonded"), layers=config.get("layer", ()), **below)
 
 

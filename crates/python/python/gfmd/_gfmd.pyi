@@ -28,6 +28,7 @@ __all__ = [
     "kinds",
     "law_kinds",
     "law_text",
+    "materials",
     "law_traction",
     "options",
     "periodise",
@@ -110,6 +111,7 @@ def readable(
     kind: str, largest: float, unit: Optional[str] = None, stress: Optional[str] = None
 ) -> Optional[tuple[float, str]]: ...
 def kinds() -> list[tuple[str, str]]: ...
+def materials() -> str: ...
 def law_kinds() -> list[tuple[str, str]]: ...
 def converted(
     heights: _Array, lengths: tuple[float, float], unit: str, to: str

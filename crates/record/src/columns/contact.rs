@@ -24,7 +24,8 @@ pub(super) const COLUMNS: &[Column] = &[
             None => at.summary.area_fraction.into(),
         },
     )
-    .head("area", Form::Share),
+    .head("area", Form::Share)
+    .main(),
     Column::new(
         "stick_fraction",
         "1",
@@ -48,7 +49,8 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| ratio(at, at.summary.kappa),
     )
     .with(loads)
-    .head("kappa", Form::Ratio),
+    .head("kappa", Form::Ratio)
+    .detail(),
     Column::new(
         "kappa_corrected",
         "1",
@@ -105,7 +107,8 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| worn(at).map_or(f64::NAN, |(volume, _)| volume).into(),
     )
     .with(wears)
-    .head("wear", Form::Size),
+    .head("wear", Form::Size)
+    .main(),
     Column::new(
         "max_wear",
         "length",
@@ -113,7 +116,8 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into(),
     )
     .with(wears)
-    .head("deepest", Form::Size),
+    .head("deepest", Form::Size)
+    .detail(),
     Column::new(
         "mean_pressure_in_contact",
         "stress",

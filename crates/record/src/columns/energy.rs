@@ -25,7 +25,8 @@ pub(super) const COLUMNS: &[Column] = &[
         ],
         |at| at.summary.elastic_energy.into(),
     )
-    .on(Table::Energy, "elastic", Form::Size),
+    .on(Table::Energy, "elastic", Form::Size)
+    .detail(),
     Column::new(
         "interface_energy",
         "stress*length",
@@ -41,7 +42,8 @@ pub(super) const COLUMNS: &[Column] = &[
     )
     .with(|facts| path(facts) || law(facts))
     .unless(without_law)
-    .on(Table::Energy, "interface", Form::Size),
+    .on(Table::Energy, "interface", Form::Size)
+    .detail(),
     Column::new(
         "dissipated",
         "stress*length",
@@ -74,7 +76,8 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| yielding(at, |state| state.hardening_energy),
     )
     .with(yields)
-    .on(Table::Energy, "hardening", Form::Size),
+    .on(Table::Energy, "hardening", Form::Size)
+    .detail(),
     Column::new(
         "lost_relaxation",
         "stress*length",
@@ -140,7 +143,8 @@ pub(super) const COLUMNS: &[Column] = &[
     )
     .with(path)
     .by(Origin::Way)
-    .on(Table::Energy, "+-", Form::Rough),
+    .on(Table::Energy, "+-", Form::Rough)
+    .detail(),
     Column::new(
         "work_imbalance",
         "stress*length",

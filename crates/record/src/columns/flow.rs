@@ -34,7 +34,8 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new("flow_xy", "1", &[(any, over_uniform!("x", "y"))], |at| conductivity(at, [0, 1]))
         .at("flow.conductivity.0.1")
         .with(flow)
-        .on(Table::Flow, "flow xy", Form::Rough),
+        .on(Table::Flow, "flow xy", Form::Rough)
+        .detail(),
     Column::new("flow_yx", "1", &[(any, over_uniform!("y", "x"))], |at| conductivity(at, [1, 0]))
         .at("flow.conductivity.1.0")
         .with(flow),
@@ -65,16 +66,16 @@ pub(super) const COLUMNS: &[Column] = &[
     .at("flow.residual")
     .with(flow)
     .by(Origin::Residual),
-    Column::new("leak_x", "length^3/time", &[(any, leak_along!("x"))], |at| leaked(at, 0)).at("leak.0").with(leak).on(
-        Table::Flow,
-        "leak x",
-        Form::Size,
-    ),
-    Column::new("leak_y", "length^3/time", &[(any, leak_along!("y"))], |at| leaked(at, 1)).at("leak.1").with(leak).on(
-        Table::Flow,
-        "leak y",
-        Form::Size,
-    ),
+    Column::new("leak_x", "length^3/time", &[(any, leak_along!("x"))], |at| leaked(at, 0))
+        .at("leak.0")
+        .with(leak)
+        .on(Table::Flow, "leak x", Form::Size)
+        .main(),
+    Column::new("leak_y", "length^3/time", &[(any, leak_along!("y"))], |at| leaked(at, 1))
+        .at("leak.1")
+        .with(leak)
+        .on(Table::Flow, "leak y", Form::Size)
+        .main(),
 ];
 
 /// Returns the leak along an axis; zero through a gap that is closed along it.

@@ -16,14 +16,17 @@ pub(super) const COLUMNS: &[Column] = &[
         ],
         |at| at.summary.mean_pressure.into(),
     )
-    .head("pressure", Form::Size),
+    .head("pressure", Form::Size)
+    .main(),
     Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| reduced(at, at.summary.p_star))
-        .head("p*", Form::Size),
+        .head("p*", Form::Size)
+        .detail(),
     Column::new("force", "stress*length^2", &[(any, "force, of a line per length across it (stress*length)")], |at| {
         (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into()
     })
     .with(free)
-    .head("force", Form::Size),
+    .head("force", Form::Size)
+    .main(),
     Column::new(
         "approach",
         "length",
@@ -39,18 +42,21 @@ pub(super) const COLUMNS: &[Column] = &[
         at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.time).into()
     })
     .with(relaxing)
-    .head("time", Form::Size),
+    .head("time", Form::Size)
+    .main(),
     Column::new("distance", "length", &[(any, "sliding distance since first touch")], |at| {
         at.step.as_ref().map_or(f64::NAN, |(_, reading)| reading.distance).into()
     })
     .with(wears)
-    .head("distance", Form::Size),
+    .head("distance", Form::Size)
+    .main(),
     Column::new("lateral_x", "length", &[(any, "lateral displacement of the rigid surface along x")], |at| {
         sideways(at, 0)
     })
     .at("lateral.0")
     .with(path)
-    .head("lateral x", Form::SizeUnlessZero),
+    .head("lateral x", Form::SizeUnlessZero)
+    .main(),
     Column::new("lateral_y", "length", &[(any, "lateral displacement of the rigid surface along y")], |at| {
         sideways(at, 1)
     })
@@ -68,7 +74,8 @@ pub(super) const COLUMNS: &[Column] = &[
     )
     .at("mean_shear.0")
     .with(|facts| path(facts) || steep(facts))
-    .head("shear x", Form::SizeUnlessZero),
+    .head("shear x", Form::SizeUnlessZero)
+    .main(),
     Column::new(
         "mean_shear_y",
         "stress",

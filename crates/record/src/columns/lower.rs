@@ -45,14 +45,16 @@ pub(super) const COLUMNS: &[Column] =
             Form::Size,
         ),
         lower!("area_fraction", "1", "contact area fraction of the lower face", |face, summary| summary.area_fraction)
-            .on(Table::LowerFace, "area", Form::Share),
+            .on(Table::LowerFace, "area", Form::Share)
+            .main(),
         lower!(
             "area_fraction_corrected",
             "1",
             "contact area fraction of the lower face less the excess of the pixels along the perimeter",
             |face, summary| summary.area_fraction_corrected
         )
-        .on(Table::LowerFace, "corrected", Form::Share),
+        .on(Table::LowerFace, "corrected", Form::Share)
+        .detail(),
         lower!("contact_nodes", "1", "number of points in contact at the lower face", |face, summary| summary
             .contact_nodes)
         .count(),
@@ -94,7 +96,8 @@ pub(super) const COLUMNS: &[Column] =
         )
         .at("lower.plastic_volume")
         .with(hard_between)
-        .on(Table::LowerFace, "depth", Form::Size),
+        .on(Table::LowerFace, "depth", Form::Size)
+        .detail(),
         Column::new(
             "lower_wear_volume",
             "length",
@@ -109,7 +112,8 @@ pub(super) const COLUMNS: &[Column] =
         })
         .at("lower.max_wear")
         .with(|facts| between(facts) && wears(facts))
-        .on(Table::LowerFace, "deepest", Form::Size),
+        .on(Table::LowerFace, "deepest", Form::Size)
+        .detail(),
         lower_residual!(complementarity, "sum(p gap) / (sum(p) h_rms) of the lower face"),
         lower_residual!(penetration, "max(0, -min gap) / h_rms of the lower face"),
         lower_residual!(negative_pressure, "max(0, -min p) / mean p of the lower face"),

@@ -31,7 +31,8 @@ pub(super) const COLUMNS: &[Column] = &[
     .flag()
     .at("patches.percolates.0")
     .with(statistics)
-    .on(Table::Patches, "patch spans x", Form::Flag),
+    .on(Table::Patches, "patch spans x", Form::Flag)
+    .detail(),
     Column::new(
         "percolates_y",
         "1",
@@ -41,7 +42,8 @@ pub(super) const COLUMNS: &[Column] = &[
     .flag()
     .at("patches.percolates.1")
     .with(statistics)
-    .on(Table::Patches, "patch spans y", Form::Flag),
+    .on(Table::Patches, "patch spans y", Form::Flag)
+    .detail(),
     Column::new(
         "conductance",
         "1/length",
@@ -66,7 +68,8 @@ pub(super) const COLUMNS: &[Column] = &[
         },
     )
     .with(conducts)
-    .on(Table::Patches, "contact conductance", Form::Size),
+    .on(Table::Patches, "contact conductance", Form::Size)
+    .main(),
     Column::new(
         "gas_conductance",
         "stress*length/time*temperature",
@@ -79,7 +82,8 @@ pub(super) const COLUMNS: &[Column] = &[
         through_gas,
     )
     .with(gas)
-    .on(Table::Patches, "gas conductance", Form::Size),
+    .on(Table::Patches, "gas conductance", Form::Size)
+    .main(),
 ];
 
 /// Returns the conductance of the gas between the points that are not in contact.

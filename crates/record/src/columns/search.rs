@@ -41,7 +41,8 @@ pub(super) const COLUMNS: &[Column] = &[
     .count()
     .with(friction)
     .by(Origin::Way)
-    .head("increments", Form::Whole),
+    .head("increments", Form::Whole)
+    .effort(),
     Column::new(
         "operators",
         "1",
@@ -63,7 +64,8 @@ pub(super) const COLUMNS: &[Column] = &[
     )
     .count()
     .by(Origin::Way)
-    .head("steps", Form::Whole),
+    .head("steps", Form::Whole)
+    .effort(),
     Column::new(
         "transform_pairs",
         "1",
@@ -77,7 +79,8 @@ pub(super) const COLUMNS: &[Column] = &[
         },
     )
     .by(Origin::Way)
-    .head("pairs", Form::Whole),
+    .head("pairs", Form::Whole)
+    .effort(),
     Column::new(
         "converged",
         "1",

@@ -220,13 +220,16 @@ const COLUMNS: &[Column] = &[
     Column::new("velocity", "length/time", &[(any, "velocity of the rigid surface relative to the body")], |at| {
         at.speed.into()
     })
-    .head("velocity", Form::Size),
+    .head("velocity", Form::Size)
+    .main(),
     Column::new("mean_pressure", "stress", &[(any, "mean pressure over the whole surface")], |at| {
         at.state.solution.mean_pressure.into()
     })
-    .head("pressure", Form::Size),
+    .head("pressure", Form::Size)
+    .main(),
     Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| at.summary.p_star.into())
-        .head("p*", Form::Size),
+        .head("p*", Form::Size)
+        .detail(),
     Column::new("approach", "length", &[(any, "rigid approach beyond first touch")], |at| {
         at.state.solution.approach.into()
     })
@@ -234,7 +237,8 @@ const COLUMNS: &[Column] = &[
     Column::new("area_fraction", "1", &[(any, "points with pressure over all points")], |at| {
         at.summary.area_fraction.into()
     })
-    .head("area", Form::Unsure),
+    .head("area", Form::Unsure)
+    .main(),
     Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into()),
     Column::new("max_pressure", "stress", &[(any, "largest pressure")], |at| at.summary.max_pressure.into()),
     Column::new("plastic_fraction", "1", &[(any, "points whose pressure is the hardness over all points")], |at| {
@@ -246,14 +250,16 @@ const COLUMNS: &[Column] = &[
         of_plastic(at, |plastic| plastic.volume)
     })
     .with(hardness)
-    .head("depth", Form::Size),
+    .head("depth", Form::Size)
+    .detail(),
     Column::new(
         "friction",
         "1",
         &[(any, "coefficient of friction, lateral force over load: friction_interface + friction_hysteresis")],
         |at| at.state.friction.into(),
     )
-    .head("friction", Form::Unsure),
+    .head("friction", Form::Unsure)
+    .main(),
     Column::new(
         "friction_interface",
         "1",
@@ -294,7 +300,8 @@ const COLUMNS: &[Column] = &[
     })
     .at("heat.mean_flux")
     .with(heat)
-    .on(Table::Heat, "heat", Form::Size),
+    .on(Table::Heat, "heat", Form::Size)
+    .detail(),
     Column::new("heat_fraction", "1", &[(any, "part of the heat that flows into the body")], |at| {
         of_heat(at, |heated| heated.fraction)
     })
@@ -309,7 +316,8 @@ const COLUMNS: &[Column] = &[
     )
     .at("heat.max_rise")
     .with(heat)
-    .on(Table::Heat, "max rise", Form::Unsure),
+    .on(Table::Heat, "max rise", Form::Unsure)
+    .main(),
     Column::new(
         "heat_mean_rise",
         "temperature",
@@ -331,12 +339,14 @@ const COLUMNS: &[Column] = &[
     Column::new("iterations", "1", &[(any, "iterations of the search")], |at| at.effort().iterations.into())
         .count()
         .by(Origin::Way)
-        .head("steps", Form::Whole),
+        .head("steps", Form::Whole)
+        .effort(),
     Column::new("transform_pairs", "1", &[(any, "pairs of transforms of the search")], |at| {
         at.effort().transform_pairs.into()
     })
     .by(Origin::Way)
-    .head("pairs", Form::Whole),
+    .head("pairs", Form::Whole)
+    .effort(),
     Column::new("converged", "1", &[(any, "1 if the residual is at most the tolerance")], |at| {
         at.has_converged().into()
     })

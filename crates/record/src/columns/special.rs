@@ -32,7 +32,8 @@ pub(super) const COLUMNS: &[Column] = &[
         |at| plastic(at)[1].into(),
     )
     .with(hardness)
-    .head("depth", Form::Size),
+    .head("depth", Form::Size)
+    .detail(),
     Column::new(
         "projected_area_fraction",
         "1",

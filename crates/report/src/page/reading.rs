@@ -87,6 +87,25 @@ impl<'a> Stored<'a> {
         html! { @if limited { (powers(&with_limit(value, limit, error))) } @else { (number(value)) } (unit) }
     }
 
+    /// Returns a line of the headline for each leak and conductance that was asked for, at a row.
+    pub(crate) fn joint(&self, row: usize) -> Markup {
+        let all = [
+            ("leak_x", "leaks along x"),
+            ("leak_y", "leaks along y"),
+            ("contact_conductance", "conducted by the contacts"),
+            ("gas_conductance", "conducted by the gas in the gap"),
+        ];
+        let asked = all.into_iter().filter(|(name, _)| self.has(name));
+        html! {
+            @for (name, meaning) in asked {
+                p.headline {
+                    @if self.column(name)[row].is_finite() { (self.said(name, row, 1.0)) " " span { (meaning) } }
+                    @else { "No value of " (name.replace('_', " ")) " " span { (self.attribute(name, "undefined")) } }
+                }
+            }
+        }
+    }
+
     /// Returns true if the file has the column.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.reader.contains(&format!("{}/{name}", self.group))

@@ -43,6 +43,9 @@ pub struct Head {
     pub max_slope: Option<f64>,
     pub rms_height: f64,
     pub e_star: f64,
+    /// Name of the body's material, and the source of its values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// Body, unless it is a single half-space or slab on a bonded base.
     #[serde(flatten)]
     pub others: OtherArgs,
@@ -148,6 +151,7 @@ impl Head {
             max_slope: (!is_path).then(|| given.max_slope()),
             rms_height: surface.rms_height(),
             e_star: prepared.body.contact_modulus(),
+            material: asked.body.material.clone(),
             others: asked.body.others.clone(),
             body: asked.body.words(asked.lower.given().map(|_| lower::BETWEEN), &given.units()),
             relaxation: None,
@@ -220,6 +224,9 @@ impl fmt::Display for Head {
                 Unknown::Held => "; u_x and u_y held at zero",
             }
         )?;
+        if let Some(material) = &self.material {
+            writeln!(f, "material: {material}\n")?;
+        }
         if let Some(body) = &self.body {
             writeln!(f, "elastic body: {body}\n")?;
         }
