@@ -129,18 +129,19 @@ def _folded(app, tree):
     """Three or more notes (block quotes) in a row become one list that opens on demand."""
     from docutils import nodes
 
-    for first in list(tree.findall(nodes.block_quote)):
-        notes = [first]
-        while (after := notes[-1].next_node(nodes.block_quote, descend=False, siblings=True)) is not None:
-            if notes[-1].parent is None or first.parent.index(after) != first.parent.index(notes[-1]) + 1:
-                break
-            notes.append(after)
-        if first.parent is not None and len(notes) > 2:
-            lines = "".join(f"<li>{escape(note.astext())}</li>" for note in notes)
-            for note in notes[1:]:
-                note.parent.remove(note)
-            text = f"<details><summary>{len(notes)} notes</summary><ul>{lines}</ul></details>"
-            first.replace_self(nodes.raw("", text, format="html"))
+    for parent in {id(note.parent): note.parent for note in tree.findall(nodes.block_quote)}.values():
+        row = []
+        for child in [*parent.children, None]:
+            if isinstance(child, nodes.block_quote):
+                row.append(child)
+                continue
+            if len(row) > 2:
+                lines = "".join(f"<li>{escape(note.astext())}</li>" for note in row)
+                text = f"<details><summary>{len(row)} notes</summary><ul>{lines}</ul></details>"
+                parent.insert(parent.index(row[0]), nodes.raw("", text, format="html"))
+                for note in row:
+                    parent.remove(note)
+            row = []
 
 
 # Pages whose text is no mathematics: lists of changes, of names in code, and of flags.
@@ -165,9 +166,10 @@ def _typeset(app, tree):
             parts = [_formula(part) if found else nodes.Text(part) for found, part in formulas.typeset(str(text))]
             if any(isinstance(part, nodes.raw) for part in parts):
                 text.parent.replace(text, parts)
-    if page.startswith("theory"):
+    if page.startswith(("theory", "results")):
         for block in list(tree.findall(nodes.literal_block)):
-            if block.get("language") == "text":
+            plain = block.get("language") in ("text", "none", "default")
+            if plain and not re.search("gfmd|cargo|xtask", block.astext()):
                 lines = "".join(_line(line) for line in block.astext().strip("\n").split("\n"))
                 block.replace_self(nodes.raw("", f'<div class="formulas">{lines}</div>', format="html"))
 

@@ -12,13 +12,13 @@ ACCENTS = {"\u0303": "~", "\u0304": "\u203e", "\u0302": "^", "\u0307": "\u02d9"}
 RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿᵏᵀ", "0123456789−+nkT"))
 LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₊₋", "0123456789+−"))
 FUNCTIONS = set(
-    "sin cos tan sinh cosh tanh coth asin atan asinh exp expm1 ln log erf erfc max min mean Re Im det shm chm sum diag dev tr "
-    "rms arg const tol limit dir".split()
+    "sin cos tan sinh cosh tanh coth asin atan asinh exp expm1 ln log erf erfc max min mean Re Im det shm chm sum diag "
+    "dev tr rms arg const tol limit dir".split()
 )
 # Symbols with an index that is written without a mark.
 _INDEXED = (
     r"([KGTJML])(L|N|T|c|n|t|xx|yy|zz|xy|yx|xz|zx|yz|zy|ij|nn|nt|tn|tt|bb|tb|bt)|([qunL])([xyz])|(z)(m)|(C)(11|12|44)"
-    r"|(m)([024])|([σεγ])([xyz]{2}|ij)|([φδ])([nt])|(X)([xz])|([SC])([zb])|(g)([ls])|(p)(0)|(L)(\d\d)"
+    r"|(m)([024])|([σεγ])([xyz]{2}|ij)|([φδ])([nt])|(X)([xz])|([SC])([zb])|(g)([ls])|(p)(0)|(L)(\d\d)|([bce])(\d)"
 )
 INDEXED = re.compile(rf"(?:{_INDEXED})$")
 INSIDE = re.compile(rf"(?<![A-Za-z])(?:{_INDEXED})(?![A-Za-z])")
@@ -39,7 +39,7 @@ ALLOWED = re.compile(
 
 
 def _is_words(token: str, longest: int) -> bool:
-    """Whether a token has words of a language: letters side by side that are no symbol, more than `longest`."""
+    """True if a token has words of a language: letters side by side that are no symbol, more than `longest`."""
     bare = re.sub(r"[_^](?:\{[^}]*\}|\([^)]*\)|[A-Za-z0-9,∥*]+)", " ", token)
     bare = re.sub(rf"(?<![A-Za-z])d(?=[A-Za-z{GREEK}](?![A-Za-z]))", " ", INSIDE.sub(" ", bare))
     bare = re.sub(rf"(?<=[{GREEK}0-9])[A-Za-z]{{2,3}}(?![A-Za-z])", " ", bare)

@@ -1,7 +1,7 @@
 """Prepares the sources of the site: a copy of docs, in which long pages are divided at their sections.
 
-Usage: pages.py ROOT FOLDER. Sphinx reads FOLDER/docs; beside it stand links to the rest of the repository, so that links
-out of docs lead where they lead on a code host. Files that did not change are left alone.
+Usage: pages.py ROOT FOLDER. Sphinx reads FOLDER/docs; beside it stand links to the rest of the repository, so that
+links out of docs lead where they lead on a code host. Files that did not change are left alone.
 """
 
 import re
