@@ -155,6 +155,16 @@ def _typeset(app, tree):
     page = app.env.docname
     if page.startswith(UNTYPESET):
         return
+    for parent in {id(text.parent): text.parent for text in tree.findall(nodes.Text)}.values():
+        merged = []  # each line is a text of its own
+        for child in parent.children:
+            if merged and isinstance(child, nodes.Text) and isinstance(merged[-1], nodes.Text):
+                merged[-1] = nodes.Text(str(merged[-1]) + str(child))
+            else:
+                merged.append(child)
+        if len(merged) < len(parent.children):
+            parent.children = []
+            parent += merged
     kept = (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.title, nodes.comment)
     for text in list(tree.findall(nodes.Text)):
         above = text.parent

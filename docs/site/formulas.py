@@ -83,6 +83,7 @@ def typeset(text: str, longest: int = 1) -> list[tuple[bool, str]]:
     """Returns the parts of a text in turn, each with whether it is a formula. Letters side by side are a product of
     symbols up to the number `longest`, else a word."""
     text = unicodedata.normalize("NFD", text).replace("=\u0338", "≠")
+    text = re.sub(rf"(?<![A-Za-z])([A-Za-z{GREEK}])’(?![A-Za-z])", r"\1′", text)
     parts = _pieces(text)
     marks = []
     for part in parts:
@@ -130,8 +131,9 @@ def typeset(text: str, longest: int = 1) -> list[tuple[bool, str]]:
             plain(joined)
         else:
             for word in _balanced_words(joined):
-                first, inner, last = _peeled(word)
-                plain(first)
+                sign = re.match("[−+±]?", word)[0]
+                first, inner, last = _peeled(word[len(sign) :])
+                plain(sign + first)
                 kind = "strong" if any(_kind(part.rstrip(","), longest) == "strong" for part in inner.split()) else ""
                 if kind and _is_balanced(inner):
                     found.append((True, inner))
