@@ -31,8 +31,7 @@ fn text(report: &Report) -> String {
         report.checks, report.failed
     );
     for topic in &report.topics {
-        let _ =
-            write!(text, "\n## {}\n\n| check | against | found | must be |\n|---|---|---|---|\n", topic.title);
+        let _ = write!(text, "\n## {}\n\n| check | against | found | must be |\n|---|---|---|---|\n", topic.title);
         let mut above = None;
         for check in &topic.checks {
             let [value, bound] = check.words();
