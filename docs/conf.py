@@ -1,12 +1,17 @@
 """Configuration of the documentation site. `.ci/site` builds it; docs/site/README.md says how it is made."""
 
 import re
+import sys
 import tomllib
+from html import escape
 from pathlib import Path
 
 import latex2mathml.converter
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "docs" / "site"))
+
+import formulas  # noqa: E402
 
 project = "gfmd"
 author = "The gfmd developers"
@@ -120,8 +125,95 @@ def _described(app, tree):
             image["alt"] = f"Figure: {section[0].astext()}"
 
 
+def _folded(app, tree):
+    """Three or more notes (block quotes) in a row become one list that opens on demand."""
+    from docutils import nodes
+
+    for parent in {id(note.parent): note.parent for note in tree.findall(nodes.block_quote)}.values():
+        row = []
+        for child in [*parent.children, None]:
+            if isinstance(child, nodes.block_quote):
+                row.append(child)
+                continue
+            if len(row) > 2:
+                lines = "".join(f"<li>{escape(note.astext())}</li>" for note in row)
+                text = f"<details><summary>{len(row)} notes</summary><ul>{lines}</ul></details>"
+                parent.insert(parent.index(row[0]), nodes.raw("", text, format="html"))
+                for note in row:
+                    parent.remove(note)
+            row = []
+
+
+# Pages whose text is no mathematics: lists of changes, of names in code, and of flags.
+UNTYPESET = ("site/", "python-api", "options", "architecture", "crates", "style")
+
+
+def _typeset(app, tree):
+    """Formulas in plain text become MathML; in the theory blocks of them, too."""
+    from docutils import nodes
+
+    page = app.env.docname
+    if page.startswith(UNTYPESET):
+        return
+    for parent in {id(text.parent): text.parent for text in tree.findall(nodes.Text)}.values():
+        merged = []  # each line is a text of its own
+        for child in parent.children:
+            if merged and isinstance(child, nodes.Text) and isinstance(merged[-1], nodes.Text):
+                merged[-1] = nodes.Text(str(merged[-1]) + str(child))
+            else:
+                merged.append(child)
+        if len(merged) < len(parent.children):
+            parent.children = []
+            parent += merged
+    kept = (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw, nodes.title, nodes.comment)
+    for text in list(tree.findall(nodes.Text)):
+        above = text.parent
+        while above is not None and not isinstance(above, kept):
+            above = above.parent
+        if above is None:
+            if isinstance(text.parent.parent, nodes.entry):
+                text = _replaced(text, str(text).replace(" ± ", "\u00a0±\u00a0"))
+            parts = [_formula(part) if found else nodes.Text(part) for found, part in formulas.typeset(str(text))]
+            if any(isinstance(part, nodes.raw) for part in parts):
+                text.parent.replace(text, parts)
+    if page.startswith(("theory", "results")):
+        for block in list(tree.findall(nodes.literal_block)):
+            plain = block.get("language") in ("text", "none", "default")
+            if plain and not re.search("gfmd|cargo|xtask", block.astext()):
+                lines = "".join(_line(line) for line in block.astext().strip("\n").split("\n"))
+                block.replace_self(nodes.raw("", f'<div class="formulas">{lines}</div>', format="html"))
+
+
+def _replaced(text, words):
+    from docutils import nodes
+
+    other = nodes.Text(words)
+    text.parent.replace(text, other)
+    return other
+
+
+def _formula(text):
+    from docutils import nodes
+
+    return nodes.raw("", formulas.mathml(text), format="html")
+
+
+def _line(line):
+    """A line of a block of formulas: columns between two blanks or more, words beside formulas."""
+    indent = len(line) - len(line.lstrip())
+    columns = []
+    for column in re.split(r" {2,}(?![=≤≥≈])", line.strip()):
+        parts = formulas.typeset(re.sub(" +", " ", column), longest=2)
+        columns.append("".join(formulas.mathml(part) if found else escape(part) for found, part in parts))
+    return (
+        f'<div style="padding-left: {indent / 2}em">' + "".join(f"<span>{text}</span> " for text in columns) + "</div>"
+    )
+
+
 def setup(app):
     app.connect("source-read", _inside)
     app.connect("include-read", _included)
     app.connect("doctree-read", _described)
+    app.connect("doctree-read", _folded)
+    app.connect("doctree-read", _typeset)
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))

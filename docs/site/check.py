@@ -1,5 +1,6 @@
 """Checks the built site: links and anchors in its files; in headless Chromium at two widths, light and dark, each page
-without errors, requests to other hosts, overflow, missing images or empty formulas; and the search.
+without errors, requests to other hosts, overflow, code that is cut, missing images or empty formulas, and without
+formulas in plain text where they are typeset; the height of long pages; and the search.
 `.ci/site --check` runs it.
 
 Usage: check.py FOLDER [SCREENSHOTS]
@@ -17,7 +18,7 @@ from urllib.parse import unquote, urldefrag, urlsplit
 
 from playwright.sync_api import sync_playwright
 
-WIDTHS = (390, 1280)
+WIDTHS = (390, 1200)
 SCHEMES = ("light", "dark")
 # Words that people look for, and a page that must be among the first results.
 SEARCHES = {
@@ -30,8 +31,14 @@ SEARCHES = {
     "adhesion": "tutorials/adhesion.html",
     "wear": "time.html",
     "Tamaas": "others.html",
+    "Hertz": "classical.html",
+    "JKR": "laws/adhesion.html",
+    "sphere": "classical.html",
 }
 FIRST = 2
+# Pages that are divided, and the largest height of each in pixels at the larger width.
+DIVIDED = ("theory", "interface", "python-api")
+HEIGHT = 8000
 SHOTS = ("index.html", "start.html", "gallery.html", "glossary.html", "how-it-works.html", "tutorials/leak.html")
 # Pages that are no page of the site.
 OTHERS = ("crates/", "_", "genindex", "search", "py-modindex")
@@ -83,6 +90,12 @@ IMAGES = """[...document.images].filter(i => { i.loading = 'eager'; return i.off
 NAMELESS = """[...document.images].filter(i => !i.alt || i.alt.endsWith(i.src.split('/').pop())).map(i => i.src)"""
 FONT = """document.querySelector('math') === null ||
     [...document.fonts].some(font => font.family.includes('STIX Two Math') && font.status === 'loaded')"""
+CUT = "[...document.querySelectorAll('article pre')].filter(p => p.scrollWidth > p.clientWidth + 1).length"
+HIGH = "document.documentElement.scrollHeight"
+# Marks of an index or a power that are left in the text of a page.
+PLAIN = """[...document.querySelectorAll('article p, article li, article td, div.formulas')].flatMap(e => {
+    const copy = e.cloneNode(true); copy.querySelectorAll('math, code, pre, a').forEach(x => x.remove());
+    return copy.textContent.match(/(^|[^A-Za-z0-9])[A-Za-z\\u0391-\\u03c9][_^][A-Za-z{(]\\S*/g) || []; })"""
 LINKS = "all => all.map(a => a.getAttribute('href'))"
 FORMULAS = """[...document.querySelectorAll('math')].filter(m => { const r = m.getBoundingClientRect();
     return r.width < 2 || r.height < 2; }).length"""
@@ -127,6 +140,12 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                         wrong.append(f"{where}: {empty} formulas are empty")
                     if not page.evaluate(FONT):
                         wrong.append(f"{where}: the font of formulas is not loaded")
+                    if cut := page.evaluate(CUT):
+                        wrong.append(f"{where}: {cut} blocks of code are cut")
+                    if width == max(WIDTHS) and name.startswith(DIVIDED) and (high := page.evaluate(HIGH)) > HEIGHT:
+                        wrong.append(f"{where}: {high} pixels high, more than {HEIGHT}")
+                    if name.startswith(("theory", "results")) and (left := page.evaluate(PLAIN)):
+                        wrong.append(f"{where}: formulas in plain text: {' '.join(left[:5])}")
                     if shots and name in SHOTS:
                         shots.mkdir(parents=True, exist_ok=True)
                         shot = shots / f"{name.replace('/', '-')[:-5]}-{width}-{scheme}.png"

@@ -4,7 +4,8 @@ var Scorer = {
     score: ([page, , , , score]) => {
         const reference = ["interface", "options", "columns", "together", "trust", "python-api", "theory", "benchmarks",
             "creep-peers", "any-load", "site/changelog"];
-        return reference.includes(page) ? score - 12 : score;
+        const below = ["interface/", "python-api/", "theory/"];
+        return reference.includes(page) || below.some(folder => page.startsWith(folder)) ? score - 12 : score;
     },
     objNameMatch: 11,
     objPartialMatch: 6,

@@ -107,9 +107,11 @@ def test_the_sentence_is_that_of_the_data(page, sentence):
 
 
 def test_the_page_of_the_interface_has_every_name():
-    page = (ROOT / "docs/python-api.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"^\.\. auto(?:function|class|exception):: (\w+)", page, re.M))
-    assert named == set(gfmd.__all__) - {"__version__"}
+    pages = [path.read_text(encoding="utf-8") for path in (ROOT / "docs/python-api").glob("*.md")]
+    named = re.findall(r"^\.\. auto(?:function|class|exception):: (\w+)", "\n".join(pages), re.M)
+    listed = re.findall(r"`(\w+)`", (ROOT / "docs/python-api.md").read_text(encoding="utf-8"))
+    assert sorted(named) == sorted(set(gfmd.__all__) - {"__version__"})
+    assert set(listed) == set(named)
 
 
 def test_versions_agree():

@@ -58,17 +58,25 @@ pub fn columns<S: Subject>(facts: &S::Facts) -> impl Iterator<Item = &'static cr
     S::COLUMNS.iter().filter(move |column| (column.present)(facts))
 }
 
-/// Returns the columns as a table in Markdown: name in a file, place in JSON, unit, definitions.
+/// Returns the columns as a table in Markdown: name in a file, place in JSON if it differs, unit, definitions. The two
+/// errors of a limit share its row.
 pub fn page<S: Subject>() -> String {
+    let is_error = |name: &str| name.ends_with("_limit_error") || name.ends_with("_grid_error");
     let row = |column: &crate::Column<S>| {
         let mut meanings: Vec<&str> = column.meanings.iter().rev().map(|(_, meaning)| *meaning).collect();
         meanings.dedup();
         let order =
             column.order.map_or_else(String::new, |order| format!("; of order {order} in the distance of the points"));
-        let json = if column.json.is_empty() { "-".into() } else { format!("`{}`", column.json) };
-        let file = format!("`{}`", column.name);
-        format!("| {file} | {json} | {} | {}{order} |\n", column.unit, meanings.join("; or: ").replace('|', "\\|"))
+        let json = match column.json {
+            "" => " -".into(),
+            same if same == column.name => String::new(),
+            other => format!(" `{other}`"),
+        };
+        let errors = if column.name.ends_with("_limit") { ", `.._error`, `.._grid_error`" } else { "" };
+        let file = format!("`{}`{errors}", column.name);
+        format!("| {file} |{json} | {} | {}{order} |\n", column.unit, meanings.join("; or: ").replace('|', "\\|"))
     };
     let head = "| HDF5 | JSON | unit | definition |\n|---|---|---|---|\n";
-    S::COLUMNS.iter().fold(head.to_owned(), |page, column| page + &row(column))
+    let rows = S::COLUMNS.iter().filter(|column| !is_error(column.name));
+    rows.fold(head.to_owned(), |page, column| page + &row(column))
 }

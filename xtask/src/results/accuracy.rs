@@ -20,6 +20,16 @@ fn share(groups: &std::collections::BTreeMap<String, Coverage>, of: fn(&Coverage
     )
 }
 
+/// Returns the quantity whose relative errors those of `name` repeat: multiples, and the other axis.
+fn same_as(name: &str) -> Option<&'static str> {
+    match name {
+        "kappa" => Some("area_fraction"),
+        "conductance" => Some("stiffness"),
+        "flow_yy" => Some("flow_xx"),
+        _ => None,
+    }
+}
+
 /// Returns the table of all quantities, for each boundary and mode.
 pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     let report = summaries.accuracy()?;
@@ -32,6 +42,9 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
         let _ = writeln!(text, "| **{mode}** | | | | | | |");
         for (name, groups) in numbers {
             let Some(all) = groups.get("all").filter(|all| all.told > 0) else { continue };
+            if same_as(name).is_some_and(|other| numbers.contains_key(other)) {
+                continue;
+            }
             let Coverage { told, untold, number_error, limit_error, width, .. } = all;
             let count = told + untold;
             let percent = |error: &f64| format!("{:.2} %", 100.0 * error);

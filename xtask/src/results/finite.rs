@@ -8,6 +8,16 @@ use gfmd_measure::SelfAffineArea;
 use super::summary::Summaries;
 use crate::finite::{Known, Numbers, PRESSURES, SurfaceKind};
 
+/// Hurst exponents and loads in the tables; the file of the summary has all of them.
+const HURST: [f64; 3] = [0.0, 0.5, 0.8];
+const REDUCED: [f64; 3] = [0.01, 0.1, 0.5];
+const OF_LONG_WAVES: [f64; 2] = [0.1, 1.0];
+
+/// Returns the surfaces in the tables.
+fn shown(summaries: &Summaries) -> Result<Vec<SurfaceKind>, Failure> {
+    Ok(summaries.finite()?.kinds.into_iter().filter(|kind| HURST.contains(&kind.hurst)).collect())
+}
+
 /// Formats a value with its error, to the second digit of the error.
 fn with_error(known: Option<Known>) -> String {
     known.map_or_else(
@@ -34,9 +44,9 @@ pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
         "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) | κ by the formula |\n\
          |---|---|---|---|---|---|---|---|\n",
     );
-    for kind in &summaries.finite()?.kinds {
+    for kind in &shown(summaries)? {
         let formula = SelfAffineArea::new(kind.hurst);
-        for load in &kind.reduced {
+        for load in kind.reduced.iter().filter(|load| REDUCED.contains(&load.load)) {
             let area = formula.map_or(f64::NAN, |formula| formula.of_band(1.0 / kind.eps_f_inv as f64, load.load));
             let kappa = area / load.load;
             let apart =
@@ -58,13 +68,14 @@ pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
 pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     let heads = PRESSURES.map(|pressure| format!("p > {pressure} E\\* ḡ")).join(" | ");
     let mut text = format!("| H | 1/ε_f | p\\* | {heads} |\n|---|---|---|{}\n", "---|".repeat(PRESSURES.len()));
-    for kind in &summaries.finite()?.kinds {
-        for (load, above) in kind.reduced.iter().zip(&kind.above) {
+    for kind in &shown(summaries)? {
+        let loads = kind.reduced.iter().zip(&kind.above);
+        for (load, above) in loads.filter(|(load, _)| REDUCED.contains(&load.load)) {
             let cells: Vec<String> = above.iter().map(|known| with_error(Some(*known))).collect();
             let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells.join(" | "));
         }
     }
-    for load in [0.01, 0.1, 0.5] {
+    for load in REDUCED {
         let cells = PRESSURES.map(|pressure| format!("{:.4}", of_persson(load, pressure))).join(" | ");
         let _ = writeln!(text, "| Persson | | {load} | {cells} |");
     }
@@ -82,8 +93,8 @@ fn of_persson(load: f64, pressure: f64) -> f64 {
 pub(super) fn of_long_waves(summaries: &Summaries) -> Result<String, Failure> {
     let mut text =
         String::from("| H | 1/ε_f | P | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) |\n|---|---|---|---|---|---|---|\n");
-    for kind in &summaries.finite()?.kinds {
-        for load in &kind.of_long_waves {
+    for kind in &shown(summaries)? {
+        for load in kind.of_long_waves.iter().filter(|load| OF_LONG_WAVES.contains(&load.load)) {
             let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells(load));
         }
     }

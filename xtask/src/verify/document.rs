@@ -25,17 +25,20 @@ fn text(report: &Report) -> String {
         "# Validation\n\n\
          Results of the program compared with independent references, closed forms and identities: {} checks, {} \
          failed.\nWritten by `cargo xtask verify --write-docs`; `cargo test -p gfmd-tests` asserts these checks, too. \
-         An error is the largest\nof all compared numbers, relative unless stated otherwise. The origin of the \
-         reference files is described in\n[data/reference](../data/reference/README.md).\n",
+         An error is the largest\nof all compared numbers, relative unless stated otherwise; ″ repeats the line \
+         above. The origin of the reference\nfiles is described in \
+         [data/reference](../data/reference/README.md).\n",
         report.checks, report.failed
     );
     for topic in &report.topics {
-        let _ =
-            write!(text, "\n## {}\n\n| check | against | found | must be | |\n|---|---|---|---|---|\n", topic.title);
+        let _ = write!(text, "\n## {}\n\n| check | against | found | must be |\n|---|---|---|---|\n", topic.title);
+        let mut above = None;
         for check in &topic.checks {
             let [value, bound] = check.words();
-            let mark = if check.passed { "✓" } else { "**failed**" };
-            let _ = writeln!(text, "| {} | {} | {value} | {bound} | {mark} |", check.name, check.source);
+            let mark = if check.passed { "" } else { ", **failed**" };
+            let source = if above == Some(check.source) { "″" } else { check.source };
+            let _ = writeln!(text, "| {} | {source} | {value}{mark} | {bound} |", check.name);
+            above = Some(check.source);
         }
     }
     text.push_str("\n## Figures\n");

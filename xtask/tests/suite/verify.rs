@@ -8,6 +8,21 @@ fn xtask(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_xtask")).current_dir(folder).args(arguments).output().expect("the program starts")
 }
 
+/// Returns the document with the words for which ″ stands in its tables.
+fn whole(document: &str) -> String {
+    let mut source = "";
+    let mut text = String::new();
+    for line in document.lines() {
+        if let Some((name, rest)) = line.split_once(" | ″ |") {
+            text += &format!("{name} | {source} |{rest}\n");
+        } else {
+            source = line.split(" | ").nth(1).unwrap_or(source);
+            text += &format!("{line}\n");
+        }
+    }
+    text
+}
+
 #[test]
 fn all_checks_pass_and_the_document_lists_them() {
     let folder = tempfile::tempdir().unwrap();
@@ -19,7 +34,7 @@ fn all_checks_pass_and_the_document_lists_them() {
     assert_eq!((checks.len() as u64, &report["failed"]), (report["checks"].as_u64().unwrap(), &0.into()));
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/validation.md");
     let [committed, fresh] =
-        [committed, folder.path().join("validation.md")].map(|path| std::fs::read_to_string(path).unwrap());
+        [committed, folder.path().join("validation.md")].map(|path| whole(&std::fs::read_to_string(path).unwrap()));
     for check in checks {
         assert!(check["passed"] == true && (check["at_most"].is_f64() || check["at_least"].is_f64()), "{check}");
         let row = format!("| {} | {} |", check["name"].as_str().unwrap(), check["source"].as_str().unwrap());

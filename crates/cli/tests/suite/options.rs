@@ -113,8 +113,11 @@ impl Row {
     fn of(command: &str, arg: &Arg) -> Self {
         let name = key(arg);
         let (meaning, default) = meaning_and_default(arg);
-        let names =
-            if argument(name) == name { format!("`{name}`") } else { format!("`{}`, `{name}`", argument(name)) };
+        let names = match argument(name) {
+            same if same == name && arg.get_long().is_some_and(|long| long.replace('-', "_") == name) => String::new(),
+            same if same == name => format!("`{name}`"),
+            other => format!("`{other}`, `{name}`"),
+        };
         let texts = [kinds(name).join(", "), default, meaning].map(|text| marked(&text));
         let [kinds, default, meaning] = texts;
         let cells = [format!("`{}`", flag(arg)), names, kinds, default, meaning];
@@ -123,9 +126,11 @@ impl Row {
         Self { heading, key: name.to_owned(), cells, commands: vec![command.to_owned()] }
     }
 
-    fn line(&self) -> String {
+    /// Returns the row, with its commands if they are not the commands of the group.
+    fn line(&self, group: &[String]) -> String {
         let [flag, names, kinds, default, meaning] = &self.cells;
-        let row = [flag, names, kinds, default, &self.commands.join(", "), meaning];
+        let commands = if self.commands == group { String::new() } else { format!("{}: ", self.commands.join(", ")) };
+        let row = [flag, names, kinds, default, &format!("{commands}{meaning}")];
         row.iter()
             .fold("|".to_owned(), |line, cell| if cell.is_empty() { line + " |" } else { format!("{line} {cell} |") })
     }
@@ -159,10 +164,11 @@ const HEAD: &str = "# Options
 
 <!-- Made from the flags of crates/cli/src by `GFMD_DOCS=write cargo test -p gfmd-cli -- options`. -->
 
-All options of all commands, in the groups of `--help`. The second column is the key in configurations, files and
-messages, and the argument in Python, which comes first where it has another name. The third is the kind of the numbers
-that may have a unit ([units](units.md)), in turn for a list; 1 is a number without one. [Interface](interface.md) says
-what options do, and [together](together.md) which ones exclude each other.
+All options of all commands, in the groups of `--help`. The key of an option in configurations, files and messages, and
+its argument in Python, are the flag without the leading hyphens, with `_` in place of `-`; the second column has the
+exceptions, the argument first. The third is the kind of the numbers that may have a unit ([units](units.md)), in turn
+for a list; 1 is a number without one. A meaning begins with the commands if they are not the commands of the group.
+[Interface](interface.md) explains the commands, and [together](together.md) says which options exclude each other.
 ";
 
 #[test]
@@ -174,12 +180,14 @@ fn the_page_of_options_has_every_option() {
     headings.sort_by_key(|heading| heading.is_none());
     for heading in headings {
         let title = heading.as_deref().unwrap_or("Further options");
-        let head = "| flag | argument, key | kind | default | commands | meaning |\n|---|---|---|---|---|---|";
-        let _ = writeln!(page, "\n## {title}\n\n{head}");
+        let head = "| flag | argument, key | kind | default | meaning |\n|---|---|---|---|---|";
         let there: Vec<&Row> = rows.iter().filter(|row| &row.heading == heading).collect();
+        let count = |commands: &[String]| there.iter().filter(|row| row.commands == commands).count();
+        let group = there.iter().rev().max_by_key(|row| count(&row.commands)).map_or(&[][..], |row| &row.commands);
+        let _ = writeln!(page, "\n## {title}\n\nOf {}.\n\n{head}", group.join(", "));
         for key in in_order(there.iter().map(|row| &row.key)) {
             for row in there.iter().filter(|row| &row.key == key) {
-                page += &row.line();
+                page += &row.line(group);
                 page.push('\n');
             }
         }

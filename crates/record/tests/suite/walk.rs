@@ -120,11 +120,14 @@ fn the_page_has_the_columns() {
         "# The numbers and fields of a result\n\n\
          <!-- Made from crates/record/src by `GFMD_DOCS=write cargo test -p gfmd-record`. -->\n\n\
          Each load of `contact` and each step of `path` has the numbers below that apply to its problem: in HDF5 as\n\
-         `/loads/<name>[load]` and `/path/<name>[step]`; in the JSON of a load or step at the place given (`.0`, \
-         `.1`: indices\n\
-         in a list); in Python as attributes. A number without a value is `null` (NaN in HDF5 and Python), and its \
-         reason is in\n\
-         `undefined`: an object of the load or step, an attribute of the dataset.\n\n{}\n\
+         `/loads/<name>[load]` and `/path/<name>[step]`; in the JSON of a load or step under the same name, or at the \
+         place\n\
+         given (`.0`, `.1`: indices in a list); in Python as attributes. A number without a value is `null` (NaN in \
+         HDF5 and\n\
+         Python), and its reason is in `undefined`: an object of the load or step, an attribute of the dataset.\n\n\
+         `X_limit` is the estimate of the number X on an infinitely fine grid. It comes with `X_limit_error`, larger \
+         than 95 % of\n\
+         its errors, and `X_grid_error` = |X − limit| + limit_error, in the same unit.\n\n{}\n\
          Fields are `/fields/<name>[load,x,y]`, of a path `[waypoint,x,y]`:\n\n{}\n\
          With `--statistics` the loads of a contact and the waypoints of a path, called states here, also have these\n\
          arrays. Patches follow each other state by state; all other arrays have one row per state.\n\n{}\n\
