@@ -261,7 +261,7 @@ fn a_closed_adhesive_loop_loses_energy_by_its_jumps_alone() {
 fn the_table_of_a_path_has_the_columns_that_apply() {
     let folder = tempfile::tempdir().unwrap();
     let table = |flags: &str| {
-        let output = gfmd(folder.path(), &flags.split_whitespace().chain(["-q"]).collect::<Vec<_>>());
+        let output = gfmd(folder.path(), &flags.split_whitespace().chain(["-q", "--wide"]).collect::<Vec<_>>());
         assert!(output.status.success(), "{flags}");
         String::from_utf8(output.stdout).unwrap()
     };
