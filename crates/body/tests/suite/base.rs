@@ -121,20 +121,18 @@ fn a_base_that_moves_as_a_whole_takes_the_body_with_it() {
 
 #[test]
 fn a_surface_held_sideways_over_a_moving_base_is_free_of_normal_traction() {
-    for body in [
-        Body::slab(material(), 0.4).unwrap(),
-        Body::stack(&[(material(), 0.15), (material(), 0.2)], Base::BONDED).unwrap(),
-    ] {
-        let moved = noise(3 * N * N, 8);
-        let held = BaseField::Displacement(moved.clone()).held_displacement(&body, grid()).unwrap();
-        assert!(held[..2 * N * N].iter().all(|u| *u == 0.0));
-        let interior = Interior::new(&body, grid(), &held).unwrap().with_base(&moved).unwrap();
-        let mut ws = interior.workspace();
-        let deformation = interior.deformation(0.0, &mut ws).unwrap();
-        let stresses: Vec<[f64; 6]> = (0..N * N).map(|i| deformation.at(i).stress).collect();
-        let largest = |row: usize| stresses.iter().fold(0.0, |most: f64, stress| most.max(stress[row].abs()));
-        assert!(largest(2) < 1e-10 * largest(4), "{:e} {:e}", largest(2), largest(4));
-    }
+    let (body, moved) = (Body::slab(material(), 0.4).unwrap(), noise(3 * N * N, 8));
+    let held = BaseField::Displacement(moved.clone()).held_displacement(&body, grid()).unwrap();
+    assert!(held[..2 * N * N].iter().all(|u| *u == 0.0));
+    let interior = Interior::new(&body, grid(), &held).unwrap().with_base(&moved).unwrap();
+    let mut ws = interior.workspace();
+    let deformation = interior.deformation(0.0, &mut ws).unwrap();
+    let stresses: Vec<[f64; 6]> = (0..N * N).map(|i| deformation.at(i).stress).collect();
+    let largest = |row: usize| stresses.iter().fold(0.0, |most: f64, stress| most.max(stress[row].abs()));
+    assert!(largest(2) < 1e-10 * largest(4), "{:e} {:e}", largest(2), largest(4));
+    // Layers of one material are one slab.
+    let stack = Body::stack(&[(material(), 0.15), (material(), 0.25)], Base::BONDED).unwrap();
+    near(&BaseField::Displacement(moved).held_displacement(&stack, grid()).unwrap(), &held, 1e-12);
 }
 
 #[test]
