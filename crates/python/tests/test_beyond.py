@@ -140,7 +140,7 @@ def test_what_does_not_go_together_is_named():
     steep, squeezed, plain = (gfmd.contact(SMALL, BODY, p_star=0.1, **options) for options in (*KINDS.values(), {}))
     for arguments, words in [
         (dict(finite_slope=1), "finite_slope is 1"),
-        (dict(finite_slope=True, law=law), "law is morse; it must be hard-wall with finite_slope"),
+        (dict(finite_slope=True, law=law), "law is morse; it must be left out with finite_slope"),
         (
             dict(finite_slope=True, boundary="free", body=half_space),
             "boundary is free; it must be periodic with finite_slope",

@@ -171,7 +171,7 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
     }
     if case.index.is_multiple_of(3) {
         let mut words = bare;
-        words.extend(["--threads", "1"]);
+        words.extend(["--threads", "1", "--wide"]);
         let output = gfmd(folder, &words);
         found.must(output.status.success(), || "the table: another status".into());
         outlets::table(found, &String::from_utf8_lossy(&output.stdout), records, case.is_path);

@@ -26,14 +26,25 @@ _Base = Literal["bonded", "sliding", "free", "half-space"]
 
 
 class Material(dict[str, Any]):
-    """Arguments of `gfmd.Body` for a material, with its `name` and the `source` of the values. See `gfmd.material`."""
+    """Arguments of `gfmd.Body` for a material, with its `name` and the `source` of the values.
+
+    Example:
+        >>> steel = gfmd.material("steel-s355")
+        >>> steel.name, steel["young"]
+        ('steel-s355', '210GPa')
+    """
 
     name: str
     source: str
 
     @classmethod
     def named(cls, name: str, *others: str) -> Material:
-        """Returns the material with a name, and `others` of its values."""
+        """Returns the material with a name, and `others` of its values.
+
+        Example:
+            >>> gfmd.Material.named("aluminium")["poisson"]
+            0.3
+        """
         known: dict[str, dict[str, Any]] = json.loads(_gfmd.materials())
         if name not in known:
             raise InputError(f"material is {shown(name)}; it must be one of {', '.join(known)}")
@@ -47,8 +58,10 @@ class Material(dict[str, Any]):
 
 
 def material(name: str, *others: str) -> Material:
-    """Returns the arguments `young` and `poisson` of `gfmd.Body` for a material; its attribute `source` names where
-    the values stand. `gfmd.Body(material=name)` takes the same values, and results then record name and source.
+    """Returns the arguments `young` and `poisson` of `gfmd.Body` for a material.
+
+    Its attribute `source` names where the values stand. `gfmd.Body(material=name)` takes the same values, and results
+    then record name and source.
 
     Args:
         name: name of the material, as `gfmd materials` lists them.
