@@ -24,7 +24,8 @@ const FULL: &str = "all points are in contact, of a body whose mean level is fix
 impl Interface {
     /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by
     /// the wall kept, and the pressure of points at the hardness. The attraction counts, and under tension the
-    /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed. The error is the relative residual of the linear problem.
+    /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed. The error is the
+    /// relative residual of the linear problem.
     ///
     /// The linear problem is solved to a residual of `tolerance`, but at least to 1e-5 and at most to 1e-11.
     ///

@@ -254,7 +254,7 @@ fn units_that_are_mixed_up_are_told() {
 fn people_read_prefixes_and_programs_consistent_units() {
     let folder = folder();
     let flags = "contact --surface h.npy --size 10 --unit um --young 70GPa --pressure 5MPa,200MPa";
-    let output = gfmd(folder.path(), &words(flags));
+    let output = gfmd(folder.path(), &words(&format!("{flags} --wide")));
     let text = String::from_utf8(output.stdout).unwrap();
     for part in ["cell 10 µm x 10 µm", "E* = 70 GPa", "pressure / MPa", "mean gap / nm", "stiffness / (GPa/µm)"] {
         assert!(text.contains(part), "{part}: {text}");

@@ -140,12 +140,16 @@ fn limits_have_their_values() {
     let contact = Contact::new(&body, &grid, &heights).unwrap();
     let state = contact.press(full).solve().unwrap();
     approx::assert_relative_eq!(value(&contact, &state), 1.0 / body.normal_compliance(0.0), max_relative = 1e-14);
-    // A profile with free boundaries.
+    // A profile with free boundaries: the slope of the pressure against the approach.
     let line = Grid::line(32, 1.0).unwrap();
     let profile = Array2::from_shape_fn((32, 1), |(i, _)| heights[[i, 3]]);
     let contact = Contact::with_boundary(Boundary::Free, &half_space(), &line, &profile).unwrap();
-    let state = contact.press(Load::MeanPressure(0.01)).solve().unwrap();
-    assert!(contact.stiffness(&state, 1e-9).unwrap().value.is_nan());
+    let [below, state, above] = [-1e-7, 0.0, 1e-7].map(|more| {
+        let approach = contact.press(Load::MeanPressure(0.01)).tolerance(1e-12).solve().unwrap().approach + more;
+        contact.press(Load::Approach(approach)).tolerance(1e-12).solve().unwrap()
+    });
+    let slope = (above.mean_pressure - below.mean_pressure) / (above.approach - below.approach);
+    approx::assert_relative_eq!(contact.stiffness(&state, 1e-9).unwrap().value, slope, max_relative = 1e-4);
     // Every point at the hardness or apart.
     let contact = Contact::new(&half_space(), &grid, &heights).unwrap().with_hardness(0.01).unwrap();
     let pressure = heights.mapv(|h| if h > 0.0 { 0.01 } else { 0.0 });
