@@ -8,8 +8,9 @@ use crate::elastic::fits;
 use crate::units::power_of_two;
 
 /// Compliance of a non-periodic patch. The pressure is constant on the cell around every grid point and zero outside
-/// the patch. The displacement refers to the grid points. It is zero far away, or for a profile on a half-space one patch
-/// length away ([`patch_compliance`]; theory.md, section 3.1). Built once and shared between problems and threads.
+/// the patch. The displacement refers to the grid points. It is zero far away, or for a profile on a half-space one
+/// patch length away ([`patch_compliance`]; theory.md, section 3.1). Built once and shared between problems and
+/// threads.
 ///
 /// The inverse, a stiffness, is approximated: it is diagonal in cosine waves, with the inverse of the mean compliance
 /// of each wave on the patch, multiplied on both sides by weights that increase towards the edges, where the pressure

@@ -34,7 +34,7 @@ pub struct Parts<'a> {
     pub relaxation: Option<(&'a Prony, Relaxes)>,
     /// Wear of the surfaces.
     pub wear: Option<Wear>,
-    /// u_x and u_y (u_x of a profile) of the surface by a base that moves, `[x, y]`, in length; empty at rest. It counts
+    /// u_x and u_y (u_x of a profile) of the surface by a base that moves, `[x, y]`, in length; empty at rest. Counts
     /// for a law that moves all components.
     pub sideways: &'a [Array2<f64>],
 }
