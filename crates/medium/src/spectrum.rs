@@ -100,8 +100,8 @@ fn of_half_space(material: &Material, prony: &Prony) -> Vec<Branch> {
     direct.chain(of_bulk).collect()
 }
 
-/// Computes the 2n branches per wave of a slab without shear at its base: waves have the branches of a half-space, since
-/// their stiffness is E* times a function of height and wavenumber.
+/// Computes the 2n branches per wave of a slab without shear at its base: waves have the branches of a half-space,
+/// since their stiffness is E* times a function of height and wavenumber.
 fn of_loose_slab(body: &Body, grid: &Grid, prony: &Prony) -> Waves {
     let branches = of_half_space(body.material(), prony);
     let uniform = of_uniform(body, prony).chain(std::iter::repeat(0.0)).take(branches.len());

@@ -91,8 +91,8 @@ impl FreeCompliance {
         self.convolution.grid()
     }
 
-    /// Returns true if displacements have a reference level; false for the potential of a profile over a half-space, which
-    /// is known up to a constant.
+    /// Returns true if displacements have a reference level; false for the potential of a profile over a half-space,
+    /// which is known up to a constant.
     pub fn has_level(&self) -> bool {
         self.has_level
     }

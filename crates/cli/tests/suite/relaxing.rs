@@ -95,8 +95,8 @@ fn a_path_in_time_is_written_checked_drawn_and_told() {
         ("law-shear", "--law npc --param phi_n=1e-4,delta_n=4e-3,phi_t=1e-4,delta_t=4e-3 --height 0.3 --relaxes shear"),
         (
             "law-lateral",
-            "--law npc --param phi_n=1e-4,delta_n=4e-3,phi_t=1e-4,delta_t=4e-3 --lateral 0.001,0.002,0.003 --height 0.3 \
-             --base-displacement base.npy",
+            "--law npc --param phi_n=1e-4,delta_n=4e-3,phi_t=1e-4,delta_t=4e-3 --lateral 0.001,0.002,0.003 \
+             --height 0.3 --base-displacement base.npy",
         ),
         ("law-free", "--law dugdale --param gamma=1e-4,range=4e-3 --boundary free --flow"),
     ] {
