@@ -81,8 +81,8 @@ impl BaseArgs {
     }
 
     /// Reads the field for a body with a surface on this `grid`, which has `times` as many points along each side as
-    /// the field; `unit` is the unit of its lengths, if it has one. Values in between follow from the waves. The surface
-    /// may be held sideways.
+    /// the field; `unit` is the unit of its lengths, if it has one. Values in between follow from the waves. The
+    /// surface may be held sideways.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, has another shape or quantity, or is for another base.
