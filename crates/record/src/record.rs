@@ -161,7 +161,8 @@ pub const ROUGH: &str = "two digits and ~: the grid error of the number is not k
 pub const BRACKETS: &str = "digits in brackets: the grid error of the number in units of its last digit";
 
 /// Returns the lines below a table of rows: the meaning of brackets and `~`, if a number has them, and each reason
-/// once, with all the `shown` columns that it leaves without a value. `name` is what a row is called, in singular and plural.
+/// once, with all the `shown` columns that it leaves without a value. `name` is what a row is called, in singular and
+/// plural.
 /// The columns of the grid error of a number are named by the number.
 pub fn lines<S: Subject>(rows: &[Record<S>], name: [&str; 2], shown: impl Fn(&str) -> bool) -> Vec<String> {
     let cells = || rows.iter().flat_map(|row| &row.cells);
