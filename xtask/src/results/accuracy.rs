@@ -20,7 +20,7 @@ fn share(groups: &std::collections::BTreeMap<String, Coverage>, of: fn(&Coverage
     )
 }
 
-/// Returns the quantity whose relative errors those of `name` repeat: multiples, and the other axis.
+/// Returns the quantity with the same relative errors as `name`: a multiple of it, or its value along the other axis.
 fn same_as(name: &str) -> Option<&'static str> {
     match name {
         "kappa" => Some("area_fraction"),
