@@ -490,6 +490,7 @@ impl Report {
             spectrum,
             window: (!self.window.is_none()).then_some("Hann"),
             resolved: self.scan.as_ref().map(|scan| scan.resolves),
+            is_filtered: self.scan.as_ref().is_some_and(|scan| scan.band.is_some()),
             hurst: self.numbers.value("hurst").map(|hurst| {
                 (hurst, ["hurst_range_longest", "hurst_range_shortest"].map(|name| self.numbers.number(name)))
             }),

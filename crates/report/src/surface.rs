@@ -40,8 +40,10 @@ pub struct Subject<'a> {
     pub spectrum: &'a [RadialBin],
     /// Name of the window of the spectrum, if there was one.
     pub window: Option<&'a str>,
-    /// Longest and shortest wavelengths that the points of a scan resolve.
+    /// Longest and shortest wavelengths that the points of a scan resolve, or that its filters leave.
     pub resolved: Option<[f64; 2]>,
+    /// True if filters set the band of wavelengths.
+    pub is_filtered: bool,
     /// Fitted Hurst exponent, and the longest and shortest wavelengths of the fit.
     pub hurst: Option<(f64, [f64; 2])>,
     /// Autocorrelation, distributions, slopes against distance and bearing curve, if requested.
@@ -248,7 +250,10 @@ impl Subject<'_> {
             let caption = html! {
                 "Power spectral density, " @if !self.grid.is_line() { "averaged over rings of wave vectors; " }
                 "its integral over the " (of) " of wave vectors is " i { "S" } sub { "q" } "²."
-                @if self.resolved.is_some() { " The broken lines bound the band that the points resolve." }
+                @if self.resolved.is_some() {
+                    " The broken lines bound the band that the "
+                    @if self.is_filtered { "filters leave." } @else { "points resolve." }
+                }
             };
             page.chart(&chart, "power spectral density", &caption);
         }

@@ -32,7 +32,7 @@ fn inside(file: &File) -> Result<File, String> {
     if bytes.starts_with(b"\x1f\x8b") || bytes.starts_with(b"PK") {
         return Err("the file inside is an archive; unpack it and give the file inside".into());
     }
-    Ok(File::from_bytes(bytes))
+    Ok(File::from_bytes(bytes).with_image_heights(file.check_image_heights().is_ok()))
 }
 
 fn open(file: &File) -> Result<Contents<'_>, String> {

@@ -297,8 +297,20 @@ impl Topography {
     /// # Errors
     /// The errors of [`Topography::read`].
     pub fn from_bytes(name: &str, bytes: Vec<u8>, channel: Option<&str>) -> Result<Self, TopographyError> {
+        Self::from_bytes_as(name, bytes, Reading { channel, ..Reading::default() })
+    }
+
+    /// Reads a channel of a file from its bytes in memory as [`from_bytes`](Self::from_bytes) does, with other choices.
+    ///
+    /// # Errors
+    /// The errors of [`Topography::read`].
+    pub fn from_bytes_as(
+        name: &str,
+        bytes: Vec<u8>,
+        Reading { channel, image_heights }: Reading,
+    ) -> Result<Self, TopographyError> {
         let fail = |reason| TopographyError { file: name.into(), reason };
-        Self::decode(&File::from_bytes(bytes), name, channel).map_err(fail)
+        Self::decode(&File::from_bytes(bytes).with_image_heights(image_heights), name, channel).map_err(fail)
     }
 
     /// Creates a topography from an array in memory, `[x, y]`, or `[x]` for a profile, undefined where heights are not
@@ -404,7 +416,8 @@ impl Listing {
     /// # Errors
     /// An unknown format.
     pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, TopographyError> {
-        Self::of(&File::from_bytes(bytes)).map_err(|reason| TopographyError { file: name.into(), reason })
+        let file = File::from_bytes(bytes).with_image_heights(true);
+        Self::of(&file).map_err(|reason| TopographyError { file: name.into(), reason })
     }
 
     fn of(file: &File) -> Result<Self, String> {
@@ -520,6 +533,20 @@ fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<
     if by_name.is_empty() {
         by_name = with(&|name| name.eq_ignore_ascii_case(asked));
     }
+    if by_name.is_empty() {
+        // The last parts of a path.
+        let end = format!("/{}", asked.trim_start_matches('/')).to_lowercase();
+        by_name = with(&|name| name.to_lowercase().ends_with(&end));
+    }
+    if by_name.is_empty() {
+        // Programs show `HeightRetrace` as "Height Retrace", and `Z_fwd` as "Z fwd".
+        let wanted = letters(asked);
+        let same = |name: &str| !wanted.is_empty() && letters(name) == wanted;
+        let aliases = contents.aliases.iter().filter(|(_, alias)| same(alias)).map(|(number, _)| *number);
+        by_name = aliases.chain(with(&|name| same(name))).collect();
+        by_name.sort_unstable();
+        by_name.dedup();
+    }
     if let [_, _, ..] = by_name[..] {
         let numbers: Vec<String> = by_name.iter().take(LISTED).map(usize::to_string).collect();
         let (numbers, count) = (numbers.join(", "), by_name.len());
@@ -533,6 +560,11 @@ fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<
         .copied()
         .or_else(by_number)
         .ok_or_else(|| format!("the channel is {asked}; it must be one of {}", listed()))
+}
+
+/// Returns the letters and digits of a name in lower case.
+fn letters(name: &str) -> String {
+    name.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 /// Returns the number of points along x and y of an array of one or two dimensions.

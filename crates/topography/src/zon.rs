@@ -1,8 +1,12 @@
 //! Keyence ZON (`.zon`): profilometers of Keyence, VR series. Numbers are little-endian.
 //!
 //! A picture, then a zip archive with members of fixed names: the calibration as XML, in m, the heights as counts, and
-//! marks of points that were not measured. Lines are padded, the top line first. Members compressed by Zstandard
-//! (`KPK1`) are not read.
+//! marks of points that were not measured. Lines are padded, the top line first. In files that begin with `KPK1` each
+//! member is a frame of Zstandard.
+
+use std::io::Read;
+
+use ruzstd::decoding::StreamingDecoder;
 
 use super::bytes::{Bytes, Order, Sample, clip, count, factor, positive};
 use super::file::File;
@@ -23,6 +27,34 @@ fn sniff(file: &File) -> bool {
     file.starts_with(b"KPK0") || file.starts_with(b"KPK1")
 }
 
+/// Largest ratio of compression of a frame, and the number of bytes that any frame may have.
+const MOST_RATIO: u64 = 64;
+const SMALL: u64 = 1 << 20;
+
+/// Largest part of a frame that the decoder keeps, in bytes: what a decoder must be able to keep (RFC 8878, section
+/// 3.1.1.1.2).
+const WINDOW: u64 = 8 << 20;
+
+/// Decompresses a frame of Zstandard, and no more than a frame of its length may have.
+fn decompress(name: &str, frame: &[u8]) -> Result<Vec<u8>, String> {
+    let most = (frame.len() as u64).saturating_mul(MOST_RATIO).max(SMALL);
+    let damaged = |reason: String| format!("the frame of Zstandard {name} is damaged: {reason}");
+    let decoder = StreamingDecoder::new_with_max_window_size(frame, WINDOW);
+    let mut bytes = Vec::new();
+    let decoder = decoder.map_err(|error| damaged(error.to_string()))?;
+    decoder.take(most + 1).read_to_end(&mut bytes).map_err(|error| damaged(error.to_string()))?;
+    if bytes.len() as u64 > most {
+        return Err(format!("the frame of Zstandard {name} has more than {most} bytes; it must have fewer"));
+    }
+    Ok(bytes)
+}
+
+/// Reads a member of the archive, which is compressed by Zstandard if `is_frame`.
+fn member(zip: &mut Zip, name: &str, is_frame: bool) -> Result<Vec<u8>, String> {
+    let bytes = zip.whole(name)?;
+    if is_frame { decompress(name, &bytes) } else { Ok(bytes) }
+}
+
 /// Numbers of a member.
 struct Array {
     points: [usize; 2],
@@ -33,8 +65,7 @@ struct Array {
 
 impl Array {
     /// Reads the head of a member and checks its length.
-    fn read(zip: &mut Zip, name: &str, sample: Sample) -> Result<Self, String> {
-        let all = zip.whole(name)?;
+    fn read(all: Vec<u8>, sample: Sample) -> Result<Self, String> {
         let mut bytes = Bytes::new(&all, Order::Little);
         let points = [count("the number of columns", bytes.i32()?)?, count("the number of lines", bytes.i32()?)?];
         let lengths = [count("the bytes of a number", bytes.i32()?)?, count("the bytes of a line", bytes.i32()?)?];
@@ -67,13 +98,12 @@ impl Array {
 }
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
-    if file.starts_with(b"KPK1") {
-        return Err(
-            "the members are compressed by Zstandard (KPK1), which is not read; export the heights as CSV".into()
-        );
-    }
+    let is_frame = file.starts_with(b"KPK1");
     let mut zip = Zip::open(file)?;
-    let text = zip.read(CALIBRATION, MOST_TEXT)?;
+    let text = member(&mut zip, CALIBRATION, is_frame)?;
+    if text.len() as u64 > MOST_TEXT {
+        return Err(format!("the calibration has {} bytes; it must have at most {MOST_TEXT}", text.len()));
+    }
     let text = String::from_utf8(text).map_err(|_| "the calibration is not text in UTF-8")?;
     let document = xml("Calibration", text.trim_start_matches('\u{feff}'))?;
     let number = |group: &str, name: &str| {
@@ -84,8 +114,11 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     };
     let spacing = positive("MeterPerPixel", number("XYCalibration", "MeterPerPixel")?)?;
     let scale = factor("MeterPerUnit", number("ZCalibration", "MeterPerUnit")?)?;
-    let heights = Array::read(&mut zip, HEIGHTS, Sample::I32)?;
-    let marks = zip.meant(MARKS).map(|name| Array::read(&mut zip, &name, Sample::U8)).transpose()?;
+    let heights = Array::read(member(&mut zip, HEIGHTS, is_frame)?, Sample::I32)?;
+    let marks = match zip.meant(MARKS) {
+        Some(name) => Some(Array::read(member(&mut zip, &name, is_frame)?, Sample::U8)?),
+        None => None,
+    };
     let [nx, ny] = heights.points;
     if let Some(marks) = marks.as_ref().filter(|marks| marks.points != heights.points) {
         let [mx, my] = marks.points;

@@ -108,7 +108,8 @@ impl Subject<'_> {
         let at = |wavelength: f64| [lowest, highest].map(|density| scaled((TAU / wavelength, density)));
         if let Some([longest, shortest]) = self.resolved {
             let [long, small] = [longest, shortest].map(|wavelength| short(wavelength * side.factor));
-            let words = format!("resolved: {long} to {small} {}", side.name);
+            let band = if self.is_filtered { "filters" } else { "resolved" };
+            let words = format!("{band}: {long} to {small} {}", side.name);
             series.push(Series { mark: Mark::Dashes, ..Series::line(&words, 1, at(longest)) });
             series.push(Series { mark: Mark::Dashes, ..Series::line("", 1, at(shortest)) });
         }

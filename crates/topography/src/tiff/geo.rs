@@ -27,6 +27,8 @@ const DEGREES: f64 = 2.0;
 pub(super) struct Ground {
     /// Spacing in m.
     pub(super) spacing: [f64; 2],
+    /// True if the first line is the southern one.
+    pub(super) begins_south: bool,
     pub(super) height_unit: String,
     pub(super) scale: f64,
     pub(super) offset: f64,
@@ -45,11 +47,7 @@ impl Ground {
     /// # Errors
     /// Coordinates in degrees, a turned image, an unknown unit.
     pub(super) fn of(page: &Page, sample: Sample) -> Result<Self, String> {
-        if page.has(TURNED) {
-            return Err("the image is turned against the coordinates; write it again without a turn (gdalwarp)".into());
-        }
-        let numbers: Vec<f64> = page.numbers(SPACING)?.take(2).collect();
-        let [x, y] = numbers[..] else { return Err("the tag 33550 has one number; it must have two".into()) };
+        let ([x, y], begins_south) = steps(page)?;
         let spacing = [positive("the spacing along x", x)?, positive("the spacing along y", y)?];
         let quads: Vec<f64> = page.numbers(KEYS)?.take(4096).collect();
         let key = |key: f64| quads.chunks_exact(4).find(|quad| quad[0] == key && quad[1] == 0.0).map(|quad| quad[3]);
@@ -90,13 +88,28 @@ impl Ground {
         #[expect(clippy::cast_possible_truncation, reason = "the numbers have single precision")]
         let missing = missing.map(|number| if sample == Sample::F32 { f64::from(number as f32) } else { number });
         let [spacing, [scale, offset]] = [spacing.map(|step| step * metres), [scale * factor, offset * factor]];
-        Ok(Self { spacing, height_unit, scale, offset, missing, warnings })
+        Ok(Self { spacing, begins_south, height_unit, scale, offset, missing, warnings })
     }
 
     /// Returns the height of a number.
     pub(super) fn height(&self, number: f64) -> f64 {
         if self.missing == Some(number) { f64::NAN } else { self.scale * number + self.offset }
     }
+}
+
+/// Returns the steps along x and y from one point to the next, and true if y rises from line to line.
+fn steps(page: &Page) -> Result<([f64; 2], bool), String> {
+    if page.has(TURNED) {
+        // Rows of the matrix from columns and lines to coordinates.
+        let matrix: Vec<f64> = page.numbers(TURNED)?.take(8).collect();
+        return match matrix[..] {
+            [x, 0.0, _, _, 0.0, y, ..] => Ok(([x, y.abs()], y > 0.0)),
+            _ => Err("the image is turned against the coordinates; write it again without a turn (gdalwarp)".into()),
+        };
+    }
+    let numbers: Vec<f64> = page.numbers(SPACING)?.take(2).collect();
+    let [x, y] = numbers[..] else { return Err("the tag 33550 has one number; it must have two".into()) };
+    Ok(([x, y], false))
 }
 
 /// Returns the length in m of the unit with a number of EPSG.

@@ -78,7 +78,13 @@ fn channel<'a>(
             height_unit: height_unit.clone(),
             ..Map::default()
         };
-        let read = Box::new(move || Ok(Map { heights: image.read(|number| ground.height(number))?, ..map }));
+        let read = Box::new(move || {
+            let mut heights = image.read(|number| ground.height(number))?;
+            if ground.begins_south {
+                heights.invert_axis(ndarray::Axis(1));
+            }
+            Ok(Map { heights, ..map })
+        });
         return Ok(Channel { name, unit: height_unit, points, read });
     }
     let mut pixel = match () {

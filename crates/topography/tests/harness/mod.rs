@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use gfmd_topography::{Listing, Topography};
+use gfmd_topography::{Listing, Reading, Topography};
 use mutate::Random;
 pub(crate) use mutate::Seed;
 pub(crate) use seeds::seeds;
@@ -89,7 +89,8 @@ pub(crate) fn check(name: &str, bytes: &[u8], count: &mut Count) -> Result<bool,
     let copy = bytes.to_vec();
     let before = memory::start();
     // The copy of the file is part of the memory.
-    let map = caught(|| Topography::from_bytes("file", copy, None))?;
+    let reading = Reading { image_heights: true, ..Reading::default() };
+    let map = caught(|| Topography::from_bytes_as("file", copy, reading))?;
     let (peak, time) = (memory::peak(before) + bytes.len(), started.elapsed());
     let grid = match &map {
         Ok(map) => map.heights.len(),

@@ -1,6 +1,7 @@
 //! Files with one grid behind a short head, of probe microscopes, and of images, built by hand.
 
-use gfmd_topography::Topography;
+use gfmd_topography::{Listing, Reading, Topography};
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 use crate::instruments::{Expected, check, check_at, edited, read, refusal};
 use crate::made::{self, grids, keyence, mnt, olympus, others, probes, tiff, xlsx};
@@ -139,15 +140,23 @@ fn keyence_has_the_size_of_a_pixel_and_marks_points_not_measured() {
     let second = Topography::from_bytes("scan", keyence::vk(4), Some("Height 2")).unwrap();
     assert_eq!(second.heights[[4, 0]], 2.0 * 0.125 * 421.0);
     let zon = Expected { format: "Keyence ZON", lengths: [2.5, 2.0], unit: "m", scale: 0.125, ..GRID };
-    let map = check(keyence::zon(), &zon);
-    assert_eq!(map.notes, ["1 points with other marks keep their heights; some programs leave them out"]);
+    for version in [0, 1] {
+        let map = check(keyence::zon(version), &zon);
+        assert_eq!(map.notes, ["1 points with other marks keep their heights; some programs leave them out"]);
+    }
     let mut bytes = keyence::vk(4);
     bytes[12 + 4 * 18 + 4 * 44..][..4].fill(0);
     assert_eq!(refusal(bytes), "the height of a count is 0; it must be finite and not zero");
     let mut bytes = keyence::vk(4);
     bytes[12 + 4 * 18 + 180..][..4].fill(0x7f);
     assert_eq!(refusal(bytes), "the heights have 80 bytes; 2139062143 by 4 points need 34224994288");
-    assert!(refusal(edited(keyence::zon(), "KPK0", "KPK1")).contains("Zstandard (KPK1), which is not read; "));
+    let no_frame = refusal(edited(keyence::zon(0), "KPK0", "KPK1"));
+    assert!(no_frame.starts_with("the frame of Zstandard 686613b8-27b5-4a29-8ffc-438c2780873e is damaged: "));
+    let frame = compress_to_vec(&vec![0; 4 << 20][..], CompressionLevel::Fastest);
+    let archive = made::zipped(&[("686613b8-27b5-4a29-8ffc-438c2780873e", frame)], zip::CompressionMethod::Stored);
+    assert!(
+        refusal([b"KPK1".to_vec(), archive].concat()).ends_with(" has more than 1048576 bytes; it must have fewer")
+    );
 }
 
 #[test]
@@ -208,6 +217,43 @@ fn images_have_a_size_only_if_a_program_says_so() {
     check(tiff::imagej(true), &Expected { format: "TIFF", scale: 0.125e-3, undefined: false, ..GRID });
     let map = check(tiff::ground(1), &Expected { format: "TIFF", unit: "m", scale: 0.125, ..GRID });
     assert_eq!(map.warnings, ["the file names no unit of the heights; the unit along the ground is assumed"]);
+}
+
+#[test]
+fn a_matrix_of_coordinates_tells_spacing_and_order_of_the_lines_or_a_turn() {
+    let expected = Expected { format: "TIFF", unit: "m", scale: 1.0, undefined: false, ..GRID };
+    let north_first = check(tiff::ground_with_matrix([0.5, 0.0, -0.25]), &expected);
+    let read = |matrix| Topography::from_bytes("scan", tiff::ground_with_matrix(matrix), None).unwrap();
+    let south_first = read([0.5, 0.0, 0.25]);
+    assert_eq!(south_first.lengths, north_first.lengths);
+    assert_eq!(south_first.heights, north_first.heights.slice(ndarray::s![.., ..;-1]));
+    let found = refusal(tiff::ground_with_matrix([0.5, 0.1, -0.25]));
+    assert!(found.starts_with("the image is turned against the coordinates; "), "{found}");
+    assert_eq!(
+        refusal(tiff::ground_with_matrix([-0.5, 0.0, -0.25])),
+        "the spacing along x is -0.5; it must be positive and finite"
+    );
+}
+
+#[test]
+fn images_of_8_bits_in_memory_and_in_archives_are_heights_if_the_caller_says_so() {
+    for bytes in [others::png_of_8_bits(), others::gzipped(&others::png_of_8_bits())] {
+        assert!(refusal(bytes.clone()).starts_with("the image has 8 bits a pixel, as pictures have; "));
+        let reading = Reading { image_heights: true, ..Reading::default() };
+        let map = Topography::from_bytes_as("scan", bytes.clone(), reading).unwrap();
+        assert_eq!(map.heights, ndarray::arr2(&[[3.0, 1.0], [4.0, 2.0]]));
+        assert_eq!(Listing::from_bytes("scan", bytes).unwrap().channels.len(), 1);
+    }
+}
+
+#[test]
+fn channels_are_found_by_names_as_programs_show_them() {
+    let igor = || Topography::from_bytes("scan", made::ibw(true), Some("height trace"));
+    assert_eq!(igor().unwrap().channel.as_deref(), Some("HeightTrace"));
+    let second = Topography::from_bytes("scan", keyence::vk(4), Some("height_2")).unwrap();
+    assert_eq!(second.channel.as_deref(), Some("Height 2"));
+    let unknown = Topography::from_bytes("scan", keyence::vk(4), Some("--")).unwrap_err();
+    assert_eq!(unknown.reason, "the channel is --; it must be one of 0 Height 1, 1 Height 2");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Files of Keyence.
 
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use zip::CompressionMethod;
 
 use super::{Bytes, POINTS, is_undefined, joined, lines, zipped};
@@ -42,8 +43,8 @@ pub(crate) fn vk_archive(version: u8) -> Vec<u8> {
     picture.add(zipped(&members, CompressionMethod::Deflated)).0
 }
 
-/// ZON: pixels of 0.5 m, heights of 0.125 m, lines padded to 24 bytes; a point was not measured, another has a mark.
-pub(crate) fn zon() -> Vec<u8> {
+/// ZON of version 0 or 1, whose members are frames of Zstandard: pixels of 0.5 m, heights of 0.125 m, lines padded to 24 bytes; a point was not measured, another has a mark.
+pub(crate) fn zon(version: u8) -> Vec<u8> {
     let [nx, ny] = POINTS.map(|n| n as i32);
     let calibration = "\u{feff}<Calibration><XYCalibration><MeterPerPixel>0.5</MeterPerPixel></XYCalibration>\
                        <ZCalibration><MeterPerUnit>0.125</MeterPerUnit></ZCalibration></Calibration>";
@@ -57,5 +58,10 @@ pub(crate) fn zon() -> Vec<u8> {
         ("4cdb0c75-5706-48cc-a9a1-adf395d609ae", Bytes::default().ints(&[nx, ny, 4, 24]).add(joined(heights)).0),
         ("9e7ca6dd-0e6a-4d7b-8986-f0a7b773c916", Bytes::default().ints(&[nx, ny, 1, 6]).add(marks).0),
     ];
-    Bytes::default().add("KPK0").ints(&[8]).add("BM").zeros(6).add(zipped(&members, CompressionMethod::Stored)).0
+    let members = members.map(|(name, bytes)| match version {
+        0 => (name, bytes),
+        _ => (name, compress_to_vec(&bytes[..], CompressionLevel::Fastest)),
+    });
+    let picture = Bytes::default().add(format!("KPK{version}")).ints(&[8]).add("BM").zeros(6);
+    picture.add(zipped(&members, CompressionMethod::Stored)).0
 }

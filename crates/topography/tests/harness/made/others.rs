@@ -51,23 +51,34 @@ pub(crate) fn ply(format: &str) -> Vec<u8> {
 
 /// PNG: grey numbers of 16 bits above 150, with the texts of Gwyddion, 2.5 by 1 µm and 0.125 nm for a number, or none.
 pub(crate) fn png(has_texts: bool) -> Vec<u8> {
-    let chunk = |kind: &[u8], content: &[u8]| {
-        let mut sum = Crc::new();
-        sum.update(kind);
-        sum.update(content);
-        [&(content.len() as u32).to_be_bytes(), kind, content, &sum.sum().to_be_bytes()].concat()
-    };
-    let [nx, ny] = POINTS.map(|n| (n as u32).to_be_bytes());
-    let head = [&nx[..], &ny, &[16, 0, 0, 0, 0]].concat();
     let texts =
         [("XReal", "2.5"), ("YReal", "1"), ("XYUnit", "um"), ("ZUnit", "nm"), ("ZMin", "0"), ("ZMax", "8191.875")];
     let texts = texts.iter().filter(|_| has_texts);
     let texts = texts.flat_map(|(key, value)| chunk(b"tEXt", format!("Gwy::{key}\0{value}").as_bytes()));
     let numbers: Vec<u16> = lines().map(|height| (height + 150) as u16).collect();
     let line = |line: &[u16]| [vec![0], joined(line.iter().map(|number| number.to_be_bytes()))].concat();
-    let data = deflated(&numbers.chunks(POINTS[0]).flat_map(line).collect::<Vec<u8>>());
-    let start = [b"\x89PNG\r\n\x1a\n".to_vec(), chunk(b"IHDR", &head), texts.collect()].concat();
-    [start, chunk(b"IDAT", &data), chunk(b"IEND", &[])].concat()
+    image(POINTS, 16, texts.collect(), &numbers.chunks(POINTS[0]).flat_map(line).collect::<Vec<u8>>())
+}
+
+/// PNG: 2 by 2 grey numbers of 8 bits, 3 and 4 in the bottom line.
+pub(crate) fn png_of_8_bits() -> Vec<u8> {
+    image([2, 2], 8, vec![], &[0, 1, 2, 0, 3, 4])
+}
+
+/// PNG of grey numbers with these texts, and lines that begin with the number of their filter.
+fn image(points: [usize; 2], bits: u8, texts: Vec<u8>, lines: &[u8]) -> Vec<u8> {
+    let [nx, ny] = points.map(|n| (n as u32).to_be_bytes());
+    let head = [&nx[..], &ny, &[bits, 0, 0, 0, 0]].concat();
+    let start = [b"\x89PNG\r\n\x1a\n".to_vec(), chunk(b"IHDR", &head), texts].concat();
+    [start, chunk(b"IDAT", &deflated(lines)), chunk(b"IEND", &[])].concat()
+}
+
+/// Chunk of PNG.
+fn chunk(kind: &[u8], content: &[u8]) -> Vec<u8> {
+    let mut sum = Crc::new();
+    sum.update(kind);
+    sum.update(content);
+    [&(content.len() as u32).to_be_bytes(), kind, content, &sum.sum().to_be_bytes()].concat()
 }
 
 /// Softgauge: a profile of 4 points every 0.5 µm, heights of 0.125 µm per number.

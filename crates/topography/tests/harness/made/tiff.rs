@@ -251,3 +251,11 @@ pub(crate) fn ground(model: u16) -> Vec<u8> {
     let page = image(32, 3, 4, vec![data]).tag(33550, Doubles(vec![0.5, 0.25, 0.0])).tag(34735, Shorts(keys));
     written(&[page.text(42112, metadata).text(42113, "-9999")], false)
 }
+
+/// GeoTIFF whose matrix of coordinates has these elements for a step along a line and for the next line.
+pub(crate) fn ground_with_matrix([along_x, turn, along_y]: [f64; 3]) -> Vec<u8> {
+    let data = joined(lines().map(f32::from).map(f32::to_le_bytes));
+    let mut matrix = vec![0.0; 16];
+    (matrix[0], matrix[1], matrix[5], matrix[15]) = (along_x, turn, along_y, 1.0);
+    written(&[image(32, 3, 4, vec![data]).tag(34264, Doubles(matrix))], false)
+}
