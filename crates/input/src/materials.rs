@@ -130,6 +130,6 @@ mod tests {
             assert!(of_table(&mut both).unwrap_err().to_string().contains("it must be given without"), "{key}");
         }
         let mut unknown = Table::from_iter([(MATERIAL.to_owned(), "mithril".into())]);
-        assert!(of_table(&mut unknown).unwrap_err().to_string().contains("aluminium, fused-silica"));
+        assert!(of_table(&mut unknown).unwrap_err().to_string().contains("aluminium, copper-etp, fused-silica"));
     }
 }

@@ -1,7 +1,12 @@
-"""The page of classical problems: its lines run, print what stands below them, and agree with the closed forms."""
+"""The page of classical problems: its lines run, print what stands below them, and agree with the closed forms.
+
+`GFMD_DOCS=write pytest crates/python/tests/test_classical.py` writes the notebook with the lines of the page.
+"""
 
 import contextlib
 import io
+import json
+import os
 import re
 import shlex
 import subprocess
@@ -13,6 +18,7 @@ import numpy as np
 import pytest
 
 PAGE = Path(__file__).parents[3] / "docs" / "classical.md"
+NOTEBOOK = Path(__file__).parents[1] / "examples" / "classical.ipynb"
 
 pytestmark = pytest.mark.skipif(not PAGE.exists(), reason="the repository is not there")
 
@@ -59,6 +65,38 @@ def test_the_command_is_the_same_contact(blocks, tmp_path, monkeypatch):
     surfaces = [value for value in names.values() if isinstance(value, gfmd.Surface)]
     surfaces += [value.surface for value in names.values() if isinstance(value, gfmd.Contact)]
     assert np.array_equal(gfmd.read(f"{out}:/surface/height").heights, surfaces[0].heights)
+
+
+def cells():
+    """Yields the cells of the notebook: the text of the page without its commands, its lines, what they print."""
+
+    def cell(kind, text, **more):
+        return {"cell_type": kind, "id": f"cell-{number}", "metadata": {}, "source": text.splitlines(True), **more}
+
+    def code(text, printed=""):
+        output = {"output_type": "stream", "name": "stdout", "text": printed.splitlines(True)}
+        return cell("code", text, execution_count=None, outputs=[output] if printed else [])
+
+    number = 0
+    yield code("import gfmd\nimport numpy as np")
+    page = re.sub(r"```sh\n.*?```\n+", "", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    page = re.sub(r"\]\((?!http|#)[^)]*\)", "]", page).replace("[", "").replace("]", "")
+    for text in re.split(r"(```python\n.*?```\n+```text\n.*?```)", page, flags=re.DOTALL):
+        number += 1
+        blocks = dict(re.findall(r"```(python|text)\n(.*?)```", text, re.DOTALL))
+        if blocks:
+            yield code(blocks["python"].rstrip("\n"), blocks["text"])
+        elif text.strip():
+            yield cell("markdown", text.strip())
+
+
+def test_the_notebook_has_the_lines_of_the_page():
+    kernel = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}}
+    notebook = {"cells": [*cells()], "metadata": kernel, "nbformat": 4, "nbformat_minor": 5}
+    text = json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+    if os.environ.get("GFMD_DOCS") == "write":
+        NOTEBOOK.write_text(text, encoding="utf-8")
+    assert NOTEBOOK.read_text(encoding="utf-8") == text
 
 
 def test_shapes_are_the_closed_forms_and_may_be_rough():
