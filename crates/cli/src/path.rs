@@ -8,6 +8,7 @@ mod figures;
 mod legs;
 mod memory;
 mod report;
+mod stored;
 mod strain;
 mod waypoints;
 
@@ -16,7 +17,7 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 use gfmd_check::statistics;
-use gfmd_contact::{Drive, Load, Solver};
+use gfmd_contact::{Drive, Load, RigidSurface, Solver};
 use gfmd_interface::{LimitingPressure, Path, Refinement, Step, Wear};
 use gfmd_law::LawKind;
 use gfmd_plasticity::PlasticState;
@@ -38,10 +39,12 @@ use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::Options;
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArgs, PronyArgs, WearArgs};
+use gfmd_record::Record;
 use gfmd_report::figures::{Scene, parse_prefix};
-use gfmd_run::series::{Asked, Head, Prepared, SeriesOutcome, StateFile, StiffnessArgs};
+use gfmd_run::series::{Asked, Head, Places, Prepared, SeriesOutcome, StateFile, StiffnessArgs};
 
 pub use self::report::{Report, Sliding};
+pub use self::stored::stored;
 
 /// Default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
 const FRICTION_SOLVES: u64 = 10;
@@ -300,13 +303,8 @@ fn finish(
     let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
     let out = session.written(out);
-    let mut head = Head::new(&args.asked()?, prepared, contact.surface());
-    head.relaxation = args.prony.relaxation(&args.body)?;
-    head.yielding = prepared.yielding(&args.plasticity)?;
-    let report = Report::new(head, args.waypoints.along(), records, places);
-    let coefficient = args.wear.coefficient;
-    let facts = prepared.facts;
-    let mut report = Report { facts, coefficient, parted_at, not_converged, out, ..report };
+    let report = report_of(args, prepared, contact.surface(), (records, places))?;
+    let mut report = Report { parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
         let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
         let depth = path.state().and_then(|state| state.on_path()?.wear_depth());
@@ -314,6 +312,20 @@ fn finish(
         report.plots = figures::draw(prefix, &report, places, &scene, (&prepared.surface, depth, strained))?;
     }
     Ok(Outcome { report, failure })
+}
+
+/// Returns the report of the steps of a path on this rigid surface, whose legs end at `places`.
+fn report_of(
+    args: &Args,
+    prepared: &Prepared,
+    surface: &RigidSurface,
+    (records, places): (Vec<Record>, &Places),
+) -> Result<Report, Failure> {
+    let mut head = Head::new(&args.asked()?, prepared, surface);
+    head.relaxation = args.prony.relaxation(&args.body)?;
+    head.yielding = prepared.yielding(&args.plasticity)?;
+    let report = Report::new(head, args.waypoints.along(), records, places);
+    Ok(Report { facts: prepared.facts, coefficient: args.wear.coefficient, ..report })
 }
 
 /// Yield stress divided by Young's modulus above which the strain at yield is not small.

@@ -97,6 +97,27 @@ pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<(Vec<String>,
     Ok((texts.collect::<PyResult<_>>()?, fields))
 }
 
+/// Reads the report of the path in a file, as JSON, and the names of its fields.
+#[pyfunction]
+pub(crate) fn read_path(py: Python<'_>, path: &str) -> PyResult<(String, Vec<&'static str>)> {
+    let read = quick(py, || {
+        let reader = Reader::open(path)?;
+        let report = gfmd_cli::path::stored(&reader, &Session::embedded())?;
+        let there = |name: &&str| reader.contains(&format!("/fields/{name}"));
+        let names = arrays(&report.facts).map(|array| array.name).filter(there).collect();
+        Ok::<_, Failure>((json::to_string(&report), names))
+    })?;
+    let (text, fields) = read.map_err(|failure| unusable(py, failure))?;
+    Ok((text.map_err(|error| refused(py, &error))?, fields))
+}
+
+/// Reads the kind of a result, the name of its command.
+#[pyfunction]
+pub(crate) fn read_kind(py: Python<'_>, path: &str) -> PyResult<Option<&'static str>> {
+    let read = quick(py, || Ok::<_, gfmd_files::FileError>(ResultKind::of(&Reader::open(path)?)))?;
+    Ok(read.map_err(|error| refused(py, &error))?.map(ResultKind::name))
+}
+
 /// Reads a text attribute of a file.
 #[pyfunction]
 pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> PyResult<String> {
@@ -116,7 +137,7 @@ fn other(kind: ResultKind) -> String {
         ResultKind::Study => ("study", "study"),
     };
     format!(
-        "it is a result of {name}, and load returns those of contact; gfmd.{function} returns one of {name}, \
+        "it is a result of {name}, and load returns results of contact and path; gfmd.{function} returns one of {name}, \
          h5py.File(FILE)[\"{group}\"] has its numbers, and the command gfmd report FILE makes its page"
     )
 }

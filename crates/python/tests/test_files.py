@@ -135,6 +135,75 @@ def test_the_file_is_that_of_the_program(case, folder, run_program):
     assert drawn[0] == drawn[1] and len(drawn[0]) == len(result.figures()) > 1
 
 
+def equal(one, other):
+    """True if two results, records or arrays have the same keys and numbers."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
+    if isinstance(one, gfmd.Surface):
+        return equal(one.heights, other.heights) and (one.size, one.unit) == (other.size, other.unit)
+    if hasattr(one, "keys"):
+        return one.keys() == other.keys() and all(equal(one[name], other[name]) for name in one)
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(equal, one, other))
+    return one == other or (one != one and other != other)
+
+
+STEEL = gfmd.Body(poisson=0.3, yield_stress=0.01, hardening=0.02)
+SLIP = dict(friction=0.5, lateral=[0, 0.002], wear=gfmd.Wear(10.0, by="slip"), tolerance=1e-6)
+BETWEEN = dict(lower_surface=gfmd.self_affine(n=32, eps_f_inv=4, seed=7))
+PATHS = {
+    **{name: made for name, (made, words) in CASES.items() if "path" in words or "wear" in words},
+    "steel": lambda **more: gfmd.path(ROUGH, STEEL, p_star=[0.02, 0.001], steps=1, **more),
+    "fretting": lambda **more: gfmd.path(ROUGH, gfmd.Body(), pressure=0.01, steps=1, **SLIP, **more),
+    "slab": lambda **more: gfmd.path(ROUGH, gfmd.Body(height=0.2), pressure=0.01, steps=1, **BETWEEN, **more),
+    "field": lambda **more: gfmd.path(
+        ROUGH, gfmd.Body(), p_star=[0.2, 0.01], steps=1, hardness=0.1 + np.abs(ROUGH.heights), **more
+    ),
+    "sticky": lambda **more: gfmd.path(
+        ROUGH, gfmd.Body(), law=gfmd.law("exponential", gamma=1e-4, range=1.2e-3), approach=[-0.004, 0.004], **more
+    ),
+    "patch": lambda **more: gfmd.path(
+        gfmd.sphere("2 mm", size="0.2 mm", n=32),
+        gfmd.Body(young="70 GPa", poisson=0.3),
+        force=["0.1 N", "0.2 N"],
+        boundary="free",
+        statistics=True,
+        flow=True,
+        **more,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", PATHS)
+def test_a_path_is_loaded_from_its_file(case, folder):
+    made = PATHS[case](out="p.h5")
+    loaded = gfmd.load("p.h5")
+    assert type(loaded) is gfmd.Path
+    assert loaded.keys() == made.keys()
+    # The steps of a file have the largest part of each residual; what is below is described by its place.
+    differing = [name for name in made.keys() - {"steps", "lower"} if not equal(made[name], loaded[name])]
+    assert not differing, [(made[name], loaded[name]) for name in differing]
+    names = [name for name in made.steps if not name.startswith("residual_")]
+    differing = [name for name in names if not equal(made.steps[name], loaded.steps[name])]
+    assert not differing, [(made.steps[name], loaded.steps[name]) for name in differing]
+    assert equal(made.residual.largest, loaded.residual.largest)
+    assert made.get("lower", {}).get("rms_height") == loaded.get("lower", {}).get("rms_height")
+    loaded.save("again.h5")
+    assert (folder / "again.h5").read_bytes() == (folder / "p.h5").read_bytes()
+    assert loaded.figures().keys() == made.figures().keys()
+
+
+def test_a_path_that_ended_early_is_loaded_as_it_ended(folder):
+    with pytest.raises(gfmd.NotConverged) as error:
+        gfmd.path(ROUGH, gfmd.Body(), p_star=[0.01, 0.1], steps=2, max_iterations=2, out="cut.h5")
+    made, loaded = error.value.state, gfmd.load("cut.h5")
+    assert equal(made.steps.mean_pressure, loaded.steps.mean_pressure) and made.parted_at is loaded.parted_at is None
+    assert equal(made.steps.converged, loaded.steps.converged) and not loaded.steps.converged[-1]
+    adhesion = gfmd.law("exponential", gamma=1e-4, range=1.2e-3)
+    pulled = gfmd.path(ROUGH, gfmd.Body(), law=adhesion, pressure=[0.001, -0.1], steps=4, coarse=True, out="parted.h5")
+    assert pulled.parted_at is not None and gfmd.load("parted.h5").parted_at == pulled.parted_at
+
+
 def test_figures_are_pictures_under_plain_names(folder):
     below = gfmd.punch(n=16).interior(depths=[0.1, 0.2], out="below.h5")
     contacts = gfmd.contact(ROUGH, gfmd.Body(), p_star=[0.02, 0.05])

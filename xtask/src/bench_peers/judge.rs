@@ -15,7 +15,7 @@ use super::python::{Environment, Script};
 /// pressure times rms height.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Verdict {
-    /// Residuals (docs/interface.md).
+    /// Residuals (docs/interface/contact.md).
     pub residual: BTreeMap<String, f64>,
     /// Fraction of points with pressure.
     pub area_fraction: f64,

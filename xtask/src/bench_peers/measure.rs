@@ -12,7 +12,7 @@ use super::contestant::{Contestant, Place, Problem};
 use super::judge::{Verdict, judge};
 use super::process::ProgramFailure;
 use super::python::{Environment, Yardstick};
-use super::report::{Case, Entry, Timing};
+use super::report::{Case, Entry, LEFT_OUT, Timing};
 use super::solve::Solve;
 use super::table::{in_words, median};
 use super::tolerance::{MARGIN, loosest};
@@ -103,7 +103,7 @@ impl<'a> Bench<'a> {
                     Ok(starter) => starters.push(starter),
                     Err(ProgramFailure::Interrupted) => return Err(ProgramFailure::Interrupted.failure(&name)),
                     Err(ended) => {
-                        let note = format!("{contestant} is left out at {name}: {}", ended.in_words());
+                        let note = format!("{contestant}{LEFT_OUT}{name}: {}", ended.in_words());
                         tracing::warn!("{note}");
                         notes.push(note);
                     }

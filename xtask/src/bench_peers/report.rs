@@ -277,7 +277,7 @@ impl Report {
         let head =
             ["n", "threads"].map(str::to_owned).into_iter().chain(self.contestants.iter().skip(1).cloned()).collect();
         let ours = self.contestants.first().map_or("the first", String::as_str);
-        let title = format!("Time over that of {ours}, of the cases that were finished: smallest / median / largest");
+        let title = format!("Time divided by the time of {ours}, finished cases: smallest / median / largest");
         Table { title, head, rows }
     }
 
@@ -325,9 +325,11 @@ impl Report {
              length / longest wavelength = 2, shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran \
              {plans}.\n\n"
         );
-        for note in self.disturbance().iter().chain(&self.notes) {
+        let (unfinished, notes): (Vec<_>, Vec<_>) = self.notes.iter().partition(|note| note.contains(LEFT_OUT));
+        for note in self.disturbance().iter().chain(notes) {
             let _ = writeln!(page, "> {note}\n");
         }
+        page += &dashes(&unfinished);
         let first = in_words(self.threads().first().copied().unwrap_or(1));
         let _ =
             writeln!(page, "![seconds on {first} against load and size]({FIGURE})\n\nTime of a solution on {first}.\n");
@@ -343,6 +345,28 @@ impl Report {
                 .replace("{agreement}", &format!("{AGREEMENT:e}"))
         );
         page
+    }
+}
+
+/// Words of a note between a program and a case that it did not finish; a colon and the reason follow.
+pub(super) const LEFT_OUT: &str = " is left out at ";
+
+/// Returns the line that explains the dashes of the tables: how many cases a program did not finish, and why. Empty if
+/// all programs finished all cases.
+fn dashes(unfinished: &[&String]) -> String {
+    let mut counts: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for note in unfinished {
+        let (program, rest) = note.split_once(LEFT_OUT).unwrap_or((note, ""));
+        let reason = rest.split_once(": ").map_or("", |(_, reason)| reason);
+        *counts.entry((program, reason)).or_default() += 1;
+    }
+    let line = |((program, reason), count): (&(&str, &str), &usize)| {
+        format!("{program} in {count} case{}: {reason}", if *count == 1 { "" } else { "s" })
+    };
+    let lines: Vec<String> = counts.iter().map(line).collect();
+    match lines.is_empty() {
+        true => String::new(),
+        false => format!("A dash is a case without a result: {}.\n\n", lines.join("; ")),
     }
 }
 

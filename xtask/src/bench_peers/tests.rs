@@ -11,7 +11,7 @@ use super::any_load::{AnyLoad, Block, Cell, ContactVariant, LOADS, Row};
 use super::contestant::Contestant;
 use super::judge::{Difference, Verdict};
 use super::process::{ProgramFailure, output};
-use super::report::{Case, Entry, Interrupted, Report, Timing};
+use super::report::{Case, Entry, Interrupted, LEFT_OUT, Report, Timing};
 use super::table::median;
 use super::tolerance::{Found, loosest};
 use super::{Args, Peer, TamaasFftw};
@@ -149,6 +149,18 @@ fn the_page_has_a_figure_beside_it() {
     // Only gfmd has finished the load at the largest size: no load has times at all sizes.
     assert!(figure.contains("gfmd") && !figure.contains("Tamaas") && !figure.contains(BY_SIZE), "{figure}");
     assert!(Report { cases: Vec::new(), ..report() }.figure().is_err());
+}
+
+#[test]
+fn one_line_explains_all_cases_without_a_result() {
+    let note = |p_star: f64| format!("Tamaas{LEFT_OUT}512 x 512, H = 0.8, p* = {p_star}: it takes longer than 60 s");
+    let page = Report { notes: vec![note(0.1), note(0.2), "something to know".into()], ..report() }.page("");
+    assert!(
+        page.contains("\nA dash is a case without a result: Tamaas in 2 cases: it takes longer than 60 s.\n"),
+        "{page}"
+    );
+    assert!(page.contains("> something to know") && !page.contains(LEFT_OUT), "{page}");
+    assert!(!report().page("").contains("A dash"));
 }
 
 #[test]

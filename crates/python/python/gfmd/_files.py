@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from ._command import body_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError
 from ._load import LOADS, of_load
+from ._parts import Wear
+from ._path import Path, gathered
+from ._record import parsed
+from ._result import Contents
 from ._surface import Surface, _surface
 
 # Datasets of a problem in a file, by the keys of their options.
@@ -44,21 +48,55 @@ def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> 
     return found
 
 
-def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts]:
-    """Reads a contact, or the contacts of several loads, from a file of `gfmd contact --out` or `save`.
+def _path(name: str) -> Path:
+    """Reads a path from its file."""
+    text, names = _gfmd.read_path(name)
+    values = parsed(text)
+    size = values["size"] if "second_surface" not in values else []
+    found: dict[str, Any] = {field: _check.frozen(_array(name, f"/fields/{field}")) for field in names}
+    found["surface"] = _stored(name, "/surface", size)
+    if values.get("hardness") is not None and not isinstance(values["hardness"], float):
+        found["hardness"] = _check.frozen(_array(name, "/surface/hardness"))
+    if "lower" in values:
+        found["lower_surface"] = _stored(name, "/lower", size)
+        values["lower"]["surface"] = _gfmd.read_text(name, "/lower", "description")
+    if values.get("coefficient") is not None:
+        is_by_slip = 'wear_by = "slip"' in _gfmd.read_text(name, "/", "config")
+        by: Literal["distance", "slip"] = "slip" if is_by_slip else "distance"
+        found["wear"] = Wear(values["coefficient"], by=by)
+    warnings = (line.partition(": ") for line in _gfmd.read_text(name, "/", "warnings").splitlines())
+    values["warnings"] = [{"code": code, "text": text} for code, _, text in warnings]
+    # A file has the largest part of each residual alone.
+    for step, largest in zip(values["steps"], _array(name, "/path/residual")):
+        step["residual"] = {"largest": largest}
+    for of_the_run in ("peak_bytes", "plots", "scan"):
+        values.pop(of_the_run, None)
+    with open(name, "rb") as file:
+        return Path({**gathered(values), "unit": found["surface"].unit, **found}, Contents(file.read()))
+
+
+def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path]:
+    """Reads a contact, the contacts of several loads, or a path from a file of the program with `--out` or of `save`.
+
+    Nothing is solved. A path has the largest part of each residual alone, as its file.
 
     Args:
         path: the name of the HDF5 file.
 
     Raises:
-        InputError: not a file of contacts.
+        InputError: not a file of contacts or of a path.
 
     Example:
         >>> c.save("c.h5")
         >>> gfmd.load("c.h5").area_fraction == c.area_fraction
         True
+        >>> loop.save("loop.h5")
+        >>> bool((gfmd.load("loop.h5").steps.mean_pressure == loop.steps.mean_pressure).all())
+        True
     """
     name = _check.path("path", path)
+    if _gfmd.read_kind(name) == "path":
+        return _path(name)
     # Checked for keys and types, as a file may come from anyone.
     config = json.loads(_gfmd.read_config(name))
     size = [] if "second_surface" in config else config.get("size", [])
