@@ -12,8 +12,8 @@ use crate::page::{Page, StoredSurface};
 /// Largest number of values along a profile; longer ones are thinned.
 const MOST_POINTS: usize = 2000;
 
-/// Returns panels of the mean depth lost, the contact area and the largest pressure against an abscissa, from columns by
-/// name.
+/// Returns panels of the mean depth lost, the contact area and the largest pressure against an abscissa, from columns
+/// by name.
 pub(crate) fn against(abscissa: &Abscissa, column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &str) -> Vec<Panel> {
     let [volume, area, peak] = ["wear_volume", "area_fraction", "max_pressure"].map(column);
     let deep = length(unit, largest(&volume));
