@@ -273,7 +273,7 @@ impl Loads {
             session,
             drives,
             tolerance: args.problem.solver.search.tolerance,
-            places: Places::Every(1),
+            places: Places::All,
             chosen: args.fields.clone().unwrap_or_default(),
             ends_with_file: !args.flow_threshold,
         };

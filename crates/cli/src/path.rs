@@ -253,7 +253,7 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
         () if !may_part && args.law.law == LawKind::HardWall => Sign::Positive,
         () => Sign::Any,
     };
-    let (drives, places) = args.waypoints.drives(args.steps.steps, &prepared, sign)?;
+    let (drives, places) = args.waypoints.drives(&args.steps.steps, &prepared, sign)?;
     if let Some(Wear { by_distance, .. }) = prepared.wear {
         check_distance(by_distance, &drives, &prepared.surface.heights)?;
     }

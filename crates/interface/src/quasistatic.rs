@@ -19,7 +19,7 @@ use gfmd_contact::{
     SolveError, Solver, Units, Variables as _, Visit,
 };
 use gfmd_law::{InUnits, Law};
-use gfmd_medium::{Medium, Relaxing};
+use gfmd_medium::Medium;
 use gfmd_relax::{Budget, Progress, Watch};
 use gfmd_response::{FreeFullCompliance, FullResponse, NormalResponse};
 use ndarray::{Array2, ArrayRef2};
@@ -29,7 +29,6 @@ use crate::{Interface, StoredFields, Trapping};
 use normal::Normal;
 pub use parts::{LimitingPressure, Parts, Shear, Wear};
 use response::Response;
-use state::ShearFields;
 pub use state::{Losses, QuasistaticState};
 use step::Step;
 pub use stiffness::StiffnessError;
@@ -91,7 +90,7 @@ impl QuasistaticContact {
     /// that are out of range; and for a body with unknown compliance of a patch, or with unknown relaxation.
     pub fn new(parts: &Parts) -> Result<Self, Refusal> {
         let Parts { body, grid, heights, boundary, law, all_components, held, .. } = parts;
-        let Parts { hardness, shear, relaxation, wear, sideways, .. } = parts;
+        let Parts { hardness, shear, wear, sideways, .. } = parts;
         let surface = RigidSurface::new(grid, heights)?;
         let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
         let units = Units::of(body, &given)?;
@@ -153,14 +152,9 @@ impl QuasistaticContact {
         if !sideways.is_empty() && sideways.len() != expected {
             return Err(Refusal::Start { found: sideways.len(), expected });
         }
-        let medium = relaxation.map(|(prony, relaxes)| {
-            let medium = Relaxing::new(body, grid, *boundary, components, prony, relaxes)?;
-            let medium = if *held { medium.held_sideways()? } else { medium };
-            Ok::<Arc<dyn Medium>, Refusal>(Arc::new(medium))
-        });
         Ok(Self {
             normal,
-            medium: medium.transpose()?,
+            medium: parts.medium(grid, components)?,
             hardness,
             shear,
             response,
@@ -313,35 +307,6 @@ impl QuasistaticContact {
             return Ok(state);
         }
         Step::new(self, drive, start)?.solve(solver, budget, watch)
-    }
-
-    /// Returns a state without forces, to be filled in.
-    fn blank(&self) -> Result<QuasistaticState, Refusal> {
-        let points = self.points();
-        let lateral = self.response.as_ref().map(|response| (response.components().len() - 1) * points);
-        let zeros = || Array2::zeros(self.normal.surface().grid().points());
-        Ok(QuasistaticState {
-            normal: self.normal.blank()?,
-            sheared: lateral.map(|lateral| ShearFields {
-                displacement: vec![0.0; lateral],
-                traction: vec![0.0; lateral],
-                slip: vec![0.0; lateral],
-                stick_fraction: 0.0,
-                friction: 0.0,
-                excess: 0.0,
-            }),
-            mean_shear: [0.0; 2],
-            lateral: [0.0; 2],
-            time: 0.0,
-            distance: 0.0,
-            memory: self.medium.as_ref().map(|medium| medium.rest()),
-            worn: self.wear.map(|_| zeros()),
-            pressed_in: self.hardness.as_ref().map(|_| zeros()),
-            plastic_fraction: 0.0,
-            elastic_energy: 0.0,
-            losses: Losses::default(),
-            work_imbalance: 0.0,
-        })
     }
 }
 

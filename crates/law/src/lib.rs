@@ -34,7 +34,7 @@ pub use friction::{Friction, Limit, Rate, Sliding};
 pub use in_units::InUnits;
 pub use kind::{Allowed, LawKind, Parameter};
 pub use law::{Jacobian, Law, MixedMode, Opening, Response};
-pub use normal::{Dugdale, Exponential, HardWall, HarmonicCosine, Morse};
+pub use normal::*;
 pub use npc::Npc;
 pub use separation::{LawError, Separation};
 pub use tabulated::Tabulated;

@@ -21,6 +21,21 @@ def test_creep_grows_from_the_instantaneous_to_the_long_term_contact():
     assert (np.diff(creep.steps.area_fraction) > 0).all() and (creep.steps.dissipated >= 0).all()
 
 
+def test_a_seal_that_is_sheared_after_a_day_has_steps_for_each_leg():
+    surface, body = gfmd.self_affine(n=16, eps_f_inv=4), gfmd.Body(poisson=0.5, prony=[(1.0, 0.4)])
+    given = dict(pressure=0.01, friction=0.3, time=[0, 86400, 10], lateral=[0, 0, 1e-3], tolerance=1e-6)
+    seal = gfmd.path(surface, body, steps=np.array([1, 2, 3]), **given)
+    assert seal.steps.time.tolist()[:3] == [0.0, 43200.0, 86400.0] and len(seal.steps.time) == 6
+    assert [leg.leg for leg in seal.sliding] == [3] and seal.pressure.shape == (3, 16, 16)
+    alike = gfmd.path(surface, body, steps=[2], **given), gfmd.path(surface, body, steps=2, **given)
+    assert np.array_equal(*(path.steps.mean_shear for path in alike))
+    for wrong in ([], 0, [1, 0, 3], 2.5, [1, "x"], "2", True, [1, 2**32, 1]):
+        with pytest.raises(gfmd.InputError, match=r"^steps\b"):
+            gfmd.path(surface, body, steps=wrong, **given)
+    with pytest.raises(gfmd.InputError, match="steps has 2 numbers; it must have 1 or 3, one for each leg"):
+        gfmd.path(surface, body, steps=[1, 2], **given)
+
+
 def test_moduli_and_relaxes_are_those_of_the_body():
     body = gfmd.Body(young=10.0, poisson=0.3, height=0.3, moduli="instantaneous", relaxes="shear", **RUBBER)
     assert pickle.loads(pickle.dumps(body)) == body != gfmd.Body(young=10.0, poisson=0.3, height=0.3, **RUBBER)

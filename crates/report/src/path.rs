@@ -9,6 +9,7 @@ use maud::{Markup, html};
 
 use self::course::CAUSES;
 pub use self::course::{Course, Drawing};
+pub use crate::legs::leg_number;
 use crate::legs::waypoints;
 use crate::page::{
     Fact, Page, Stored, StoredSurface, config, given, number, of, option, powers, transforms, unit_for, whole,
@@ -53,7 +54,6 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     let converged = column("converged");
     let computed =
         mean.iter().zip(&converged).take_while(|(mean, converged)| mean.is_finite() && **converged != 0.0).count();
-    let steps_of_leg = table.get("steps").and_then(toml::Value::as_integer).unwrap_or(1).max(1) as usize;
     let widest = (0..computed).max_by(|a, b| area[*a].total_cmp(&area[*b]));
     if computed == 0 {
         page.answer.push(html! { p.headline { "No step converged: there is no result" } });
@@ -186,7 +186,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
         }
     }
-    page.asked.push(Fact::new("steps between waypoints", &word("steps")));
+    let steps = table.get("steps").map_or_else(Default::default, |value| option(Kinds::NUMBER, value, &units));
+    page.asked.push(Fact(html! { "steps between waypoints" }, steps));
     page.asked.push(Fact(html! { "tolerance" }, given(of(&table, "tolerance"))));
 
     let (Ok(unit), gradient) =
@@ -197,7 +198,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     // Unit of pressure E* g, from the step with the largest pressure.
     let loudest = (0..computed).max_by(|a, b| mean[*a].abs().total_cmp(&mean[*b].abs()));
     let scale = loudest.map_or(f64::NAN, |step| mean[step] / p_star[step]);
-    let waypoints = waypoints(&table, computed, steps_of_leg);
+    let waypoints = waypoints(&table, computed);
     let of_steps = |name: &str| column(name)[..computed].to_vec();
     let course = Course {
         column: &of_steps,

@@ -6,31 +6,24 @@ use gfmd_plot::{Axis, Chart, Mark, Panel, Series};
 use maud::html;
 
 use crate::figures::{Drawn, field, largest, length, short, sides};
-use crate::legs::along;
+use crate::legs::{Abscissa, along};
 use crate::page::{Page, StoredSurface};
 
 /// Largest number of values along a profile; longer ones are thinned.
 const MOST_POINTS: usize = 2000;
 
-/// Returns panels of the mean depth lost, the contact area and the largest pressure against a length of the given name,
-/// from columns by name.
-pub(crate) fn against(
-    (name, distance): (&str, &[f64]),
-    column: impl Fn(&str) -> Vec<f64>,
-    modulus: f64,
-    unit: &str,
-) -> Vec<Panel> {
+/// Returns panels of the mean depth lost, the contact area and the largest pressure against an abscissa, from columns
+/// by name.
+pub(crate) fn against(abscissa: &Abscissa, column: impl Fn(&str) -> Vec<f64>, modulus: f64, unit: &str) -> Vec<Panel> {
     let [volume, area, peak] = ["wear_volume", "area_fraction", "max_pressure"].map(column);
-    let [far, deep] = [distance, &volume].map(|values| length(unit, largest(values)));
-    let against = |values: &[f64], factor: f64| -> Vec<(f64, f64)> {
-        distance.iter().zip(values).map(|(x, y)| (x * far.factor, y * factor)).collect()
-    };
+    let deep = length(unit, largest(&volume));
+    let scaled = |values: Vec<f64>, factor: f64| values.into_iter().map(|value| value * factor).collect();
     let columns = vec![
-        (against(&volume, deep.factor), format!("mean depth lost / {}", deep.name)),
-        (against(&area, 1.0), "contact area".to_owned()),
-        (against(&peak, 1.0 / modulus), "largest pressure / *E*\\*".to_owned()),
+        (scaled(volume, deep.factor), format!("mean depth lost / {}", deep.name)),
+        (area, "contact area".to_owned()),
+        (scaled(peak, 1.0 / modulus), "largest pressure / *E*\\*".to_owned()),
     ];
-    along(&format!("{name} / {}", far.name), columns)
+    along(abscissa, columns)
 }
 
 /// Returns the heights along the row with the largest depth lost, before and after wear as if only the rough surface

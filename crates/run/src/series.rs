@@ -60,8 +60,8 @@ pub struct Series<'a> {
 /// Choice of the states of a series that have fields in its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Places {
-    /// Every n-th state.
-    Every(usize),
+    /// All states.
+    All,
     /// States with these numbers, in ascending order.
     At(Vec<usize>),
 }
@@ -70,7 +70,7 @@ impl Places {
     /// Returns the place of a state in the file, if it has one.
     pub fn of(&self, index: usize) -> Option<usize> {
         match self {
-            Self::Every(every) => index.is_multiple_of(*every).then_some(index / every),
+            Self::All => Some(index),
             Self::At(indices) => indices.binary_search(&index).ok(),
         }
     }
@@ -78,7 +78,7 @@ impl Places {
     /// Returns the number of states with a place, of `states` in total.
     pub fn count(&self, states: usize) -> usize {
         match self {
-            Self::Every(every) => states.div_ceil(*every),
+            Self::All => states,
             Self::At(indices) => indices.len(),
         }
     }

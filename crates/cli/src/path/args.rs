@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args as ClapArgs;
 use gfmd_contact::Boundary;
 use gfmd_input::base::BaseArgs;
-use gfmd_problem::options::values::within;
+use gfmd_problem::options::values::{one_or_all_within, one_or_list};
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_problem::{Facts, GridError, Task, Unknown};
 use gfmd_run::resume::ResumeArgs;
@@ -64,16 +64,17 @@ impl PathOptions {
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct StepArgs {
-    /// Steps from one waypoint to the next
+    /// Steps from one waypoint to the next; or several numbers, one for each leg
     #[arg(
         long,
-        default_value_t = 20,
+        default_values_t = [20_u32],
         value_parser = clap::value_parser!(u32).range(1..),
-        value_name = "N",
+        value_delimiter = ',',
+        value_name = "N,..",
         help_heading = "Waypoints"
     )]
-    #[serde(deserialize_with = "within::<1, { u32::MAX as u64 }, _, _>")]
-    pub(super) steps: u32,
+    #[serde(serialize_with = "one_or_list", deserialize_with = "one_or_all_within::<1, { u32::MAX as u64 }, _, _>")]
+    pub(super) steps: Vec<u32>,
     #[command(flatten)]
     #[serde(flatten)]
     pub(super) search: SearchArgs,

@@ -25,12 +25,17 @@ pub(super) fn lengths(option: &str, entries: &[Entry]) -> Result<Vec<f64>, Failu
     }
 }
 
-/// Returns the number of waypoints of `lists` (key, length). `legs` gives the number of legs of `steps` steps for a
-/// number of waypoints.
+/// Returns the value of a leg in a list, whose single value holds for all legs.
+pub(super) fn of_leg<T: Copy>(list: &[T], leg: usize) -> T {
+    list[leg.min(list.len() - 1)]
+}
+
+/// Returns the number of waypoints of `lists` (key, length). `legs` gives the number of legs, with the `steps` of each,
+/// for a number of waypoints.
 ///
 /// # Errors
 /// Returns an error if a list has another length, or if there are too many steps.
-pub(super) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) -> usize) -> Result<usize, Failure> {
+pub(super) fn counted(lists: &[(&str, usize)], steps: &[u32], legs: impl Fn(usize) -> usize) -> Result<usize, Failure> {
     let count = lists.iter().map(|(_, length)| *length).max().unwrap_or(0);
     if let Some((option, length)) = lists.iter().find(|(_, length)| *length != 1 && *length != count) {
         return Err(Failure::refused(words![
@@ -38,9 +43,16 @@ pub(super) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) 
             format!(" has {length} waypoints; it must have 1 or {count}"),
         ]));
     }
-    let made = (legs(count) as u64).saturating_mul(u64::from(steps));
+    let legs = legs(count);
+    if steps.len() != 1 && steps.len() != legs {
+        let allowed = if legs > 1 { format!("1 or {legs}, one for each leg") } else { "1".into() };
+        let found = format!(" has {} numbers; it must have {allowed}", steps.len());
+        return Err(Failure::refused(words![key("steps"), found]));
+    }
+    let made: u64 = (0..legs).map(|leg| u64::from(of_leg(steps, leg))).sum();
     if made > MOST_STEPS {
-        let found = format!("{steps}, in all {made} for {count} waypoints");
+        let steps: Vec<String> = steps.iter().map(ToString::to_string).collect();
+        let found = format!("{}, in all {made} for {count} waypoints", steps.join(","));
         return Err(Failure::value(key("steps"), found, format!("at most {MOST_STEPS} in all")));
     }
     memory::check_count(key("steps"), "steps", made + 1, STEP_BYTES)?;
@@ -48,22 +60,22 @@ pub(super) fn counted(lists: &[(&str, usize)], steps: u32, legs: impl Fn(usize) 
 }
 
 /// Returns the steps of `count` legs, starting from zero. A leg ends at its `levels`, after its `lengths`; a list of
-/// one value holds for all legs. A leg of zero lengths is one step. `drive` maps the levels and the lengths so far to a
-/// drive.
+/// one value holds for all legs, as does one number of `steps`. A leg of zero lengths is one step. `drive` maps the
+/// levels and the lengths so far to a drive.
 pub(super) fn legs<const L: usize, const M: usize>(
     levels: [&[f64]; L],
     lengths: [&[f64]; M],
     count: usize,
-    steps: u32,
+    steps: &[u32],
     drive: impl Fn([f64; L], [f64; M]) -> Drive,
 ) -> (Vec<Drive>, Places) {
     let (mut drives, mut ends) = (Vec::new(), Vec::new());
     let (mut before, mut start) = ([0.0; L], [0.0; M]);
     for leg in 0..count {
-        let of = |list: &[f64]| list[leg.min(list.len() - 1)];
+        let of = |list: &[f64]| of_leg(list, leg);
         let (level, length) = (levels.map(of), lengths.map(of));
         let end: [f64; M] = std::array::from_fn(|m| start[m] + length[m]);
-        let count = if length.iter().all(|length| *length == 0.0) { 1 } else { steps };
+        let count = if length.iter().all(|length| *length == 0.0) { 1 } else { of_leg(steps, leg) };
         for step in 1..=count {
             let share = f64::from(step) / f64::from(count);
             let at = |from: f64, to: f64| if step == count { to } else { from + share * (to - from) };

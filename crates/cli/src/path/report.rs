@@ -14,7 +14,7 @@ use crate::measuring::legends;
 use crate::session::{list_files, print_sheet};
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
-use gfmd_report::path::work_imbalance;
+use gfmd_report::path::{leg_number, work_imbalance};
 use gfmd_run::convergence::NotConverged;
 use gfmd_run::series::{Head, Places};
 
@@ -142,21 +142,24 @@ impl Report {
     /// Returns the stiffness and the friction of each leg with lateral motion, from the first state on.
     fn sliding(&self, places: &Places) -> Vec<Sliding> {
         let last = self.steps.len().saturating_sub(1);
-        let inside = (1..last).filter(|step| places.of(*step).is_some());
+        let waypoints: Vec<usize> = (0..=last).filter(|step| places.of(*step).is_some()).collect();
+        let inside = waypoints.iter().copied().filter(|step| (1..last).contains(step));
         let bounds: Vec<usize> = [0].into_iter().chain(inside).chain((last > 0).then_some(last)).collect();
-        let leg = |(number, bounds): (usize, &[usize])| {
+        let has_lengths =
+            ["time", "distance"].iter().any(|name| self.steps.first().is_some_and(|step| step.value(name).is_some()));
+        let leg = |bounds: &[usize]| {
             let leg = &self.steps[bounds[0]..=bounds[1]];
             let [moved, sheared] =
                 ["lateral", "mean_shear"].map(|name| self.along(leg[1].vector(name)) - self.along(leg[0].vector(name)));
             let coefficient =
                 |step: &Record| (self.along(step.vector("mean_shear")) / step.number("mean_pressure")).abs();
             (moved != 0.0).then(|| Sliding {
-                leg: number + 1,
+                leg: leg_number(bounds[1], &waypoints, has_lengths),
                 tangential_stiffness: sheared / moved,
                 friction_coefficient: leg[1..].iter().map(coefficient).fold(0.0, f64::max),
             })
         };
-        bounds.windows(2).enumerate().filter_map(leg).collect()
+        bounds.windows(2).filter_map(leg).collect()
     }
 }
 

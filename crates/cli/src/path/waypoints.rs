@@ -9,7 +9,7 @@ use gfmd_input::failure::Failure;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers};
 use gfmd_run::series::{Places, Prepared};
 
-use super::legs::{counted, legs, lengths};
+use super::legs::{counted, legs, lengths, of_leg};
 use crate::loads::{LoadArgs, Sign};
 use gfmd_problem::options::{Kinds, Options};
 
@@ -53,7 +53,12 @@ impl WaypointArgs {
     ///
     /// # Errors
     /// Returns an error naming a flag that cannot be used.
-    pub(super) fn drives(&self, steps: u32, prepared: &Prepared, sign: Sign) -> Result<(Vec<Drive>, Places), Failure> {
+    pub(super) fn drives(
+        &self,
+        steps: &[u32],
+        prepared: &Prepared,
+        sign: Sign,
+    ) -> Result<(Vec<Drive>, Places), Failure> {
         let option = self.given();
         self.loads.check(sign)?;
         let (values, load) = (self.loads.values(prepared)?, self.loads.kind());
@@ -96,9 +101,15 @@ impl WaypointArgs {
             let [value, along, across] = [&values, &lateral, &lateral_y].map(|list| at(list, leg, share));
             Drive { load: load(value), lateral: place(along, across), time: 0.0, distance: 0.0 }
         };
-        let inside = (0..count - 1).flat_map(|leg| (0..steps).map(move |i| (leg, f64::from(i) / f64::from(steps))));
-        let drives = inside.map(|(leg, share)| drive(leg, share)).chain([drive(count - 1, 0.0)]).collect();
-        Ok((drives, Places::Every(steps as usize)))
+        let (mut drives, mut places) = (Vec::new(), Vec::new());
+        for leg in 0..count - 1 {
+            let steps = of_leg(steps, leg);
+            places.push(drives.len());
+            drives.extend((0..steps).map(|step| drive(leg, f64::from(step) / f64::from(steps))));
+        }
+        places.push(drives.len());
+        drives.push(drive(count - 1, 0.0));
+        Ok((drives, Places::At(places)))
     }
 
     /// Returns true if the rigid surface is moved sideways.

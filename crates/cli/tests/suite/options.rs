@@ -205,7 +205,7 @@ fn options_of_commands_with_groups_have_one() {
 }
 
 /// Types of arguments that Python takes in a form of its own.
-const TYPES: [(&str, &str); 14] = [
+const TYPES: [(&str, &str); 15] = [
     ("accuracy", "float | str"),
     ("cells", "str | Sequence[Quantity]"),
     ("damping", "float | Sequence[float]"),
@@ -219,6 +219,7 @@ const TYPES: [(&str, &str); 14] = [
     ("shape", "str"),
     ("shift", "Sequence[float]"),
     ("slice", "str"),
+    ("steps", "int | Sequence[int]"),
     ("time", "Quantity | npt.ArrayLike"),
 ];
 
@@ -253,7 +254,8 @@ fn default_of(arg: &Arg, of: &str) -> Value {
         return false.into();
     }
     let given: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
-    let one = |text: &str| match of.trim_start_matches("Sequence[").trim_end_matches(']') {
+    let first = of.split(" | ").next().unwrap_or(of);
+    let one = |text: &str| match first.trim_start_matches("Sequence[").trim_end_matches(']') {
         "float" | "Quantity" => text.parse::<f64>().map_or_else(|_| text.into(), Value::from),
         "int" => text.parse::<u64>().map_or_else(|_| text.into(), Value::from),
         _ => Value::from(text),

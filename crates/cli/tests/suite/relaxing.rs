@@ -127,6 +127,41 @@ fn a_path_in_time_is_written_checked_drawn_and_told() {
     }
 }
 
+/// A contact is pressed for a day, then sheared within seconds: each leg has steps of its own.
+#[test]
+fn each_leg_may_have_a_number_of_steps() {
+    let folder = tempfile::tempdir().unwrap();
+    let rest =
+        "--n 16 --eps-f-inv 4 --poisson 0.5 --prony 1:0.4 --pressure 0.01 --friction 0.3 --tolerance 1e-9 --json";
+    let run = |flags: &str| json(folder.path(), &words(&format!("path {rest} {flags}")));
+    let report = run("--time 0,86400,10 --lateral 0,0,1e-3 --steps 7,2,3 --out seal.h5 --plots seal");
+    let times: Vec<f64> =
+        report["steps"].as_array().unwrap().iter().map(|step| step["time"].as_f64().unwrap()).collect();
+    // The first leg takes no time: it is one step.
+    assert_eq!(times[..3], [0.0, 43200.0, 86400.0]);
+    assert_eq!((times.len(), times[5]), (6, 86410.0));
+    assert_eq!((report["sliding"].as_array().unwrap().len(), &report["sliding"][0]["leg"]), (1, &3.into()));
+
+    let file = Reader::open(folder.path().join("seal.h5")).unwrap();
+    assert_eq!(file.shape("/fields/pressure").unwrap(), [3, 16, 16]);
+    assert!(file.text("/", "config").unwrap().contains("\nsteps = [7, 2, 3]\n"));
+    let checked = json(folder.path(), &["check", "seal.h5", "--rerun", "--json"]);
+    assert_eq!(checked["differing"], 0);
+    assert!(gfmd(folder.path(), &["report", "seal.h5"]).status.success());
+    let page = std::fs::read_to_string(folder.path().join("seal.html")).unwrap();
+    for text in ["<dd>7, 2, 3</dd>", "leg 3, rising", "Shear against the step (an axis of time"] {
+        assert!(page.contains(text), "{text}");
+    }
+
+    let of_steps = |flags: &str| {
+        let mut steps = run(flags)["steps"].take();
+        steps.as_array_mut().unwrap().iter_mut().for_each(|step| step["seconds"] = Value::Null);
+        steps
+    };
+    let legs = "--time 1,1 --lateral 0,1e-3";
+    assert_eq!(of_steps(&format!("{legs} --steps 2,2")), of_steps(&format!("{legs} --steps 2")));
+}
+
 #[test]
 fn more_solves_make_steps_shorter_until_the_energy_balance_closes() {
     let folder = tempfile::tempdir().unwrap();
@@ -177,6 +212,19 @@ fn unusable_input_is_refused_in_one_line() {
     }
     let two = "path --n 24 --pressure 0.01,0.02,0.03 --prony 1:0.5 --time 1,2";
     assert!(refused(folder.path(), two).contains("--time has 2 waypoints; it must have 1 or 3"));
+    for (flags, found) in [
+        ("--time 1 --steps 2,3", "--steps has 2 numbers; it must have 1 or 3, one for each leg"),
+        ("--time 1 --steps 1,2,3,4", "--steps has 4 numbers; it must have 1 or 3, one for each leg"),
+        ("--time 1 --steps 1,0,3", "0 is not in 1..="),
+        ("--time 1 --steps 1,999999,1", "--steps is 1,999999,1, in all 1000001 for 3 waypoints; it must be at most"),
+    ] {
+        let text = refused(folder.path(), &format!("path --n 24 --pressure 0.01,0.02,0.03 --prony 1:0.5 {flags}"));
+        assert!(text.contains(found), "{flags}: {text}");
+    }
+    let elastic = refused(folder.path(), "path --n 24 --pressure 0.01,0.02,0.03 --steps 1,2,3");
+    assert!(elastic.contains("--steps has 3 numbers; it must have 1 or 2, one for each leg"), "{elastic}");
+    let one = refused(folder.path(), "path --n 24 --pressure 0.01 --steps 1,2");
+    assert!(one.contains("--steps has 2 numbers; it must have 1"), "{one}");
     refused(folder.path(), "contact --n 24 --pressure 0.01 --prony 1:0.5");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

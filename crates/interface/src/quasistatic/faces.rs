@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_green::Plate;
 use gfmd_law::{HardWall, InUnits, Law};
-use gfmd_medium::{Medium, Relaxes, Relaxing};
+use gfmd_medium::Relaxes;
 
 use super::normal::{Normal, NormalState};
 use super::{Parts, QuasistaticContact, QuasistaticState, Wear};
@@ -34,14 +34,10 @@ impl QuasistaticContact {
         if wear.is_some_and(|wear| wear.by_slip > 0.0) {
             return Err(Refusal::WearBySlip);
         }
-        let medium = relaxation.map(|(prony, relaxes)| {
-            if relaxes == Relaxes::Shear {
-                return Err(Refusal::ShearAlone { with: "a second surface" });
-            }
-            let medium = Relaxing::new(body, given.grid(), *boundary, 1, prony, relaxes)?;
-            let medium = if *held { medium.held_sideways()? } else { medium };
-            Ok::<Arc<dyn Medium>, Refusal>(Arc::new(medium))
-        });
+        if relaxation.is_some_and(|(_, relaxes)| relaxes == Relaxes::Shear) {
+            return Err(Refusal::ShearAlone { with: "a second surface" });
+        }
+        let medium = parts.medium(given.grid(), 1)?;
         let (scaled, hardness) = (units.surface(&given), hardness.as_ref().map(|h| h.times(1.0 / stress)));
         let plate = if *held { Plate::held_sideways } else { Plate::of };
         let interface = Interface::of_plate(plate, &units.body(body), &scaled, law)?;
@@ -51,7 +47,7 @@ impl QuasistaticContact {
         };
         Ok(Self {
             normal: Normal::Law(interface),
-            medium: medium.transpose()?,
+            medium,
             hardness,
             shear: None,
             response: None,

@@ -4,7 +4,7 @@ use gfmd_contact::{Boundary, Hardness, Refusal};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
-use gfmd_medium::{Prony, Relaxes};
+use gfmd_medium::{Medium, Prony, Relaxes, Relaxing};
 use ndarray::{Array2, ArrayRef2};
 
 /// Parts of a [`QuasistaticContact`](crate::QuasistaticContact). All but body, grid and heights are optional, and any
@@ -60,6 +60,14 @@ impl<'a> Parts<'a> {
 }
 
 impl Parts<'_> {
+    /// Returns the body with a memory, for this number of displacement components on the `grid`; `None` for an elastic
+    /// body.
+    pub(super) fn medium(&self, grid: &Grid, components: usize) -> Result<Option<Arc<dyn Medium>>, Refusal> {
+        let Some((prony, relaxes)) = self.relaxation else { return Ok(None) };
+        let medium = Relaxing::new(self.body, grid, self.boundary, components, prony, relaxes)?;
+        Ok(Some(Arc::new(if self.held { medium.held_sideways()? } else { medium })))
+    }
+
     /// Checks that no other part moves a surface that is held sideways.
     pub(super) fn check_held(&self) -> Result<(), Refusal> {
         let others = [

@@ -1,11 +1,12 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Effort, Fields, RigidSurface, Solution, Variables, Visit};
+use gfmd_contact::{Effort, Fields, Refusal, RigidSurface, Solution, Variables, Visit};
 use gfmd_measure::{Scales, Summary};
 use gfmd_medium::Memory;
 use gfmd_vector::with_contiguous;
 use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
+use super::QuasistaticContact;
 use super::normal::NormalState;
 use crate::State;
 
@@ -188,6 +189,37 @@ impl QuasistaticState {
             work_imbalance: self.work_imbalance * stress * length,
             ..self
         }
+    }
+}
+
+impl QuasistaticContact {
+    /// Returns a state without forces, to be filled in.
+    pub(super) fn blank(&self) -> Result<QuasistaticState, Refusal> {
+        let points = self.points();
+        let lateral = self.response.as_ref().map(|response| (response.components().len() - 1) * points);
+        let zeros = || Array2::zeros(self.normal.surface().grid().points());
+        Ok(QuasistaticState {
+            normal: self.normal.blank()?,
+            sheared: lateral.map(|lateral| ShearFields {
+                displacement: vec![0.0; lateral],
+                traction: vec![0.0; lateral],
+                slip: vec![0.0; lateral],
+                stick_fraction: 0.0,
+                friction: 0.0,
+                excess: 0.0,
+            }),
+            mean_shear: [0.0; 2],
+            lateral: [0.0; 2],
+            time: 0.0,
+            distance: 0.0,
+            memory: self.medium.as_ref().map(|medium| medium.rest()),
+            worn: self.wear.map(|_| zeros()),
+            pressed_in: self.hardness.as_ref().map(|_| zeros()),
+            plastic_fraction: 0.0,
+            elastic_energy: 0.0,
+            losses: Losses::default(),
+            work_imbalance: 0.0,
+        })
     }
 }
 

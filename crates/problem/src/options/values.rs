@@ -3,7 +3,8 @@
 use std::fmt::Display;
 use std::str::FromStr;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+use serde::de::{Error, IgnoredAny};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The largest number of values of one entry.
 const MOST: usize = 10_000;
@@ -103,6 +104,39 @@ pub fn within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deseri
     number.ok_or_else(|| D::Error::custom(format!("it must be a whole number from {LEAST} to {MOST}")))
 }
 
+/// Writes a list of one value as this value.
+///
+/// # Errors
+/// Returns an error of the serialiser.
+pub fn one_or_list<T: Serialize, S: Serializer>(values: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    if let [one] = values { one.serialize(serializer) } else { values.serialize(serializer) }
+}
+
+/// Reads one whole number from `LEAST` to `MOST`, or a list of such numbers.
+///
+/// # Errors
+/// Returns an error for anything else, and for an empty list.
+pub fn one_or_all_within<'de, const LEAST: u64, const MOST: u64, T: TryFrom<u64>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Form {
+        One(u64),
+        List(Vec<u64>),
+        Other(IgnoredAny),
+    }
+    let found = match Form::deserialize(deserializer)? {
+        Form::One(number) => vec![number],
+        Form::List(numbers) => numbers,
+        Form::Other(_) => Vec::new(),
+    };
+    let one = |number: u64| T::try_from(number).ok().filter(|_| (LEAST..=MOST).contains(&number));
+    let numbers: Option<Vec<T>> = found.into_iter().map(one).collect();
+    let wrong = || D::Error::custom(format!("it must be a whole number from {LEAST} to {MOST}, or a list of them"));
+    numbers.filter(|numbers| !numbers.is_empty()).ok_or_else(wrong)
+}
+
 /// Parses a row of two numbers, `A:B`.
 ///
 /// # Errors
@@ -132,6 +166,24 @@ mod tests {
         let ratios: Vec<f64> = down.windows(2).map(|pair| pair[1] / pair[0]).collect();
         assert!(ratios.iter().all(|ratio| (ratio / ratios[0] - 1.0).abs() < 1e-13), "{ratios:?}");
         approx::assert_relative_eq!(parsed("1e-3:1:4").unwrap()[2], 0.1, max_relative = 1e-14);
+    }
+
+    #[derive(Debug, PartialEq, Serialize, Deserialize)]
+    struct Counts {
+        #[serde(serialize_with = "one_or_list", deserialize_with = "one_or_all_within::<1, 9, _, _>")]
+        count: Vec<u32>,
+    }
+
+    #[test]
+    fn one_number_or_a_list_is_read_as_it_is_written() {
+        for text in ["count = 7\n", "count = [7, 1]\n"] {
+            assert_eq!(toml::to_string(&toml::from_str::<Counts>(text).unwrap()).unwrap(), text);
+        }
+        assert_eq!(toml::from_str::<Counts>("count = [7]").unwrap(), Counts { count: vec![7] });
+        for wrong in ["0", "10", "-1", "1.5", "'x'", "[]", "[1, 0]", "[1, 'x']", "[[1]]"] {
+            let error = toml::from_str::<Counts>(&format!("count = {wrong}")).unwrap_err().to_string();
+            assert!(error.contains("it must be a whole number from 1 to 9, or a list of them"), "{wrong}: {error}");
+        }
     }
 
     #[test]

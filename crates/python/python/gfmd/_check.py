@@ -139,6 +139,16 @@ def numbers(name: str, value: Any) -> list[float]:
     return found
 
 
+def integers(name: str, value: Any) -> list[int]:
+    """Checks one or several whole numbers from 1."""
+    if isinstance(value, Iterable) and not isinstance(value, (str, bytes)) and getattr(value, "shape", None) != ():
+        entries = list(value)
+        if not entries:
+            raise InputError(f"{name} is empty; it must have at least one number")
+        return [integer(name, entry, 1) for entry in entries]
+    return [integer(name, value, 1)]
+
+
 def heights(value: Any) -> tuple[Array, int]:
     """Copies heights to [x, y], row-major, with NaN at undefined points; also returns the number of these."""
     wanted = "an array of 1 or 2 dimensions of finite numbers"

@@ -13,7 +13,7 @@ from typing import Any, TypeVar, cast
 
 import numpy as np
 
-from ._check import flag, integer, number, numbers, path, plain, texts, word
+from ._check import flag, integer, integers, number, numbers, path, plain, texts, word
 from ._hints import argument
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -35,6 +35,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "float | Sequence[float]": numbers,
     "float | str": _text_or_number,
     "int": integer,
+    "int | Sequence[int]": integers,
     "npt.ArrayLike": plain,
     "Quantity": _text_or_number,
     "Sequence[float]": numbers,

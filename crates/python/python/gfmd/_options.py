@@ -90,7 +90,7 @@ class PathOptions(TypedDict, total=False):
     hardness: Optional[Quantity | npt.ArrayLike]
     time: Optional[Quantity | npt.ArrayLike]
     direction: Optional[float]
-    steps: Optional[int]
+    steps: Optional[int | Sequence[int]]
     tolerance: Optional[float]
     max_iterations: Optional[int]
     out: Optional[str | os.PathLike[str]]

@@ -405,7 +405,8 @@ def path(
             conductivities, W/(m K), for `steps.contact_conductance`; with `statistics`.
         flow: compute the flow of a fluid through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in
             `steps`, and `leak_rate`.
-        steps: number of steps from one waypoint to the next.
+        steps: number of steps from one waypoint to the next; or a sequence with a number for each leg. A leg of zero
+            duration and no distance is one step.
         tolerance, max_iterations: limits for each step, as in `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, and of the shear with friction; see
             docs/interface.md.

@@ -1,15 +1,18 @@
 //! Figures of the course of a path.
 
-use gfmd_plot::{Axis, Mark, Panel, Point, Series};
+use gfmd_plot::{Axis, Mark, Panel, Series};
 use gfmd_unit::Units;
 
 use crate::figures::{largest, length};
-use crate::legs::{along, is_long, legs};
+use crate::legs::{Abscissa, along, legs};
 use crate::page::sentence;
 use crate::wear::against;
 
 /// Reduced pressure as a label.
 const REDUCED: &str = "*p*/(*E*\\* *g*)";
+
+/// End of a caption against steps, where a length of the path would do otherwise.
+const STEPS: &str = " (an axis of time or length would hide a short leg)";
 
 /// End of a caption of legs through equilibria.
 const LEGS: &str = " (leg by leg; each point is an equilibrium)";
@@ -142,46 +145,42 @@ impl Course<'_> {
     }
 
     /// Returns panels of contact area, reduced pressure, approach, and with friction shear and sticking area, against
-    /// time. The time axis is logarithmic, without the state at time zero, if it spans more than two decades. A
-    /// constant number has no panel.
+    /// time. A constant number has no panel.
     fn in_time(&self) -> Vec<Drawing> {
-        let time = self.column("time");
         let approach = self.column("approach");
         let finite: Vec<f64> = approach.iter().copied().filter(|value| value.is_finite()).collect();
         let read = length(self.unit, largest(&finite));
-        let pairs = |values: &[f64], factor: f64| -> Vec<(f64, f64)> {
-            time.iter().zip(values).map(|(time, value)| (*time, value * factor)).collect()
-        };
+        let scaled = |values: Vec<f64>, factor: f64| values.into_iter().map(|value| value * factor).collect();
         let mut columns = vec![
-            ("contact area", pairs(&self.column("area_fraction"), 1.0), "contact area".to_owned()),
-            ("pressure", pairs(&self.column("p_star"), 1.0), REDUCED.to_owned()),
-            ("approach", pairs(&approach, read.factor), format!("approach / {}", read.name)),
+            ("contact area", self.column("area_fraction"), "contact area".to_owned()),
+            ("pressure", self.column("p_star"), REDUCED.to_owned()),
+            ("approach", scaled(approach, read.factor), format!("approach / {}", read.name)),
         ];
         let stick = self.column("stick_fraction");
         if has_value(&stick) {
-            let shear = pairs(&self.along("mean_shear"), 1.0 / self.unit_pressure);
+            let shear = scaled(self.along("mean_shear"), 1.0 / self.unit_pressure);
             columns.push(("shear", shear, "shear / (*E*\\* *g*)".to_owned()));
-            columns.push(("sticking area", pairs(&stick, 1.0), "sticking area".to_owned()));
+            columns.push(("sticking area", stick, "sticking area".to_owned()));
         }
-        let unit = Units::new(Some(self.unit), None).shown("time", 1.0);
-        let x = unit.map_or("time".into(), |unit| format!("time / {unit}"));
-        let panels = columns.into_iter().map(|(word, points, label)| (word, along(&x, vec![(points, label)])));
+        let (abscissa, end) = self.abscissa(false, false);
+        let panels = columns.into_iter().map(|(word, values, label)| (word, along(&abscissa, vec![(values, label)])));
         let panels: Vec<(&str, Vec<Panel>)> = panels.filter(|(_, panels)| !panels.is_empty()).collect();
         let drawing = |name, title, panels: Vec<(&str, Vec<Panel>)>| {
-            Drawing::new(name, title, "", panels.into_iter().flat_map(|(_, panels)| panels).collect())
+            Drawing::new(name, title, end, panels.into_iter().flat_map(|(_, panels)| panels).collect())
         };
         if panels.len() <= MOST_PANELS {
             return vec![drawing("path", "the path", panels)];
         }
         let of_shear = |(word, _): &(&str, Vec<Panel>)| ["shear", "sticking area"].contains(word);
         let (shear, others): (Vec<_>, Vec<_>) = panels.into_iter().partition(of_shear);
-        vec![drawing("path", "the path", others), drawing("time", "shear against time", shear)]
+        vec![drawing("path", "the path", others), drawing("time", "shear in time", shear)]
     }
 
     /// Returns a panel with the legs of the path, whose directions are the signs of the `drive`.
     fn panel(&self, x: &str, y: &str, points: [&[f64]; 2], drive: &[f64]) -> Panel {
         let points: Vec<(f64, f64)> = points[0].iter().copied().zip(points[1].iter().copied()).collect();
-        let series = legs(&points, drive, &self.waypoints);
+        let has_lengths = ["time", "distance"].iter().any(|name| has_value(&self.column(name)));
+        let series = legs(&points, drive, (&self.waypoints, has_lengths));
         Panel { x: Axis::linear(x), y: Axis::linear(y), series, ..Panel::default() }
     }
 
@@ -224,13 +223,10 @@ impl Course<'_> {
     /// Returns panels of mean depth lost, contact area and largest pressure against the sliding distance, or the length
     /// of the lateral path.
     fn wear(&self, by_distance: bool) -> Drawing {
-        let (name, distance) = match by_distance {
-            true => ("distance", self.column("distance")),
-            false => ("lateral path", self.travelled()),
-        };
-        let panels = against((name, &distance), self.column, self.modulus, self.unit);
+        let (abscissa, end) = self.length(by_distance);
+        let panels = against(&abscissa, self.column, self.modulus, self.unit);
         let title = if by_distance { "wear against distance" } else { "wear against the lateral path" };
-        Drawing::new("wear", title, "", panels)
+        Drawing::new("wear", title, end, panels)
     }
 
     /// Returns a panel of the energy lost so far by each cause, and their sum; `None` unless there are several causes.
@@ -255,9 +251,10 @@ impl Course<'_> {
         let (factor, y) = shown.map_or((1.0, "energy lost / (stress length)".into()), |unit| {
             (unit.factor, format!("energy lost / ({})", unit.name))
         });
-        let (x, values) = self.abscissa(by_distance, sideways);
-        let points = |energies: &[f64]| -> Vec<Point> {
-            values.iter().zip(energies).map(|(x, energy)| Point::new(*x, energy * factor)).collect()
+        let (abscissa, end) = self.abscissa(by_distance, sideways);
+        let points = |energies: &[f64]| {
+            let energies: Vec<f64> = energies.iter().map(|energy| energy * factor).collect();
+            abscissa.points(&energies)
         };
         let mut series: Vec<Series> = Vec::new();
         if causes.len() > 1 {
@@ -267,38 +264,46 @@ impl Course<'_> {
             mark: Mark::JoinedPoints,
             ..Series::points(cause, *hue, points(energies))
         }));
-        let against = match word(&x) {
+        let against = match word(&abscissa.axis.label) {
             "time" => "time".to_owned(),
-            other => format!("the {other}"),
+            other => format!("the {other}{end}"),
         };
         let caption = match &causes[..] {
             [] => return None,
             [(_, cause, _)] => format!("Energy lost so far per area, all of it by {cause}, against {against}."),
             _ => format!("Energy lost so far per area, by cause and in all, against {against}."),
         };
-        let is_long = self.relaxes && is_long(&values);
-        if is_long {
-            series.iter_mut().for_each(|series| series.points.retain(|point| point.x > 0.0));
-        }
-        let x = if is_long { Axis::log(&x) } else { Axis::linear(&x) };
-        let panel = Panel { x, y: Axis::linear(&y), series, ..Panel::default() };
+        let panel = Panel { x: abscissa.axis, y: Axis::linear(&y), series, ..Panel::default() };
         Some(Drawing { name: "losses", title: "energy lost by cause", panels: vec![(panel, caption)] })
     }
 
-    /// Returns the label and the values of the abscissa for numbers that add up along the path.
-    fn abscissa(&self, by_distance: bool, sideways: bool) -> (String, Vec<f64>) {
-        let lengths = |name: &str, values: Vec<f64>| {
-            let read = length(self.unit, largest(&values));
-            (format!("{name} / {}", read.name), values.into_iter().map(|value| value * read.factor).collect())
-        };
+    /// Returns the abscissa of numbers along the path, and the end of a caption.
+    fn abscissa(&self, by_distance: bool, sideways: bool) -> (Abscissa, &'static str) {
         match () {
             () if self.relaxes => {
                 let unit = Units::new(Some(self.unit), None).shown("time", 1.0);
-                (unit.map_or("time".into(), |unit| format!("time / {unit}")), self.column("time"))
+                self.placed(&unit.map_or("time".into(), |unit| format!("time / {unit}")), self.column("time"))
             }
-            () if sideways => lengths("lateral path", self.travelled()),
-            () if by_distance => lengths("distance", self.column("distance")),
-            () => ("step".into(), (0..self.column("mean_pressure").len()).map(|step| step as f64).collect()),
+            () if sideways || by_distance => self.length(!sideways),
+            () => (Abscissa::of_steps(self.column("mean_pressure").len()), ""),
         }
+    }
+
+    /// Returns the sliding distance, or the length of the lateral path, as an abscissa, and the end of a caption.
+    fn length(&self, by_distance: bool) -> (Abscissa, &'static str) {
+        let (name, lengths) = match by_distance {
+            true => ("distance", self.column("distance")),
+            false => ("lateral path", self.travelled()),
+        };
+        let read = length(self.unit, largest(&lengths));
+        let lengths = lengths.into_iter().map(|length| length * read.factor).collect();
+        self.placed(&format!("{name} / {}", read.name), lengths)
+    }
+
+    /// Returns an abscissa of lengths, or of steps if it would hide a leg, and the end of a caption.
+    fn placed(&self, name: &str, lengths: Vec<f64>) -> (Abscissa, &'static str) {
+        let abscissa = Abscissa::of_lengths(name, lengths, &self.waypoints);
+        let end = if abscissa.axis.label == name { "" } else { STEPS };
+        (abscissa, end)
     }
 }
