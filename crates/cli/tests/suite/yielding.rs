@@ -59,6 +59,34 @@ fn a_path_of_a_metal_is_written_checked_drawn_and_told() {
     }
 }
 
+#[test]
+fn the_scan_of_the_page_is_pressed_and_checked() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/plasticity.md")).unwrap();
+    let section = page.split_once("## From a scan\n").unwrap().1;
+    let block =
+        |kind: &str| section.split_once(&format!("```{kind}\n")).unwrap().1.split_once("```").unwrap().0.to_owned();
+    let folder = tempfile::tempdir().unwrap();
+    let lines = block("sh").replace("\\\n", " ");
+    let printed: Vec<String> = lines
+        .lines()
+        .map(|line| {
+            let output = gfmd(folder.path(), &words(line.strip_prefix("gfmd ").unwrap()));
+            assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+            String::from_utf8(output.stdout).unwrap()
+        })
+        .collect();
+    let [_, path, check] = &printed[..] else { panic!("{lines}") };
+    assert!(path.contains(&block("text")), "{path}");
+    assert!(check.contains(": 0 differ"), "{check}");
+    let file = Reader::open(folder.path().join("scan.h5")).unwrap();
+    let last = |name: &str| *file.values::<f64>(&format!("/path/{name}")).unwrap().last().unwrap();
+    let told = [("approach", 0.614), ("plastic_displacement_min", -0.620), ("yield_depth", 23.0)];
+    for (name, value) in told {
+        approx::assert_relative_eq!(last(name), value, max_relative = 5e-3);
+    }
+    approx::assert_relative_eq!(last("max_plastic_strain"), 0.12, max_relative = 0.04);
+}
+
 /// Returns the heights of a problem of the reference.
 fn heights(problem: &Value) -> Array2<f64> {
     let [n, lengths] = ["n", "length"].map(|key| {
