@@ -124,7 +124,7 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
     quick(py, || Reader::open(path).and_then(|reader| reader.text(group, name)))?.map_err(|error| refused(py, &error))
 }
 
-/// Returns the advice for a result of another kind than `contact`.
+/// Returns the advice for a result that is not read.
 fn other(kind: ResultKind) -> String {
     let name = kind.name();
     let (function, group) = match kind {
@@ -137,7 +137,7 @@ fn other(kind: ResultKind) -> String {
         ResultKind::Study => ("study", "study"),
     };
     format!(
-        "it is a result of {name}, and load returns results of contact and path; gfmd.{function} returns one of {name}, \
+        "it is a result of {name}, and load returns those of contact and path; gfmd.{function} returns one of {name}, \
          h5py.File(FILE)[\"{group}\"] has its numbers, and the command gfmd report FILE makes its page"
     )
 }
