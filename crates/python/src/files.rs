@@ -137,7 +137,7 @@ fn other(kind: ResultKind) -> String {
         ResultKind::Study => ("study", "study"),
     };
     format!(
-        "it is a result of {name}, and load returns those of contact and path; gfmd.{function} returns one of {name}, \
+        "it is a result of {name}, and load reads contacts and paths; gfmd.{function} returns one of {name}, \
          h5py.File(FILE)[\"{group}\"] has its numbers, and the command gfmd report FILE makes its page"
     )
 }
