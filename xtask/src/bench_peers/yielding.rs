@@ -22,7 +22,7 @@ pub(super) const PLACE: &str = "yielding";
 /// Mean pressures divided by E, the last two on the way back.
 const LOADS: [f64; 6] = [1.12e-3, 2.24e-3, 3.92e-3, 5.6e-3, 2.8e-3, 5.6e-6];
 /// Largest number of points along a side for which all loads are followed, and number of loads beyond.
-const ALL_LOADS: usize = 64;
+const ALL_LOADS: usize = 32;
 const FEW_LOADS: usize = 2;
 /// Radius of the sphere, yield stress and hardening, in units of the cell and of E.
 const RADIUS: f64 = 2.0;
