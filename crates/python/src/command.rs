@@ -181,7 +181,14 @@ fn entry(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
     match value.extract::<f64>() {
         Ok(number) => Ok(number.into()),
-        Err(_) => Ok(Value::Array(value.try_iter()?.map(|value| entry(key, &value?)).collect::<PyResult<_>>()?)),
+        Err(_) => {
+            let values = value.try_iter().map_err(|_| {
+                let found = value.get_type().name().map(|name| name.to_string()).unwrap_or_default();
+                let error = format!("{key} has a value of type {found}; it must be a number, text, list or dictionary");
+                refused(value.py(), &error)
+            })?;
+            Ok(Value::Array(values.map(|value| entry(key, &value?)).collect::<PyResult<_>>()?))
+        }
     }
 }
 

@@ -53,8 +53,8 @@ def rows(page, head):
 
 
 def ratios(column):
-    """The smallest and the largest time over that of gfmd in docs/benchmarks.md."""
-    cells = [row[column].split("/") for row in rows("docs/benchmarks.md", "Time over that of gfmd")]
+    """The smallest and the largest time divided by the time of gfmd in docs/benchmarks.md."""
+    cells = [row[column].split("/") for row in rows("docs/benchmarks.md", "Time divided by the time of gfmd")]
     return min(float(cell[0]) for cell in cells), max(float(cell[2]) for cell in cells)
 
 

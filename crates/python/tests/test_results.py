@@ -189,6 +189,13 @@ def test_a_result_is_saved(results, kind, tmp_path):
     results[kind].save(tmp_path / "r.h5")
     if kind in ("contact", "contacts", "adhesive"):
         assert gfmd.load(tmp_path / "r.h5") == results[kind]
+    elif isinstance(results[kind], gfmd.Path):
+        # A file has the largest part of each residual alone.
+        loaded = gfmd.load(tmp_path / "r.h5")
+        assert loaded.steps.keys() - {"residual_largest"} == {
+            name for name in results[kind].steps if not name.startswith("residual_")
+        }
+        assert np.array_equal(loaded.steps.area_fraction, results[kind].steps.area_fraction)
     else:
         with pytest.raises(gfmd.InputError, match="it is a result of .*h5py"):
             gfmd.load(tmp_path / "r.h5")
