@@ -110,11 +110,9 @@ pub fn print_sheet(
     for (index, line) in sheet.lines.iter().enumerate() {
         writeln!(f, "{}{line}{}", margin(index), remark(index))?;
     }
-    let footnote = sheet
-        .footnote()
-        .map(|line| wrapped(&line, f.width().map_or(usize::MAX, |width| width.saturating_sub(2))))
-        .unwrap_or_default();
-    footnote.iter().enumerate().try_for_each(|(index, line)| writeln!(f, "{}{line}", if index > 0 { "  " } else { "" }))
+    let Some(footnote) = sheet.footnote() else { return Ok(()) };
+    let lines = wrapped(&footnote, f.width().unwrap_or(usize::MAX));
+    lines.iter().try_for_each(|line| writeln!(f, "{line}"))
 }
 
 /// Breaks a text into lines of at most `width` characters, between words.
