@@ -43,8 +43,8 @@ pub(crate) fn vk_archive(version: u8) -> Vec<u8> {
     picture.add(zipped(&members, CompressionMethod::Deflated)).0
 }
 
-/// ZON of version 0 or 1, whose members are frames of Zstandard: pixels of 0.5 m, heights of 0.125 m, lines padded to 24
-/// bytes; a point was not measured, another has a mark.
+/// ZON of version 0 or 1, whose members are frames of Zstandard: pixels of 0.5 m, heights of 0.125 m, lines padded to
+/// 24 bytes; a point was not measured, another has a mark.
 pub(crate) fn zon(version: u8) -> Vec<u8> {
     let [nx, ny] = POINTS.map(|n| n as i32);
     let calibration = "\u{feff}<Calibration><XYCalibration><MeterPerPixel>0.5</MeterPerPixel></XYCalibration>\
