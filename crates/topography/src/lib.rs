@@ -533,12 +533,13 @@ fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<
     if by_name.is_empty() {
         by_name = with(&|name| name.eq_ignore_ascii_case(asked));
     }
-    if by_name.is_empty() {
+    let by_number = asked.parse().ok().filter(|&number: &usize| number < names.len());
+    if by_name.is_empty() && by_number.is_none() {
         // The last parts of a path.
         let end = format!("/{}", asked.trim_start_matches('/')).to_lowercase();
         by_name = with(&|name| name.to_lowercase().ends_with(&end));
     }
-    if by_name.is_empty() {
+    if by_name.is_empty() && by_number.is_none() {
         // Programs show `HeightRetrace` as "Height Retrace", and `Z_fwd` as "Z fwd".
         let wanted = letters(asked);
         let same = |name: &str| !wanted.is_empty() && letters(name) == wanted;
@@ -554,11 +555,10 @@ fn choose(contents: &Contents, names: &[String], asked: Option<&str>) -> Result<
             "{count} channels have the name {asked}; the channel must be one of the numbers {numbers}"
         ));
     }
-    let by_number = || asked.parse().ok().filter(|&number: &usize| number < names.len());
     by_name
         .first()
         .copied()
-        .or_else(by_number)
+        .or(by_number)
         .ok_or_else(|| format!("the channel is {asked}; it must be one of {}", listed()))
 }
 

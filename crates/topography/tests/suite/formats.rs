@@ -99,6 +99,7 @@ fn archives_of_numpy_and_netcdf_and_hdf5() {
         assert!(same(&read(name, channel).heights, &heights()), "{name}");
     }
     assert_eq!(read("challenge.h5", None).channel.as_deref(), Some("/surface"));
+    assert_eq!(read("challenge.h5", Some("SURFACE")).channel.as_deref(), Some("/surface"));
     for name in ["holes.nc", "four.nc"] {
         let found = read(name, None);
         assert!(same(&found.heights, &with_holes(heights())), "{name}");
@@ -108,6 +109,25 @@ fn archives_of_numpy_and_netcdf_and_hdf5() {
             "{name}"
         );
     }
+}
+
+#[test]
+fn a_channel_is_found_by_the_end_of_its_path_but_a_number_is_a_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.h5");
+    let file = hdf5::File::create(&path).unwrap();
+    for (place, value) in ["/one/Height/0", "/one/Height/1", "/two/Depth/0"].into_iter().zip([1.0, 2.0, 3.0]) {
+        let (group, name) = place.rsplit_once('/').unwrap();
+        let group = file.group(group).or_else(|_| file.create_group(group)).unwrap();
+        group.new_dataset_builder().with_data(&ndarray::arr2(&[[value, 0.0], [0.0, 0.0]])).create(name).unwrap();
+    }
+    drop(file);
+    let height = |channel: &str| Topography::read(path.to_str().unwrap(), Some(channel)).map(|map| map.heights[[0, 0]]);
+    for (channel, value) in [("height/1", 2.0), ("one/Height/0", 1.0), ("Depth/0", 3.0), ("1", 2.0), ("2", 3.0)] {
+        assert_eq!(height(channel), Ok(value), "{channel}");
+    }
+    let error = height("3").unwrap_err().reason;
+    assert!(error.starts_with("the channel is 3; it must be one of "), "{error}");
 }
 
 #[test]
