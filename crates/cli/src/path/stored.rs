@@ -11,8 +11,8 @@ use gfmd_record::Record;
 use super::report::Report;
 use super::{Args, PathInput, path_input, report_of};
 
-/// Reads the report of the path in a file. Nothing is solved: all numbers come from the file or follow from its numbers.
-/// A number missing in the file is NaN.
+/// Reads the report of the path in a file. Nothing is solved: all numbers come from the file or follow from its
+/// numbers. A number missing in the file is NaN.
 ///
 /// # Errors
 /// Returns an error if the file is not the result of a path, or if its problem cannot be read from it.
