@@ -199,10 +199,10 @@ impl Loads {
             threshold::check(args)?;
         }
         let once = count <= 1 && !args.measure.statistics && !args.measure.flow;
-        let prepared = Prepared::new(&Asked { once, ..args.asked()? }, |line| args.facts(line), session)?;
+        let prepared = Prepared::new(&Asked { once, ..args.asked()? }, args.series(), session)?;
         let Prepared { facts, surface, .. } = &prepared;
         args.check_fields(facts)?;
-        args.trace.tracer(&surface.grid, args.axes(surface))?;
+        args.trace.tracer(&surface.grid, args.axes(&prepared))?;
         let conducting = Conducting::new(&args.measure, &prepared, args.problem.solver.solver)?;
         let drives = args.control.loads(&prepared)?.map(Into::into).collect();
         let law = LawFile::claim(args, &prepared, count, session)?;
@@ -399,8 +399,8 @@ struct Measuring<'a> {
 
 impl StateHandler for Measuring<'_> {
     fn tracer(&self) -> Result<Option<Tracer>, Failure> {
-        let surface = &self.loads.prepared.surface;
-        self.args.trace.tracer(&surface.grid, self.args.axes(surface))
+        let prepared = &self.loads.prepared;
+        self.args.trace.tracer(&prepared.surface.grid, self.args.axes(prepared))
     }
 
     fn traced(&mut self, tracer: Tracer) {
@@ -507,9 +507,9 @@ impl Args {
     }
 
     /// Returns the axes of the moving components.
-    fn axes(&self, surface: &Surface) -> &'static [usize] {
-        let of_grid = Components::of(&surface.grid);
-        let moves_all = self.facts(surface.grid.is_line()).moves_all_by(self.problem.solver.solver);
+    fn axes(&self, prepared: &Prepared) -> &'static [usize] {
+        let of_grid = Components::of(&prepared.surface.grid);
+        let moves_all = prepared.facts.moves_all_by(self.problem.solver.solver);
         if moves_all || self.problem.finite_slope { of_grid.axes() } else { &of_grid.axes()[of_grid.normal()..] }
     }
 }

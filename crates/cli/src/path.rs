@@ -14,6 +14,7 @@ mod waypoints;
 
 use std::borrow::Cow;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args as ClapArgs;
 use gfmd_check::statistics;
@@ -21,7 +22,7 @@ use gfmd_contact::{Drive, Load, RigidSurface, Solver};
 use gfmd_interface::{LimitingPressure, Path, Refinement, Step, Wear};
 use gfmd_law::LawKind;
 use gfmd_plasticity::PlasticState;
-use gfmd_problem::{AnyState, Facts, Posed, WearBy, key, setting, words};
+use gfmd_problem::{AnyState, Facts, Inelastic, Posed, WearBy, key, setting, words};
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +42,7 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArgs, PronyArgs, WearArgs};
 use gfmd_record::Record;
 use gfmd_report::figures::{Scene, parse_prefix};
+use gfmd_run::resume::EVERY;
 use gfmd_run::series::{Asked, Head, Places, Prepared, SeriesOutcome, StateFile, StiffnessArgs};
 
 pub use self::report::{Report, Sliding};
@@ -136,20 +138,12 @@ pub struct Args {
 }
 
 impl Args {
-    /// Returns the facts of the path; `line` is true for a profile.
-    fn facts(&self, line: bool) -> Facts {
+    /// Returns the facts of the path, without the parts of the contact.
+    fn series(&self) -> Facts {
         Facts {
-            law: self.law.law,
-            hardness: self.hardness.hardness.is_some(),
-            yields: self.plasticity.yield_stress.is_some(),
-            friction: self.friction.fact(),
-            lower: self.lower.fact(),
-            line,
             approach: self.waypoints.given() == "approach",
             lateral: self.waypoints.moves_sideways(),
-            relaxes: self.prony.relaxing(),
-            wear: self.wear.fact(),
-            ..self.measure.of(self.around.of(self.steps.resume, self.compliance.of(self.body.facts())))
+            ..self.measure.of(self.around.series(self.steps.resume))
         }
     }
 
@@ -162,18 +156,35 @@ impl Args {
             lower: Cow::Borrowed(&self.lower),
             law: Cow::Borrowed(&self.law),
             hardness: self.hardness.hardness.as_ref(),
-            plasticity: self.plasticity.plasticity(&self.body)?,
-            shear: self.friction.shear(),
-            wear: self.wear.wear()?,
-            prony: self.prony.series()?,
+            inelastic: Inelastic {
+                plasticity: self.plasticity.plasticity(&self.body)?,
+                shear: self.friction.shear()?,
+                relaxation: self.prony.series()?,
+                wear: self.wear.wear()?,
+            },
             boundary: self.around.boundary,
             ..Asked::new(&self.source, Cow::Owned(body), self.steps.search.budget())
         })
     }
 
+    /// Returns the time between two copies of a running step, if any are made.
+    fn checkpoint(&self) -> Result<Option<Duration>, Failure> {
+        let every = self.steps.checkpoint.every()?;
+        // Only the search of a step of a body that yields is a single one.
+        let is_single = self.plasticity.yield_stress.is_some() && self.energy_solves() == 0;
+        match every {
+            found if is_single || found == Some(EVERY) => Ok(found),
+            found => Err(Failure::value(
+                key("checkpoint"),
+                found.map_or(0.0, |time| time.as_secs_f64()),
+                words!["left out unless the body yields and each step is one solve: ", setting("energy_solves", 0)],
+            )),
+        }
+    }
+
     fn energy_solves(&self) -> u64 {
         let default = match () {
-            () if self.friction.fact().is_some() => FRICTION_SOLVES,
+            () if self.friction.is_given() => FRICTION_SOLVES,
             // Without slip, a step of a body that relaxes or yields, or of surfaces that wear, is as good as --steps.
             () if self.prony.relaxing().is_some() || self.wear.coefficient.is_some() => 0,
             () if self.plasticity.yield_stress.is_some() => 0,
@@ -203,6 +214,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         option: args.waypoints.given(),
         stiffness: args.stiffness,
         resume: args.steps.resume,
+        checkpoint: args.checkpoint()?,
         refinement: Refinement { tolerance: args.energy_tolerance, solves_per_step: args.energy_solves() },
         config: args.config()?,
     };
@@ -244,17 +256,17 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
         let without = words!["left out without ", key("coefficient")];
         return Err(Failure::value(key("wear_by"), args.wear.wear_by, without));
     }
-    let prepared = Prepared::new(&args.asked()?, |line| args.facts(line), session)?;
+    let prepared = Prepared::new(&args.asked()?, args.series(), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
     // A viscoelastic body may lag behind the surface and touch it again.
-    let may_part = prepared.prony.is_some() && args.waypoints.given() == "approach";
+    let may_part = prepared.inelastic.relaxation.is_some() && args.waypoints.given() == "approach";
     let sign = match () {
         () if prepared.facts.yields => Sign::NotNegative,
         () if !may_part && args.law.law == LawKind::HardWall => Sign::Positive,
         () => Sign::Any,
     };
     let (drives, places) = args.waypoints.drives(&args.steps.steps, &prepared, sign)?;
-    if let Some(Wear { by_distance, .. }) = prepared.wear {
+    if let Some(Wear { by_distance, .. }) = prepared.inelastic.wear {
         check_distance(by_distance, &drives, &prepared.surface.heights)?;
     }
     let conducting = Conducting::new(&args.measure, &prepared, Solver::Auto)?;

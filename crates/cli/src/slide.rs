@@ -23,7 +23,7 @@ use gfmd_medium::{SlidingContact, SlidingError, Velocity, VelocityError};
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
 use gfmd_problem::options::{BodyArgs, PronyArgs, named, parse_choice};
-use gfmd_problem::{Facts, GridError, SIZES, Unusable, key, words};
+use gfmd_problem::{Facts, GridError, Inelastic, SIZES, Unusable, key, words};
 use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
 use gfmd_run::resume::{FinishedStep, ResumeArgs, UnfinishedRun};
@@ -125,7 +125,7 @@ impl Args {
     fn asked(&self) -> Result<Asked<'_>, Failure> {
         let body = self.prony.long_term(&self.body)?;
         Ok(Asked {
-            prony: self.prony.series()?,
+            inelastic: Inelastic { relaxation: self.prony.series()?, ..Inelastic::default() },
             hardness: self.hardness.hardness.as_ref(),
             ..Asked::new(&self.source, Cow::Owned(body), self.search.budget())
         })
@@ -273,18 +273,15 @@ impl SlideInput {
                 " are missing; one of them is needed to slide",
             ]));
         }
-        let facts = |line: bool| Facts {
-            line,
-            hardness: args.hardness.hardness.is_some(),
-            relaxes: args.prony.relaxing(),
+        let series = Facts {
             approach: args.control.is_approach(),
             grid_error: args.grid_error,
             resume: args.resume.resume,
-            ..args.body.facts()
+            ..Facts::default()
         };
-        let prepared = Prepared::new(&args.asked()?, facts, session)?;
+        let prepared = Prepared::new(&args.asked()?, series, session)?;
         args.body.check_modulus(prepared.surface.unit.as_deref())?;
-        let Prepared { surface, body, prony, .. } = &prepared;
+        let Prepared { surface, body, inelastic, .. } = &prepared;
         let contact = Contact::new(body, &surface.grid, &surface.heights);
         let mut contact = contact.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
         let loads: Vec<Load> = args.control.loads(&prepared)?.collect();
@@ -298,14 +295,14 @@ impl SlideInput {
                 }
             }
         }
-        let sliding = match prony {
-            Some(prony) => SlidingContact::new(contact, body, prony, args.prony.relaxes),
+        let sliding = match &inelastic.relaxation {
+            Some((prony, relaxes)) => SlidingContact::new(contact, body, prony, *relaxes),
             None => SlidingContact::elastic(contact, body),
         };
         let mut sliding = sliding.map_err(|refusal| Failure::input(args.source.name(), refusal))?;
         if let Some(friction) = friction {
             let of_friction = |error: SlidingError| Failure::input(key("friction"), error);
-            let relaxation = prony.as_ref().map(|prony| (prony, args.prony.relaxes));
+            let relaxation = inelastic.relaxation.as_ref().map(|(prony, relaxes)| (prony, *relaxes));
             sliding = sliding.with_friction(body, friction, relaxation).map_err(of_friction)?;
             for velocity in &velocities {
                 sliding.check(velocity).map_err(|refusal| of_friction(refusal.into()))?;
@@ -507,7 +504,7 @@ impl SlideInput {
         report.out = session.written(out);
         report.peak_bytes = peak_bytes();
         if let (None, Some(prefix), Some(last)) = (&failure, &args.plots, &last) {
-            let is_viscoelastic = prepared.prony.is_some();
+            let is_viscoelastic = prepared.inelastic.relaxation.is_some();
             let of_surface = (&prepared.surface, prepared.hardness.as_ref(), last);
             report.plots = report.draw(prefix, (velocities.len(), is_viscoelastic), of_surface)?;
         }

@@ -321,6 +321,11 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         Ok((state, reading))
     }
 
+    /// Returns true if each step is one solve, which can continue from a checkpoint.
+    pub fn solves_once(&self) -> bool {
+        !self.seeks_errors()
+    }
+
     /// Returns true if a path with half as many increments gives the errors of certified losses.
     fn seeks_errors(&self) -> bool {
         self.refinement.is_some_and(|refinement| refinement.solves_per_step > 0)

@@ -51,6 +51,11 @@ impl FrozenContact {
         self.transforms.pairs()
     }
 
+    /// Returns the counter of single transforms, for a step that continues an earlier one.
+    pub(crate) fn counter(&mut self) -> &mut u64 {
+        self.transforms.counter()
+    }
+
     /// Sets the points in contact: points with a pressure.
     pub(crate) fn freeze(&mut self, pressure: &[f64]) {
         for_each((&mut self.touching[..], pressure), &|_, (touching, pressure)| {

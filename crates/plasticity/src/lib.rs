@@ -25,6 +25,8 @@ mod lane;
 mod operator;
 mod volume;
 
+mod checkpoint;
+
 mod plastic;
 
 mod state;

@@ -40,7 +40,7 @@ pub(crate) struct Operator<T: Real> {
     surface: Vec<Complex<T>>,
     benches: Vec<Bench<T>>,
     /// Number of single transforms, in transforms of the full grid.
-    singles: f64,
+    pub(crate) singles: f64,
 }
 
 impl<T: Real> Operator<T> {

@@ -4,12 +4,13 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use gfmd_contact::{Budget, Effort, Load, Refusal, SolveError, Watch, judge};
+use gfmd_contact::{Budget, Effort, Load, Refusal, SolveError, Visit, Watch, judge};
 use gfmd_relax::{Ending, Progress, Why};
 use gfmd_vector::{for_each, sum};
 use ndarray::Array2;
 use num_complex::Complex;
 
+use crate::checkpoint::Start;
 use crate::frozen::FrozenContact;
 use crate::lane::Selection;
 use crate::operator::{CellFields, Operator};
@@ -70,7 +71,6 @@ struct Search<'a> {
     before: &'a PlasticState,
     load: Load,
     budget: &'a Budget,
-    watch: &'a mut dyn Watch,
     operator: Operator<f64>,
     /// Made when the first point flows.
     linear: Option<Linear>,
@@ -84,6 +84,9 @@ struct Search<'a> {
     /// Factor on the tolerance of the contact.
     tightening: f64,
 }
+
+/// First evaluation of a step: its end if nothing flows, otherwise the first trial.
+type First = ControlFlow<(Evaluation, PlasticStrain), (Start, (PlasticStrain, Vec<Flowing>))>;
 
 /// Strain from which the plastic strain follows: the strain of the last evaluation, with a part of a Newton step.
 struct Trial<'a> {
@@ -130,7 +133,6 @@ impl YieldingContact {
             before,
             load,
             budget,
-            watch,
             operator: Operator::new(&self.volume),
             linear: None,
             operators: 0,
@@ -140,7 +142,7 @@ impl YieldingContact {
             residual: 1.0,
             tightening: 1.0,
         };
-        let (state, ending) = search.run()?;
+        let (state, ending) = search.run(watch)?;
         // Residuals of the search do not include the depth of the cells.
         let is_deeper = matches!(ending, Ending::Converged) && state.residual.bottom > 0.0;
         judge(state, if is_deeper { Ending::GaveUp(Why::LowestCell) } else { ending }, budget.tolerance)
@@ -148,28 +150,24 @@ impl YieldingContact {
 }
 
 impl Search<'_> {
-    fn run(mut self) -> Result<(PlasticState, Ending), Refusal> {
-        let before = &self.before.plastic;
-        let mut last = self.evaluate(before, &self.before.solution.pressure)?;
-        let (mut plastic, mut flowing) = self.trial(&last.strain).map();
-        if flowing.iter().all(|cell| cell.tangents.is_empty()) {
-            // Without flow the strain is the one at the end of the step, once the contact is as good as required.
-            if last.solution.residual.worst() > self.contact_tolerance(0.0) {
-                last = self.evaluate_to(0.0, before, &last.solution.pressure)?;
-                (plastic, flowing) = self.trial(&last.strain).map();
+    fn run(mut self, watch: &mut dyn Watch) -> Result<(PlasticState, Ending), Refusal> {
+        let recalled = watch.recall().map(|visitor| self.recall(visitor));
+        let (mut start, (mut plastic, mut flowing)) = match recalled {
+            Some(start) => {
+                let trial = self.trial(&start.strain).map();
+                (start, trial)
             }
-            if flowing.iter().all(|cell| cell.tangents.is_empty()) {
-                return Ok(self.end(&last, plastic, Ending::Converged));
-            }
-        }
-        let (mut least, mut shortened) = (f64::INFINITY, 0);
-        let mut before_last = None;
-        let mut may_fall_back = false;
+            None => match self.first()? {
+                First::Continue(first) => first,
+                First::Break((at, plastic)) => return Ok(self.end(&at, plastic, Ending::Converged)),
+            },
+        };
+        let (mut shortened, mut may_fall_back) = (0, start.residual.is_some());
         loop {
-            let now = self.evaluate(&plastic, &last.solution.pressure)?;
+            let now = self.evaluate(&plastic, &start.pressure)?;
             let energy = self.energy(&now, &plastic);
-            let noise = ROUNDING_OF_ENERGY * energy.abs() + self.noise(&last) + self.noise(&now);
-            let falls = energy <= least + noise;
+            let noise = ROUNDING_OF_ENERGY * energy.abs() + start.noise + self.noise(&now);
+            let falls = energy <= start.least + noise;
             if may_fall_back && !falls {
                 // Shorter Newton steps, then the safe step to the strain of the last evaluation, which lowers the
                 // energy.
@@ -180,23 +178,23 @@ impl Search<'_> {
                 if let Some(ending) = self.ends() {
                     // The plastic strain of the safe step, and the contact that belongs to it.
                     self.part = 0.0;
-                    (plastic, _) = self.trial(&last.strain).map();
-                    let at = self.evaluate(&plastic, &last.solution.pressure)?;
+                    (plastic, _) = self.trial(&start.strain).map();
+                    let at = self.evaluate(&plastic, &start.pressure)?;
                     return Ok(self.end(&at, plastic, ending));
                 }
-                (plastic, flowing) = self.trial(&last.strain).map();
+                (plastic, flowing) = self.trial(&start.strain).map();
                 continue;
             }
-            (least, shortened) = (energy, 0);
-            self.residual = self.trial(&last.strain).residual(&now.strain, &flowing);
-            let seen = self.watch.see(&Progress { iteration: self.operators, residual: self.residual });
+            shortened = 0;
+            self.residual = self.trial(&start.strain).residual(&now.strain, &flowing);
+            let seen = watch.see(&Progress { iteration: self.operators, residual: self.residual });
             if let ControlFlow::Break(()) = seen {
                 return Ok(self.end(&now, plastic, Ending::Interrupted));
             }
             if self.residual <= self.budget.tolerance && now.solution.residual.worst() <= self.budget.tolerance {
                 return Ok(self.end(&now, plastic, Ending::Converged));
             }
-            if before_last.is_some_and(|last| self.residual > DISTURBED * last) {
+            if start.residual.is_some_and(|last| self.residual > DISTURBED * last) {
                 self.tightening *= TIGHTENING;
             }
             if !self.residual.is_finite() {
@@ -206,13 +204,57 @@ impl Search<'_> {
                 return Ok(self.end(&now, plastic, ending));
             }
             drop(plastic);
-            self.newton(std::mem::take(&mut last.strain), &now, &flowing, before_last)?;
+            self.newton(std::mem::take(&mut start.strain), &now, &flowing, start.residual)?;
             drop(flowing);
-            before_last = Some(self.residual);
+            start = Start { least: energy, residual: Some(self.residual), ..self.start(now) };
             (self.part, may_fall_back) = (1.0, true);
-            last = now;
-            (plastic, flowing) = self.trial(&last.strain).map();
+            watch.checkpoint(&mut |visitor| self.visit(&mut start, visitor));
+            (plastic, flowing) = self.trial(&start.strain).map();
         }
+    }
+
+    /// Restores the variables of a search after a Newton step.
+    fn recall(&mut self, visitor: &mut dyn Visit) -> Start {
+        let mut start = Start::empty(&self.problem.volume.mesh);
+        self.visit(&mut start, visitor);
+        self.part = 1.0;
+        start
+    }
+
+    /// Visits the variables of the search after a Newton step.
+    fn visit(&mut self, start: &mut Start, visitor: &mut dyn Visit) {
+        let floating = self.is_floating();
+        let Self { problem, operator, linear, operators, contact_pairs, change, residual, tightening, .. } = self;
+        let linear = linear.get_or_insert_with(|| Linear::new(problem, floating));
+        visitor.count(operators);
+        visitor.count(linear.frozen.counter());
+        visitor.numbers(&mut [contact_pairs, &mut operator.singles, &mut linear.operator.singles]);
+        visitor.numbers(&mut [residual, tightening]);
+        start.visit(change, &problem.volume.mesh, visitor);
+    }
+
+    /// Evaluates the plastic strain before the step.
+    fn first(&mut self) -> Result<First, Refusal> {
+        let before = &self.before.plastic;
+        let mut last = self.evaluate(before, &self.before.solution.pressure)?;
+        let (mut plastic, mut flowing) = self.trial(&last.strain).map();
+        if flowing.iter().all(|cell| cell.tangents.is_empty()) {
+            // Without flow the strain is the one at the end of the step, once the contact is as good as required.
+            if last.solution.residual.worst() > self.contact_tolerance(0.0) {
+                last = self.evaluate_to(0.0, before, &last.solution.pressure)?;
+                (plastic, flowing) = self.trial(&last.strain).map();
+            }
+            if flowing.iter().all(|cell| cell.tangents.is_empty()) {
+                return Ok(First::Break((last, plastic)));
+            }
+        }
+        Ok(First::Continue((self.start(last), (plastic, flowing))))
+    }
+
+    /// Makes the start of the next trial.
+    fn start(&self, at: Evaluation) -> Start {
+        let noise = self.noise(&at);
+        Start { strain: at.strain, pressure: at.solution.pressure, noise, least: f64::INFINITY, residual: None }
     }
 
     fn ends(&self) -> Option<Ending> {
@@ -224,6 +266,11 @@ impl Search<'_> {
         let transform_pairs = self.operator.pairs() + self.contact_pairs + linear;
         let effort = Effort { iterations: self.operators, transform_pairs };
         (self.problem.state(at, plastic, self.before, effort), ending)
+    }
+
+    /// Returns true if changes of the pressure have no mean. Without a load nothing touches, and nothing has a mean.
+    fn is_floating(&self) -> bool {
+        matches!(self.load, Load::MeanPressure(mean) if mean > 0.0)
     }
 
     fn contact_tolerance(&self, residual: f64) -> f64 {
@@ -279,8 +326,6 @@ impl Search<'_> {
         last: Option<f64>,
     ) -> Result<(), Refusal> {
         let cells = flowing.len();
-        // Without a load nothing touches, and nothing has a mean.
-        let floating = matches!(self.load, Load::MeanPressure(mean) if mean > 0.0);
         let active: Vec<bool> = flowing.iter().map(|cell| !cell.tangents.is_empty()).collect();
         let mut starts = vec![0];
         for cell in flowing {
@@ -298,6 +343,7 @@ impl Search<'_> {
         }
         drop(start);
         self.change = Vec::new();
+        let floating = self.is_floating();
         let Self { problem, operator, linear, budget, operators, change, .. } = self;
         operator.release();
         let linear = linear.get_or_insert_with(|| Linear::new(problem, floating));

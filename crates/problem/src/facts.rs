@@ -1,4 +1,6 @@
 use gfmd_green::{BaseKind, Condition, Ground, Height};
+use gfmd_interface::Wear;
+use gfmd_law::Limit;
 
 /// Kind of load sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +23,17 @@ pub enum Friction {
     Orowan,
 }
 
+impl Friction {
+    /// Returns the kind of a limit.
+    pub fn of(limit: Limit) -> Self {
+        match limit {
+            Limit::Coulomb(_) => Self::Coulomb,
+            Limit::Tresca(_) => Self::Tresca,
+            Limit::Orowan { .. } => Self::Orowan,
+        }
+    }
+}
+
 /// Sliding by which surfaces wear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WearBy {
@@ -34,6 +47,11 @@ pub enum WearBy {
 impl WearBy {
     /// All choices.
     pub const ALL: [Self; 2] = [Self::Distance, Self::Slip];
+
+    /// Returns the sliding by which surfaces wear.
+    pub fn of(wear: Wear) -> Self {
+        if wear.by_slip > 0.0 { Self::Slip } else { Self::Distance }
+    }
 
     /// Returns the name on the command line.
     pub fn name(self) -> &'static str {

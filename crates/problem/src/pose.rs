@@ -3,13 +3,13 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Contact, Dynamics, FullContact, Hardness, Refusal, SqueezedContact, SteepContact};
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
-use gfmd_interface::{Interface, Parts, QuasistaticContact, Shear, Squeezed, Wear};
+use gfmd_interface::{Interface, Parts, QuasistaticContact, Squeezed};
 use gfmd_law::{HardWall, Law};
-use gfmd_medium::Prony;
 use gfmd_plasticity::{PlasticityError, YieldingContact};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::facts::Task;
+use crate::inelastic::Inelastic;
 use crate::options::Plasticity;
 use crate::posed::Posed;
 use crate::rules::Facts;
@@ -37,14 +37,8 @@ pub struct Given<'a> {
     pub law: Arc<dyn Law>,
     /// Largest pressure, stress.
     pub hardness: Option<Hardness>,
-    /// Yielding of the body, with cells that [fit](Plasticity::cells).
-    pub plasticity: Option<&'a Plasticity>,
-    /// Shear between the surfaces.
-    pub shear: Option<Shear>,
-    /// Relaxation of the body, which has its long-term moduli.
-    pub prony: Option<&'a Prony>,
-    /// Wear of both surfaces together.
-    pub wear: Option<Wear>,
+    /// Yielding, friction, relaxation and wear.
+    pub inelastic: Inelastic,
     /// Time step and damping of the dynamic solvers.
     pub dynamics: Dynamics,
     /// True if a dynamic solver moves all components ([`Facts::moves_all_by`]).
@@ -64,10 +58,7 @@ impl<'a> Given<'a> {
             lower: None,
             law: HardWall.into_shared(),
             hardness: None,
-            plasticity: None,
-            shear: None,
-            prony: None,
-            wear: None,
+            inelastic: Inelastic::default(),
             dynamics: Dynamics::default(),
             moves_all: false,
         }
@@ -106,15 +97,16 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
 
 /// Builds the contact in u_z, unless a dynamic solver moves all components.
 fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, share: _, heights, lower, law, hardness, .. } = given;
-    let Given { plasticity, shear, prony, wear, dynamics, moves_all, .. } = given;
+    let Given { facts, body, grid, share: _, heights, lower, law, hardness, inelastic, dynamics, moves_all, .. } =
+        given;
     // All parts, so that none of them is left out of the contact.
+    let Inelastic { plasticity, shear, relaxation, wear } = inelastic;
     for (part, is_fact, is_given) in [
         ("lower surface", facts.lower.is_some(), lower.is_some()),
         ("hardness", facts.hardness, hardness.is_some()),
         ("yield stress", facts.yields, plasticity.is_some()),
         ("limit of the shear", facts.friction.is_some(), shear.is_some()),
-        ("relaxation", facts.relaxes.is_some(), prony.is_some()),
+        ("relaxation", facts.relaxes.is_some(), relaxation.is_some()),
         ("coefficient of wear", facts.wear.is_some(), wear.is_some()),
     ] {
         if is_fact != is_given {
@@ -132,7 +124,7 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         held: facts.unknown == Unknown::Held,
         hardness: hardness.clone(),
         shear: *shear,
-        relaxation: prony.zip(facts.relaxes),
+        relaxation: relaxation.as_ref().map(|(prony, relaxes)| (prony, *relaxes)),
         wear: *wear,
         sideways: given.sideways,
     };

@@ -107,7 +107,7 @@ pub(crate) fn described(
 
 /// Prepares the parts of a contact that was posed before, without repeating its warnings.
 pub(crate) fn prepared(args: &ContactArgs) -> Result<Prepared, Failure> {
-    let prepare = || Prepared::new(&args.asked()?, |line| args.facts(line), &Session::embedded());
+    let prepare = || Prepared::new(&args.asked()?, args.series(), &Session::embedded());
     tracing::subscriber::with_default(tracing::subscriber::NoSubscriber::new(), prepare)
 }
 

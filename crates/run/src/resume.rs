@@ -38,7 +38,7 @@ pub struct ResumeArgs {
 #[command(next_help_heading = "Long runs")]
 pub struct CheckpointArgs {
     /// Time between two copies of the running solve beside --out; 0 for none
-    #[arg(long, default_value_t = 60.0, value_name = "SECONDS", allow_negative_numbers = true)]
+    #[arg(long, default_value_t = EVERY.as_secs_f64(), value_name = "SECONDS", allow_negative_numbers = true)]
     checkpoint: f64,
 }
 
@@ -55,6 +55,9 @@ impl CheckpointArgs {
         }
     }
 }
+
+/// Usual time between two copies of a running solve.
+pub const EVERY: Duration = Duration::from_secs(60);
 
 /// Length of a century in seconds.
 const CENTURY: f64 = 3e9;

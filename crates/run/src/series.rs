@@ -202,7 +202,8 @@ impl Series<'_> {
         for (index, drive) in drives.iter().enumerate().skip(outcome.records.len()) {
             let started = Instant::now();
             // Only a part with a single solve can continue in its middle.
-            let copies = if facts.task == Task::Loads { kept.as_deref_mut() } else { None };
+            let is_single = facts.task == Task::Loads || facts.yields && path.solves_once();
+            let copies = if is_single { kept.as_deref_mut() } else { None };
             let place = format!("{part} {index}");
             let mut watch = Watching::new(place.clone(), progress, session).with(handler.tracer()?, copies);
             let reached = path.step(*drive, &mut watch);

@@ -22,7 +22,7 @@ pub fn measure(
     state: &AnyState,
     mut warn: impl FnMut(String),
 ) -> Result<(Record, Option<Statistics>), Failure> {
-    let facts = args.facts(prepared.surface.grid.is_line());
+    let facts = args.asked()?.facts(args.series(), prepared.surface.grid.is_line());
     facts.check()?;
     if args.measure.flow {
         memory::fits(MemoryNeed::FLOW_ALONE, "flow", prepared.surface.grid.points())?;

@@ -26,6 +26,7 @@ pub fn records(reader: &Reader) -> Result<(Facts, Vec<Record>), Failure> {
     let refuse = |error: gfmd_files::FileError| Failure::refused(error.to_string());
     let config = reader.text("/", "config").map_err(refuse)?;
     let line = reader.shape("/surface/height").map_err(refuse)?.get(1) == Some(&1);
-    let facts = Configuration::read::<Args>(ResultKind::Contact, &config)?.as_named::<Args>()?.facts(line);
+    let args = Configuration::read::<Args>(ResultKind::Contact, &config)?.as_named::<Args>()?;
+    let facts = args.asked()?.facts(args.series(), line);
     Ok((facts, records_of(reader, &facts)?))
 }

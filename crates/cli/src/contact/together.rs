@@ -8,14 +8,14 @@ use gfmd_input::failure::Failure;
 use gfmd_run::series::Asked;
 
 impl Args {
-    /// Returns the facts of the contact; `line` is true for a profile.
-    pub(super) fn facts(&self, line: bool) -> Facts {
+    /// Returns the facts of the series, without the parts of the contact.
+    pub(super) fn series(&self) -> Facts {
         Facts {
             approach: self.control.is_approach(),
             flow_threshold: self.flow_threshold,
             history: self.trace.is_wanted(),
             resume: self.resume.resume,
-            ..self.measure.of(self.problem.facts(line))
+            ..self.measure.of(self.problem.series())
         }
     }
 

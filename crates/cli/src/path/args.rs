@@ -8,7 +8,7 @@ use gfmd_input::base::BaseArgs;
 use gfmd_problem::options::values::{one_or_all_within, one_or_list};
 use gfmd_problem::options::{named, parse_choice};
 use gfmd_problem::{Facts, GridError, Task, Unknown};
-use gfmd_run::resume::ResumeArgs;
+use gfmd_run::resume::{CheckpointArgs, ResumeArgs};
 use gfmd_run::series::is_normal;
 use serde::{Deserialize, Serialize};
 
@@ -52,11 +52,10 @@ fn is_periodic(boundary: &Boundary) -> bool {
 }
 
 impl PathOptions {
-    /// Returns the facts of a path on a body with the facts `body`; `resume` continues an earlier path.
-    pub(super) fn of(&self, ResumeArgs { resume }: ResumeArgs, body: Facts) -> Facts {
-        let Self { boundary, components, base, grid_error } = self;
-        let (boundary, unknown, moved_base, grid_error) = (*boundary, *components, base.fact(), *grid_error);
-        Facts { task: Task::Path, boundary, unknown, moved_base, resume, grid_error, ..body }
+    /// Returns the facts of a path; `resume` continues an earlier path.
+    pub(super) fn series(&self, ResumeArgs { resume }: ResumeArgs) -> Facts {
+        let Self { components: unknown, grid_error, .. } = *self;
+        Facts { task: Task::Path, unknown, resume, grid_error, ..Facts::default() }
     }
 }
 
@@ -81,6 +80,9 @@ pub(super) struct StepArgs {
     #[command(flatten)]
     #[serde(skip)]
     pub(super) resume: ResumeArgs,
+    #[command(flatten)]
+    #[serde(skip)]
+    pub(super) checkpoint: CheckpointArgs,
     /// Write the path, and the fields at its waypoints, to this HDF5 file
     #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]

@@ -4,7 +4,7 @@ mod measured;
 
 use gfmd_contact::{Boundary, Contact, Hardness, Load};
 use gfmd_interface::LimitingPressure;
-use gfmd_problem::{AnyState, WearBy};
+use gfmd_problem::{AnyState, Inelastic, WearBy};
 use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
@@ -55,16 +55,16 @@ impl Checked for Args {
             let number = |name: &str| stored.number(name, index);
             comparison.number("/path/lateral_x", number("lateral_x"), drive.lateral[0], 0.0);
             comparison.number("/path/lateral_y", number("lateral_y"), drive.lateral[1], 0.0);
-            if prepared.prony.is_some() {
+            if prepared.inelastic.relaxation.is_some() {
                 comparison.number("/path/time", number("time"), drive.time, 0.0);
             }
-            if prepared.wear.is_some() {
+            if prepared.inelastic.wear.is_some() {
                 comparison.number("/path/distance", number("distance"), drive.distance, 0.0);
             }
             let Some(waypoint) = input.places.of(index) else { continue };
             check.lost_by_wear(waypoint, index, comparison)?;
             // A state with shear, of a body with a memory or of one that yields does not follow from its fields alone.
-            if prepared.prony.is_some() || prepared.facts.yields || prepared.facts.moves_sideways() {
+            if prepared.inelastic.relaxation.is_some() || prepared.facts.yields || prepared.facts.moves_sideways() {
                 check.flow(waypoint, index, comparison)?;
                 check.gas(waypoint, index, comparison)?;
                 check.patches(waypoint, index, comparison)?;
@@ -173,7 +173,7 @@ impl StepCheck<'_> {
     /// Returns the depth lost in a step divided by the pressure at its end: the wear coefficient times the sliding
     /// distance. `None` if a point wears by another pressure or distance.
     fn rate(&self, step: usize) -> Option<f64> {
-        let Prepared { facts, wear, .. } = self.stored.prepared;
+        let Prepared { facts, inelastic: Inelastic { wear, .. }, .. } = self.stored.prepared;
         let is_undivided = facts.friction.is_none() && self.stored.number("extra_solves", step) == 0.0;
         let is_known = facts.wear == Some(WearBy::Distance) && !facts.has_law() && is_undivided;
         let moved = self.stored.number("distance", step) - self.before("distance", step);
@@ -295,7 +295,7 @@ impl StepCheck<'_> {
         comparison: &mut Comparison,
     ) -> Result<(), Failure> {
         let (args, file) = (self.args, self.stored);
-        let Prepared { facts, law, shear, prony, .. } = file.prepared;
+        let Prepared { facts, law, inelastic: Inelastic { shear, relaxation, .. }, .. } = file.prepared;
         let (number, height) = (|name: &str| file.number(name, step), file.height());
         let faces = self.faces(waypoint)?;
         let apart: Vec<f64> = faces.iter().map(Face::apart).collect();
@@ -332,10 +332,10 @@ impl StepCheck<'_> {
                 let limits = ndarray::Zip::from(&repulsion).and(pressure).map_collect(limit);
                 self.limits(&flat(&limits), &shears, comparison);
             }
-            if prony.is_none() {
+            if relaxation.is_none() {
                 self.elastic(step, (&shears, pressure, displacement), comparison)?;
             }
-        } else if is_last && prony.is_some() {
+        } else if is_last && relaxation.is_some() {
             let fields: Vec<_> = faces.iter().map(|face| [&face.pressure, &face.displacement]).collect();
             let tolerance = 100.0 * args.steps.search.tolerance;
             memory::check(file.reader, file.prepared, (&fields, number("elastic_energy")), tolerance, comparison)?;

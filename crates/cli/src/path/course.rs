@@ -1,6 +1,7 @@
 //! Path of drives, followed step by step and kept.
 
 use std::borrow::Cow;
+use std::time::Duration;
 
 use gfmd_contact::{Budget, Drive, Refusal, SolveError, Visit};
 use gfmd_files::Output;
@@ -39,6 +40,8 @@ pub(super) struct PathSettings<'a> {
     pub(super) option: &'static str,
     pub(super) stiffness: StiffnessArgs,
     pub(super) resume: ResumeArgs,
+    /// Time between two copies of a running step, if any are made.
+    pub(super) checkpoint: Option<Duration>,
     pub(super) refinement: Refinement,
     /// Configuration stored in the file.
     pub(super) config: String,
@@ -79,7 +82,7 @@ impl PathInput {
                 prepared.identity(&settings.config, session),
                 drives.len(),
                 settings.resume,
-                None,
+                settings.checkpoint,
             )?),
             _ => None,
         };

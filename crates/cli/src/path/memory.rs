@@ -70,9 +70,9 @@ fn define(archive: &mut Archive, surface: &Surface, face: &str, branches: usize)
 
 /// Returns the medium of a body that relaxes; `None` for an elastic one.
 fn medium_of(prepared: &Prepared) -> Result<Option<Relaxing>, Failure> {
-    let Prepared { facts, surface, body, prony: Some(prony), .. } = prepared else { return Ok(None) };
-    let relaxes = facts.relaxes.unwrap_or_default();
-    let medium = Relaxing::new(body, &surface.grid, facts.boundary, 1, prony, relaxes);
+    let Prepared { facts, surface, body, inelastic, .. } = prepared;
+    let Some((prony, relaxes)) = &inelastic.relaxation else { return Ok(None) };
+    let medium = Relaxing::new(body, &surface.grid, facts.boundary, 1, prony, *relaxes);
     let is_held = facts.unknown == Unknown::Held;
     let medium = medium.and_then(|medium| if is_held { medium.held_sideways() } else { Ok(medium) });
     medium.map(Some).map_err(|refusal| Failure::input("/surface/height", refusal))

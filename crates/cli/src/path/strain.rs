@@ -51,12 +51,13 @@ pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &PlasticStat
 
 /// Returns true if the file keeps the plastic strain at the waypoints.
 fn keeps_waypoints(prepared: &Prepared) -> bool {
-    prepared.plasticity.as_ref().is_some_and(|plasticity| plasticity.kept_strain == KeptStrain::Waypoints)
+    prepared.inelastic.plasticity.as_ref().is_some_and(|plasticity| plasticity.kept_strain == KeptStrain::Waypoints)
 }
 
 /// Defines the plastic strain at this number of waypoints, if it is kept.
 pub(super) fn define_waypoints(file: &mut StateFile, prepared: &Prepared, count: usize) -> Result<(), Failure> {
-    let Prepared { plasticity: Some(plasticity), body, surface, .. } = prepared else { return Ok(()) };
+    let Prepared { inelastic, body, surface, .. } = prepared;
+    let Some(plasticity) = &inelastic.plasticity else { return Ok(()) };
     let Some(archive) = file.archive().filter(|_| keeps_waypoints(prepared)) else { return Ok(()) };
     let waypoint = Dimension::index("waypoint", count, "number of the waypoint");
     let component = component();
@@ -97,7 +98,8 @@ pub(super) fn write_waypoint(file: &mut StateFile, place: usize, values: &[Cow<[
 /// Defines the cells and the plastic strain, without values that count.
 pub(super) fn lay_out(file: &mut StateFile, prepared: &Prepared, waypoints: usize) -> Result<(), Failure> {
     define_waypoints(file, prepared, waypoints)?;
-    let Prepared { plasticity: Some(plasticity), body, surface, .. } = prepared else { return Ok(()) };
+    let Prepared { inelastic, body, surface, .. } = prepared;
+    let Some(plasticity) = &inelastic.plasticity else { return Ok(()) };
     let Some(archive) = file.archive() else { return Ok(()) };
     let cells = plasticity.cells(body, &surface.grid)?;
     write_cells(archive, surface, &cells)?;
@@ -192,9 +194,8 @@ fn read(reader: &Reader, contact: &YieldingContact, end: &str) -> Result<Plastic
 
 /// Returns the contact of a body that yields; `None` for another body.
 fn yielding_contact(prepared: &Prepared) -> Result<Option<YieldingContact>, Failure> {
-    let Prepared { plasticity: Some(Plasticity { hardening, cells, .. }), body, surface, .. } = prepared else {
-        return Ok(None);
-    };
+    let Prepared { inelastic, body, surface, .. } = prepared;
+    let Some(Plasticity { hardening, cells, .. }) = &inelastic.plasticity else { return Ok(None) };
     let contact = YieldingContact::new(body, &surface.grid, &surface.heights, hardening, cells);
     contact.map(Some).map_err(|error| Failure::input("/surface/height", error))
 }

@@ -36,7 +36,8 @@ const COMMANDS: [&str; 14] = [
     "creep path --n 64 --height 0.3 --relaxes shear --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1e-2:1e2:12 \
      --steps 1",
     "wear wear --n 64 --eps-f-inv 8 --boundary free --p-star 0.05 --coefficient 1 --distance 0,1e-2:1:12 --steps 1",
-    "yield path --n 32 --eps-f-inv 8 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06,0.01 --steps 3",
+    "yield path --n 32 --eps-f-inv 8 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06,0.01 --steps 3 \
+     --checkpoint 0.001",
     "study study study.toml",
     "slide slide --n 64 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.02,0.1 --velocity 0.01:100:6",
 ];
@@ -56,7 +57,8 @@ const SMALL: [&str; 14] = [
     "punch punch --n 16",
     "creep path --n 16 --eps-f-inv 4 --prony 0.1:0.3,10:0.4 --p-star 0.05 --time 0,1,100 --steps 1",
     "wear wear --n 16 --eps-f-inv 4 --p-star 0.05 --coefficient 1 --distance 0,0.1,1 --steps 2",
-    "yield path --n 16 --eps-f-inv 4 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06 --steps 2",
+    "yield path --n 16 --eps-f-inv 4 --poisson 0.3 --yield-stress 0.01 --p-star 0.02,0.06 --steps 2 \
+     --checkpoint 0.0001",
     "study study study.toml",
     "slide slide --n 16 --eps-f-inv 4 --prony 0.1:0.5 --heat 1,0.01,0.2,0.1 --friction 0.3 --p-star 0.05 \
      --velocity 0.1,1 --grid-error refine",

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use gfmd_contact::{Equilibrium, Progress, Resumable, Visit};
+use gfmd_contact::{Equilibrium, MemoryCheckpoint, Progress, Resumable, Visit, Watch};
 use gfmd_plasticity::ndarray::Array2;
 use gfmd_plasticity::{
     Body, Budget, Cells, Contact, Fields, Grid, Hardening, Load, Material, PlasticState, PlasticityError, Refusal,
@@ -282,4 +282,64 @@ fn the_stiffness_is_the_slope_of_unloading() {
     let further = step(0.008 * (1.0 + 1e-4), &pressed);
     let softer = (further.mean_pressure() - pressed.mean_pressure()) / (further.approach() - pressed.approach());
     assert!(softer < 0.9 * found, "{softer} {found}");
+}
+
+/// Watcher that keeps the checkpoint at one of its calls, or continues from it.
+#[derive(Default)]
+struct Keeper {
+    at: Option<u64>,
+    calls: u64,
+    kept: MemoryCheckpoint,
+    resumes: bool,
+    first: Option<u64>,
+}
+
+impl Watch for Keeper {
+    fn see(&mut self, now: &Progress) -> ControlFlow<()> {
+        self.first.get_or_insert(now.iteration);
+        ControlFlow::Continue(())
+    }
+
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        if self.at == Some(self.calls) {
+            variables(&mut self.kept);
+        }
+        self.calls += 1;
+    }
+
+    fn recall(&mut self) -> Option<&mut dyn Visit> {
+        (self.resumes && !self.kept.is_at_end()).then_some(&mut self.kept)
+    }
+}
+
+#[test]
+fn a_step_continues_from_its_checkpoint_with_the_same_bits() {
+    let contact = yielding(32, 0.02);
+    let before = contact.step(&contact.rest().unwrap(), Load::MeanPressure(0.004), &TIGHT, &mut ()).unwrap();
+    for (before, load) in [
+        (contact.rest().unwrap(), Load::MeanPressure(0.01)),
+        (before.clone(), Load::MeanPressure(0.01)),
+        (before.clone(), Load::Approach(1.5 * before.approach())),
+    ] {
+        let step = |keeper: &mut Keeper| contact.step(&before, load, &TIGHT, keeper).unwrap();
+        let mut whole = Keeper::default();
+        let expected = step(&mut whole);
+        assert!(whole.calls >= 4, "{} Newton steps", whole.calls);
+        for at in 0..whole.calls {
+            let mut first = Keeper { at: Some(at), ..Keeper::default() };
+            step(&mut first);
+            first.kept.rewind();
+            let mut second = Keeper { kept: first.kept, resumes: true, ..Keeper::default() };
+            let resumed = step(&mut second);
+            assert!(second.kept.is_at_end());
+            // It goes on, and does not begin again.
+            assert_eq!(second.calls, whole.calls - at - 1);
+            assert!(at == 0 || second.first > whole.first);
+            assert_eq!(resumed.solution, expected.solution);
+            assert_eq!(resumed.plastic, expected.plastic);
+            assert_eq!(resumed.operators, expected.operators);
+            let bits = |state: &PlasticState| state.solution.pressure.map(|p| p.to_bits());
+            assert_eq!(bits(&resumed), bits(&expected));
+        }
+    }
 }

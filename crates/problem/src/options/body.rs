@@ -236,14 +236,15 @@ impl BodyArgs {
         }
     }
 
-    /// Returns the facts of the body.
-    pub fn facts(&self) -> Facts {
+    /// Returns the facts of a problem with this body.
+    #[must_use]
+    pub fn of(&self, facts: Facts) -> Facts {
         let OtherArgs { base, layer, second_body, .. } = &self.others;
         Facts {
             support: Support::of(self.height, *base),
             layers: !layer.is_empty(),
             second: second_body.map(|second| Support::of(second.height, BaseKind::Bonded)),
-            ..Facts::default()
+            ..facts
         }
     }
 

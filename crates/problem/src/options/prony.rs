@@ -67,13 +67,16 @@ impl PronyArgs {
         (!self.prony.is_empty()).then_some(self.relaxes)
     }
 
-    /// Returns the Prony series; `None` for an elastic body.
+    /// Returns the Prony series and the moduli that relax; `None` for an elastic body.
     ///
     /// # Errors
     /// Returns an error for a series that no material has, and for flags that need a series.
-    pub fn series(&self) -> Result<Option<Prony>, Unusable> {
+    pub fn series(&self) -> Result<Option<(Prony, Relaxes)>, Unusable> {
         if !self.prony.is_empty() {
-            return Prony::from_fractions(&self.prony).map(Some).map_err(|error| Unusable::input(key("prony"), error));
+            let series = Prony::from_fractions(&self.prony);
+            return series
+                .map(|prony| Some((prony, self.relaxes)))
+                .map_err(|error| Unusable::input(key("prony"), error));
         }
         if self.moduli != Moduli::LongTerm {
             return Err(Unusable::value(key("moduli"), self.moduli, words!["left out without ", key("prony")]));
@@ -90,7 +93,7 @@ impl PronyArgs {
     /// # Errors
     /// Fails like [`series`](Self::series); also for a contact modulus if only the shear modulus relaxes.
     pub fn long_term(&self, given: &BodyArgs) -> Result<BodyArgs, Unusable> {
-        let Some(prony) = self.series()? else { return Ok(given.clone()) };
+        let Some((prony, _)) = self.series()? else { return Ok(given.clone()) };
         if let (Relaxes::Shear, Some(modulus)) = (self.relaxes, given.e_star) {
             return Err(Unusable::value(
                 key("e_star"),
@@ -126,7 +129,7 @@ impl PronyArgs {
     /// # Errors
     /// Fails like [`long_term`](Self::long_term); also if the body cannot be built.
     pub fn relaxation(&self, given: &BodyArgs) -> Result<Option<Relaxation>, Unusable> {
-        let Some(series) = self.series()? else { return Ok(None) };
+        let Some((series, _)) = self.series()? else { return Ok(None) };
         let soft = *self.long_term(given)?.body()?.material();
         let stiff = series.at_once(&soft, self.relaxes).map_err(|error| Unusable::input(key("prony"), error))?;
         Ok(Some(Relaxation {

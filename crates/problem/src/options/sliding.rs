@@ -6,7 +6,7 @@ use gfmd_law::Limit;
 use serde::{Deserialize, Serialize};
 
 use super::{Kinds, Options, named, parse_choice};
-use crate::{Friction, Unusable, WearBy, key};
+use crate::{Unusable, WearBy, key};
 
 /// Options of the friction between the surfaces.
 #[derive(Args, Options, Clone, Copy, Debug, Serialize, Deserialize)]
@@ -38,20 +38,18 @@ fn is_repulsion(pressure: &LimitingPressure) -> bool {
 }
 
 impl FrictionArgs {
-    /// Returns the fact of the friction.
-    pub fn fact(&self) -> Option<Friction> {
-        match (self.friction, self.shear_strength) {
-            (None, None) => None,
-            (Some(_), None) => Some(Friction::Coulomb),
-            (None, Some(_)) => Some(Friction::Tresca),
-            (Some(_), Some(_)) => Some(Friction::Orowan),
-        }
+    /// Returns true if there is friction.
+    pub fn is_given(&self) -> bool {
+        self.friction.is_some() || self.shear_strength.is_some()
     }
 
-    /// Returns the shear between the surfaces, and the option of its limit.
-    pub fn shear(&self) -> Option<(Shear, &'static str)> {
+    /// Returns the shear between the surfaces.
+    ///
+    /// # Errors
+    /// Returns an error for a coefficient or a strength that is no limit.
+    pub fn shear(&self) -> Result<Option<Shear>, Unusable> {
         let (limit, option) = match (self.friction, self.shear_strength) {
-            (None, None) => return None,
+            (None, None) => return Ok(None),
             (Some(coefficient), None) => (Limit::Coulomb(coefficient), "friction"),
             (None, Some(strength)) => (Limit::Tresca(strength), "shear_strength"),
             (Some(coefficient), Some(strength)) => {
@@ -59,7 +57,8 @@ impl FrictionArgs {
                 (Limit::Orowan { coefficient, strength }, option)
             }
         };
-        Some((Shear { limit, pressure: self.friction_of }, option))
+        limit.check().map_err(|error| Unusable::input(key(option), error))?;
+        Ok(Some(Shear { limit, pressure: self.friction_of }))
     }
 }
 

@@ -10,7 +10,7 @@ use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_medium::{Prony, Relaxes};
 use gfmd_plasticity::{Cells, Hardening};
 use gfmd_problem::options::Plasticity;
-use gfmd_problem::{Facts, Friction, Given, GridError, KeptStrain, Lower, Support, Task, Unknown, WearBy};
+use gfmd_problem::{Facts, Friction, Given, GridError, Inelastic, KeptStrain, Lower, Support, Task, Unknown, WearBy};
 use ndarray::Array2;
 
 const N: usize = 16;
@@ -96,10 +96,12 @@ impl Parts {
             lower: self.lower.as_deref(),
             law: Arc::clone(&self.law),
             hardness: self.facts.hardness.then_some(0.04.into()),
-            plasticity: self.plasticity.as_ref(),
-            shear: shear.map(Into::into),
-            prony: self.prony.as_ref(),
-            wear,
+            inelastic: Inelastic {
+                plasticity: self.plasticity.clone(),
+                shear: shear.map(Into::into),
+                relaxation: self.prony.clone().zip(self.facts.relaxes),
+                wear,
+            },
             dynamics: Dynamics::default(),
             moves_all: false,
         }

@@ -169,7 +169,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
             (_, wears) => {
                 let contact = QuasistaticContact::new(&gfmd_interface::Parts {
                     hardness: facts.hardness.then(|| 0.04.into()),
-                    shear: given.shear,
+                    shear: given.inelastic.shear,
                     wear: wears.then_some(Wear { by_distance: 0.5, by_slip: 0.0 }),
                     ..gfmd_interface::Parts::new(body, grid, heights)
                 });

@@ -44,7 +44,7 @@ pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepare
         let Prepared { fluid, conductivity, gas, .. } = *prepared;
         let gas = gas.map(GivenGas::Numbers);
         let asked = Asked { source: &source, once: true, fluid, conductivity, gas, ..asked.clone() };
-        let finer = Prepared::new(&asked, |_| prepared.facts, &Session::silent())?;
+        let finer = Prepared::new(&asked, prepared.facts, &Session::silent())?;
         let contact = finer.pose(&source, &finer.law)?;
         Ok((finer, contact))
     };

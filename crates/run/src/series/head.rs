@@ -126,10 +126,10 @@ pub struct Lower {
 impl Head {
     /// Builds the head of a report about the states of a surface.
     pub fn new(asked: &Asked, prepared: &Prepared, surface: &RigidSurface) -> Self {
-        let Prepared { facts, surface: Surface { grid, boundary, .. }, shear, .. } = prepared;
+        let Prepared { facts, surface: Surface { grid, boundary, .. }, inelastic, .. } = prepared;
         let given = &prepared.surface;
         let is_path = facts.task == Task::Path;
-        let friction = shear.map(|shear| match shear.limit {
+        let friction = inelastic.shear.map(|shear| match shear.limit {
             Limit::Coulomb(_) => "coulomb",
             Limit::Tresca(_) => "tresca",
             Limit::Orowan { .. } => "orowan",

@@ -9,12 +9,10 @@ use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_flow::Fluid;
 use gfmd_green::Body;
-use gfmd_interface::{Shear, Wear};
 use gfmd_law::Law;
 use gfmd_measure::{GapGas, Scales, top, top_inside};
-use gfmd_medium::Prony;
 use gfmd_plasticity::Cell;
-use gfmd_problem::{AnyState, Facts, Given, KeptStrain, Posed, Unknown, Words, key, pose, setting, words};
+use gfmd_problem::{AnyState, Facts, Given, Inelastic, KeptStrain, Posed, Unknown, Words, key, pose, setting, words};
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
@@ -30,9 +28,7 @@ use gfmd_input::session::Session;
 use gfmd_input::source::stored_unit;
 use gfmd_input::source::{SourceArgs, Surface};
 use gfmd_problem::Adhesion;
-use gfmd_problem::options::{
-    BodyArgs, ComplianceArgs, LawArgs, Plasticity, PlasticityArgs, Yielding, check_wavenumbers,
-};
+use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PlasticityArgs, Yielding, check_wavenumbers};
 
 /// Requested parts of a problem, for a series of any kind; [`Asked::new`] returns those that need no flag.
 #[derive(Clone)]
@@ -51,14 +47,8 @@ pub struct Asked<'a> {
     pub law: Cow<'a, LawArgs>,
     /// Hardness.
     pub hardness: Option<&'a GivenHardness>,
-    /// Yielding of the body.
-    pub plasticity: Option<Plasticity>,
-    /// Shear between the surfaces, and its flag.
-    pub shear: Option<(Shear, &'static str)>,
-    /// Relaxation of the body.
-    pub prony: Option<Prony>,
-    /// Wear of both surfaces together.
-    pub wear: Option<Wear>,
+    /// Yielding, friction, relaxation and wear.
+    pub inelastic: Inelastic,
     /// Boundary of the cell.
     pub boundary: Boundary,
     /// Options of the damped dynamics.
@@ -93,14 +83,8 @@ pub struct Prepared {
     pub law: Arc<dyn Law>,
     /// Hardness, if there is one.
     pub hardness: Option<Hardness>,
-    /// Yielding of the body, if it yields.
-    pub plasticity: Option<Plasticity>,
-    /// Shear between the surfaces, with friction.
-    pub shear: Option<Shear>,
-    /// Relaxation of the body, if it is viscoelastic.
-    pub prony: Option<Prony>,
-    /// Wear of both surfaces together, if they wear.
-    pub wear: Option<Wear>,
+    /// Yielding, friction, relaxation and wear.
+    pub inelastic: Inelastic,
     /// Fluid whose leak is computed, if there is one.
     pub(crate) fluid: Option<Fluid>,
     /// Conductivity of both conductors in series, if it is given.
@@ -119,24 +103,19 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Reads the parts of a problem with these facts. The argument of `facts` is true for a line.
+    /// Reads the parts of a problem; `series` has the [facts](Asked::facts) of the series.
     ///
     /// # Errors
     /// Returns an error if parts cannot be combined, cannot be read, or do not fit into memory.
-    pub fn new(asked: &Asked, facts: impl Fn(bool) -> Facts, session: &Session) -> Result<Self, Failure> {
+    pub fn new(asked: &Asked, series: Facts, session: &Session) -> Result<Self, Failure> {
         let body = asked.compliance.body(&asked.body)?;
         asked.budget.check().map_err(|error| Failure::input(key("tolerance"), error))?;
-        let facts = |line: bool| Facts { processes: session.processes().all, ..facts(line) };
-        facts(false).check()?;
-        let shear = asked.shear.map(|(shear, flag)| match shear.limit.check() {
-            Ok(_) => Ok(shear),
-            Err(error) => Err(Failure::input(key(flag), error)),
-        });
-        let shear = shear.transpose()?;
+        let series = Facts { processes: session.processes().all, ..series };
+        asked.facts(series, false).check()?;
         let law = asked.law.build()?.into_shared();
         let surface = asked.source.bounded(asked.boundary, session)?;
         session.agree(asked.body.check_modulus(surface.unit.as_deref()).map_err(Failure::from))?;
-        let facts = facts(surface.grid.is_line());
+        let facts = asked.facts(series, surface.grid.is_line());
         facts.check()?;
         let lower = asked.lower.read(asked.source, &surface, session)?;
         if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
@@ -148,10 +127,12 @@ impl Prepared {
         let elastic = facts.memory_need(asked.solver, asked.once);
         let faces = 1 + usize::from(facts.lower.is_some());
         let components = if facts.friction.is_some() || facts.lateral { 3 } else { faces };
-        let relaxing = |prony: &Prony| elastic.relaxing(prony.branches().len(), components);
-        let need = asked.prony.as_ref().map_or(elastic, relaxing);
-        let plasticity = asked.plasticity_on();
-        let need = match &plasticity {
+        let inelastic = asked.inelastic_on();
+        let need = match &inelastic.relaxation {
+            Some((prony, _)) => elastic.relaxing(prony.branches().len(), components),
+            None => elastic,
+        };
+        let need = match &inelastic.plasticity {
             Some(plasticity) => {
                 let points = points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid);
                 match plasticity.kept_strain {
@@ -184,7 +165,6 @@ impl Prepared {
             _ => surface.statistics.moments,
         };
         let gas = asked.gas.map(|gas| gas.in_units(&surface.units())).transpose()?;
-        let (prony, wear, dynamics) = (asked.prony.clone(), asked.wear, asked.dynamics);
         let adhesion = Adhesion::of(&asked.law, &law, &surface.grid, &surface.moments(), body.contact_modulus());
         Ok(Self {
             facts,
@@ -194,14 +174,11 @@ impl Prepared {
             lower,
             law,
             hardness,
-            plasticity,
-            shear,
-            prony,
-            wear,
+            inelastic,
             fluid: asked.fluid,
             conductivity: asked.conductivity,
             gas,
-            dynamics,
+            dynamics: asked.dynamics,
             moves_all: facts.moves_all_by(asked.solver),
             rise,
             adhesion,
@@ -222,7 +199,7 @@ impl Prepared {
     /// # Errors
     /// Returns an error for cells that do not fit.
     pub fn yielding(&self, given: &PlasticityArgs) -> Result<Option<Yielding>, Failure> {
-        let Some(plasticity) = &self.plasticity else { return Ok(None) };
+        let Some(plasticity) = &self.inelastic.plasticity else { return Ok(None) };
         Ok(given.yielding(&plasticity.cells(&self.body, &self.surface.grid)?))
     }
 
@@ -303,10 +280,7 @@ impl Prepared {
             lower: self.lower.as_ref().map(|lower| &*lower.heights),
             law: Arc::clone(law),
             hardness: self.hardness.clone(),
-            plasticity: self.plasticity.as_ref(),
-            shear: self.shear,
-            prony: self.prony.as_ref(),
-            wear: self.wear,
+            inelastic: self.inelastic.clone(),
             dynamics: self.dynamics,
             moves_all: self.moves_all,
         };
@@ -538,10 +512,7 @@ impl<'a> Asked<'a> {
             lower: Cow::default(),
             law: Cow::default(),
             hardness: None,
-            plasticity: None,
-            shear: None,
-            prony: None,
-            wear: None,
+            inelastic: Inelastic::default(),
             boundary: Boundary::Periodic,
             dynamics: Dynamics::default(),
             solver: Solver::Auto,
@@ -553,11 +524,27 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// Returns the yielding of the body below the surface; on a finer grid, cells that are not graded are halved.
-    fn plasticity_on(&self) -> Option<Plasticity> {
-        let times = self.source.finer.map_or(1, |times| times as usize);
-        let given = self.plasticity.clone();
-        if times > 1 { given.map(|plasticity| plasticity.finer()) } else { given }
+    /// Returns the facts of a `series` of states with the parts of this problem; `line` is true for a profile.
+    pub fn facts(&self, series: Facts, line: bool) -> Facts {
+        let facts = Facts {
+            law: self.law.law,
+            hardness: self.hardness.is_some(),
+            lower: self.lower.fact(),
+            moved_base: self.base.fact(),
+            boundary: self.boundary,
+            line,
+            ..series
+        };
+        self.inelastic.of(self.compliance.of(self.body.of(facts)))
+    }
+
+    /// Returns the inelastic parts; on a finer grid, cells that are not graded are halved.
+    fn inelastic_on(&self) -> Inelastic {
+        let mut given = self.inelastic.clone();
+        if self.source.finer.is_some_and(|times| times > 1) {
+            given.plasticity = given.plasticity.map(|plasticity| plasticity.finer());
+        }
+        given
     }
 
     /// Reads the moved base and the hardness, rows of this process. With several processes, the first one reads the

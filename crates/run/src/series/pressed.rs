@@ -109,19 +109,13 @@ pub struct ContactArgs {
 const RANGES: [f64; 3] = [8.0, 4.0, 2.0];
 
 impl ContactArgs {
-    /// Returns the facts of the contact; `line` is true for a profile.
-    pub fn facts(&self, line: bool) -> Facts {
+    /// Returns the facts of a series of contacts, without their [parts](Asked::facts).
+    pub fn series(&self) -> Facts {
         Facts {
-            law: self.law.law,
-            hardness: self.hardness.hardness.is_some(),
-            boundary: self.boundary,
             unknown: self.components,
             finite_slope: self.finite_slope,
-            lower: self.lower.fact(),
-            moved_base: self.base.fact(),
-            line,
             grid_error: self.grid_error,
-            ..self.compliance.of(self.body.facts())
+            ..Facts::default()
         }
     }
 
@@ -160,7 +154,7 @@ impl ContactArgs {
             Solver::VerletModes => DampedBy::Modes,
             _ => DampedBy::Other,
         })?;
-        let moves_all = self.facts(false).moves_all_by(self.solver.solver);
+        let moves_all = self.asked()?.facts(self.series(), false).moves_all_by(self.solver.solver);
         if let (Factors::Components(factors), false) = (self.dynamics.factors()?, moves_all) {
             let allowed =
                 words!["one number unless a hard wall moves all components (", setting("components", "all"), ")"];
@@ -184,7 +178,7 @@ impl ContactArgs {
     pub fn pose(&self, session: &Session) -> Result<(Prepared, Posed), Failure> {
         self.check()?;
         let asked = self.asked()?;
-        let prepared = Prepared::new(&asked, |line| self.facts(line), session)?;
+        let prepared = Prepared::new(&asked, self.series(), session)?;
         let posed = prepared.pose_with_warnings(&asked, session)?;
         Ok((prepared, posed))
     }

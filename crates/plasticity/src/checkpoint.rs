@@ -1,0 +1,56 @@
+//! What a checkpoint keeps of a step between two Newton steps.
+
+use gfmd_relax::Visit;
+use gfmd_vector::with_contiguous;
+use ndarray::Array2;
+
+use crate::cells::Mesh;
+use crate::operator::CellFields;
+use crate::volume::COMPONENTS;
+
+/// Start of the next trial: what the last evaluation found.
+pub(crate) struct Start {
+    /// Strain of the cells that may yield.
+    pub(crate) strain: CellFields<f64>,
+    pub(crate) pressure: Array2<f64>,
+    /// Error of the energy by the residuals of the contact.
+    pub(crate) noise: f64,
+    /// Energy, the least so far.
+    pub(crate) least: f64,
+    /// Residual; `None` for the first evaluation.
+    pub(crate) residual: Option<f64>,
+}
+
+impl Start {
+    /// Returns a start that a checkpoint fills.
+    pub(crate) fn empty(mesh: &Mesh) -> Self {
+        let pressure = Array2::zeros(mesh.grid.points());
+        Self { strain: vec![Vec::new(); mesh.cells.len()], pressure, noise: 0.0, least: 0.0, residual: Some(0.0) }
+    }
+
+    /// Visits the start, and the change of the strain by the Newton step from it.
+    pub(crate) fn visit(&mut self, change: &mut CellFields<f32>, mesh: &Mesh, visitor: &mut dyn Visit) {
+        let Self { strain, pressure, noise, least, residual } = self;
+        visitor.numbers(&mut [noise, least]);
+        residual.iter_mut().for_each(|residual| visitor.number(residual));
+        with_contiguous(pressure, |pressure| visitor.field(pressure));
+        visit_cells(strain, mesh, visitor, |visitor, field| visitor.field(field));
+        visit_cells(change, mesh, visitor, |visitor, field| visitor.single(field));
+    }
+}
+
+/// Visits the fields of cells.
+fn visit_cells<T: Copy + Default>(
+    fields: &mut CellFields<T>,
+    mesh: &Mesh,
+    visitor: &mut dyn Visit,
+    visit: impl Fn(&mut dyn Visit, &mut [T]),
+) {
+    fields.resize(mesh.cells.len(), Vec::new());
+    for (field, cell) in fields.iter_mut().zip(&mesh.cells) {
+        let mut has_field = !field.is_empty();
+        visitor.flag(&mut has_field);
+        field.resize(if has_field { COMPONENTS * cell.grid(&mesh.grid).len() } else { 0 }, T::default());
+        visit(visitor, field);
+    }
+}
