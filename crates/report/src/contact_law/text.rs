@@ -162,7 +162,10 @@ fn abaqus(law: &ContactLaw, out: &mut String) {
 }
 
 fn ansys(law: &ContactLaw, out: &mut String) {
-    out.push_str("! real constant 14 of the contact elements: RMODIF,set,14,%GFMD_TCC%\n");
+    out.push_str(
+        "! real constant 14 of the contact elements: RMODIF,set,14,%GFMD_TCC%\n\
+         ! GFMD_GAP and GFMD_KN are no real constants: for springs and user-defined interactions\n",
+    );
     let mut table = |name: &str, meaning: &str, pairs: Option<Vec<(f64, f64)>>| match pairs {
         Some(pairs) => {
             let _ = writeln!(out, "! {meaning}\n*DIM,{name},TABLE,{},1,1,PRESSURE", pairs.len());
