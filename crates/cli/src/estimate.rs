@@ -15,7 +15,7 @@ use gfmd_unit::Units;
 use serde::{Deserialize, Serialize};
 
 use crate::loads::PressingArgs;
-use crate::session::print_sheet;
+use crate::session::{print_note, print_sheet};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::{SourceArgs, Surface};
@@ -303,11 +303,11 @@ impl fmt::Display for Report {
         print_sheet(f, |width| Sheet::of(columns, width), 0, |_| String::new(), |_| String::new())?;
         let reasons: BTreeMap<_, _> = self.loads.iter().flat_map(|load| &load.undefined).collect();
         for (reason, names) in reasons {
-            writeln!(f, "no {}: {reason}", names.join(", "))?;
+            print_note(f, &format!("no {}: {reason}", names.join(", ")))?;
         }
-        writeln!(
+        print_note(
             f,
-            "±: 95 % of solved contacts deviate by less (docs/estimate.md); elastic contact, no friction or adhesion"
+            "±: 95 % of solved contacts deviate by less (docs/estimate.md); elastic contact, no friction or adhesion",
         )
     }
 }
