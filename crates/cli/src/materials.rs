@@ -34,7 +34,7 @@ const BEFORE: usize = 46;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut line = |[name, young, poisson, stress]: [&str; 4], source: &str| {
+        let line = |f: &mut fmt::Formatter<'_>, [name, young, poisson, stress]: [&str; 4], source: &str| {
             let values = format!("{name:<14} {young:>8} {poisson:>6} {stress:>13}  ");
             let width = f.width().map_or(usize::MAX, |width| width.saturating_sub(BEFORE));
             for (line, words) in wrapped(source, width).into_iter().enumerate() {
@@ -43,10 +43,24 @@ impl fmt::Display for Report {
             }
             Ok(())
         };
-        line(["name", "E", "nu", "yield stress"], "source")?;
-        for (name, Material { young, poisson, yield_stress, source }) in self.materials {
-            line([name, young, &poisson.to_string(), yield_stress.as_deref().unwrap_or("-")], source)?;
+        line(f, ["name", "E", "nu", "yield stress"], "source")?;
+        for (name, material) in self.materials {
+            let Material { young, poisson, yield_stress, source, .. } = material;
+            line(f, [name, young, &poisson.to_string(), yield_stress.as_deref().unwrap_or("-")], source)?;
+            let width = f.width().map_or(usize::MAX, |width| width.saturating_sub(2));
+            for words in further(material) {
+                wrapped(&words, width).iter().try_for_each(|words| writeln!(f, "  {words}"))?;
+            }
         }
         Ok(())
     }
+}
+
+/// Returns the values of a material that have no column.
+fn further(material: &Material) -> Vec<String> {
+    let Material { conductivity, prony, relaxes, .. } = material;
+    let conductivity = conductivity.as_ref().map(|value| format!("conductivity {value}"));
+    let branches: Vec<String> = prony.iter().map(|(time, fraction)| format!("{time}:{fraction}")).collect();
+    let series = relaxes.as_ref().map(|relaxes| format!("--prony {} --relaxes {relaxes}", branches.join(",")));
+    conductivity.into_iter().chain(series).collect()
 }

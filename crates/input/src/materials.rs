@@ -26,6 +26,16 @@ pub struct Material {
     /// Yield stress with its unit, if the source has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yield_stress: Option<String>,
+    /// Thermal conductivity with its unit, if the source has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conductivity: Option<String>,
+    /// Relaxation times with their unit and fractions of the instantaneous modulus, if the source has them; Young's
+    /// modulus is then the long-term one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prony: Vec<(String, f64)>,
+    /// Moduli that relax, as the option has it, with a Prony series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relaxes: Option<String>,
     /// Source of the values.
     pub source: String,
 }
@@ -112,8 +122,32 @@ mod tests {
             };
             let young = stress(&material.young);
             assert!((1e5..1e12).contains(&young) && (0.0..0.5).contains(&material.poisson), "{name}");
-            assert!(material.yield_stress.as_ref().is_none_or(|text| stress(text) < 0.01 * young), "{name}");
+            // Polymers yield at strains of some percent.
+            assert!(material.yield_stress.as_ref().is_none_or(|text| stress(text) < 0.05 * young), "{name}");
+            let conductivity = material.conductivity.as_ref().map(|text| {
+                let quantity = Quantity::parse(text).unwrap().unwrap();
+                units.value(&quantity, "stress*length^2/time*temperature").unwrap()
+            });
+            assert!(conductivity.is_none_or(|conductivity| (0.01..1e3).contains(&conductivity)), "{name}");
+            let parts = material.prony.iter().map(|(_, fraction)| fraction).sum::<f64>();
+            assert!(parts < 1.0 && material.prony.is_empty() == material.relaxes.is_none(), "{name}");
             assert!(material.source.chars().any(|c| c.is_ascii_digit()) && !is_recorded(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_series_of_nitrile_rubber_has_the_moduli_of_its_source() {
+        let nbr = &materials()["nbr"];
+        let [long_term, bulk] = [400.0, 400e3];
+        let young = 9.0 * bulk * long_term / (3.0 * bulk + long_term);
+        let poisson = (3.0 * bulk - 2.0 * long_term) / (2.0 * (3.0 * bulk + long_term));
+        assert_eq!((format!("{:.1}MPa", young / 1e3), format!("{poisson:.4}")), (nbr.young.clone(), "0.4995".into()));
+        assert_eq!(format!("{:.4}", nbr.poisson), "0.4995");
+        let branches = [("1s", 535.7), ("10s", 76.2), ("100s", 120.5), ("1000s", 21.3), ("10000s", 22.9)];
+        let instantaneous = long_term + branches.iter().map(|(_, modulus)| modulus).sum::<f64>();
+        assert_eq!(nbr.prony.len(), branches.len());
+        for ((time, modulus), (listed, fraction)) in branches.iter().zip(&nbr.prony) {
+            assert_eq!((time, format!("{:.5}", modulus / instantaneous)), (&&**listed, format!("{fraction:.5}")));
         }
     }
 

@@ -113,3 +113,14 @@ def test_contacts_without_a_law_are_refused():
         with pytest.raises((gfmd.InputError, TypeError), match=words) as error:
             gfmd.fe_table(given, **options)
         assert "\n" not in str(error.value)
+
+
+def test_a_rubber_relaxes_with_the_series_of_its_source():
+    rubber = gfmd.material("nbr", "prony", "relaxes")
+    body = gfmd.Body(**rubber)
+    assert "Linder" in rubber.source and body.moduli == "long-term" and body.relaxes == "shear"
+    fractions = [fraction for _, fraction in body.prony]
+    assert sum(fractions) == pytest.approx(776.6 / 1176.6, rel=1e-4)
+    with pytest.raises(gfmd.InputError, match="'prony' is not a value that the source of ptfe has"):
+        gfmd.material("ptfe", "prony")
+    assert gfmd.material("peek", "conductivity")["conductivity"] == "0.299W/(m*K)"

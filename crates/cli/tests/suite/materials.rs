@@ -41,6 +41,19 @@ fn a_material_is_its_modulus_and_ratio_and_results_name_the_source() {
 }
 
 #[test]
+fn a_rubber_slides_with_the_series_that_is_listed_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = String::from_utf8(gfmd(folder.path(), &["materials"]).stdout).unwrap();
+    let series = table.split_once("  --prony ").unwrap().1.lines().take(2).collect::<Vec<_>>().join(" ");
+    let line = "slide --n 32 --eps-f-inv 4 --size 100um --pressure 1kPa --velocity 10um/s --material nbr -q --json";
+    let found = json(folder.path(), &words(&format!("{line} --prony {series}")));
+    let ratio = found["young_instantaneous"].as_f64().unwrap() / found["young_long_term"].as_f64().unwrap();
+    // Shear moduli of the source, at once and in the long term; Young's moduli of a rubber have nearly this ratio.
+    assert!((ratio / (1176.6 / 400.0) - 1.0).abs() < 2e-3, "{found}");
+    assert!(found["states"][0]["converged"].as_bool().unwrap());
+}
+
+#[test]
 fn files_record_a_material_and_are_checked_resumed_and_reported() {
     let folder = tempfile::tempdir().unwrap();
     let line = "contact --n 32 --eps-f-inv 4 --size 100um --pressure 10MPa --material aluminium --out c.h5 -q";
@@ -80,7 +93,11 @@ fn materials_are_listed_and_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let listed = json(folder.path(), &["materials", "--json"]);
     assert_eq!(listed["materials"]["aluminium"]["young"], "70GPa");
+    assert_eq!(listed["materials"]["ptfe"]["conductivity"], "0.263W/(m*K)");
+    assert_eq!(listed["materials"]["nbr"]["prony"][1], serde_json::json!(["10s", 0.06476]));
+    assert!(listed["materials"]["aluminium"]["prony"].is_null());
     let table = String::from_utf8(gfmd(folder.path(), &["materials"]).stdout).unwrap();
+    assert!(table.contains("\n  conductivity 0.263W/(m*K)\n"), "{table}");
     assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
     let base = "contact --n 16 --eps-f-inv 4 --size 100um --pressure 1MPa --material";
     assert!(refused(folder.path(), &format!("{base} mithril")).contains("--material is mithril; it must be one of"));

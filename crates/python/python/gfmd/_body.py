@@ -65,7 +65,8 @@ def material(name: str, *others: str) -> Material:
 
     Args:
         name: name of the material, as `gfmd materials` lists them.
-        others: further values, such as "yield_stress", of materials whose source has them.
+        others: further values of materials whose source has them: "yield_stress", "prony" with "relaxes" (of rubbers,
+            whose moduli are then the long-term ones), "conductivity".
 
     Raises:
         InputError: an unknown name, a value that the source does not have.
@@ -75,6 +76,8 @@ def material(name: str, *others: str) -> Material:
         {'young': '70GPa', 'poisson': 0.3}
         >>> gfmd.material("steel-s355", "yield_stress")["yield_stress"]
         '355MPa'
+        >>> gfmd.Body(**gfmd.material("nbr", "prony", "relaxes")).relaxes
+        'shear'
         >>> gfmd.Body(**gfmd.material("aluminium")).young
         70000000000.0
         >>> gfmd.Body(material="aluminium").material
