@@ -110,9 +110,12 @@ pub fn print_sheet(
     for (index, line) in sheet.lines.iter().enumerate() {
         writeln!(f, "{}{line}{}", margin(index), remark(index))?;
     }
-    let Some(footnote) = sheet.footnote() else { return Ok(()) };
-    let lines = wrapped(&footnote, f.width().unwrap_or(usize::MAX));
-    lines.iter().try_for_each(|line| writeln!(f, "{line}"))
+    sheet.footnote().map_or(Ok(()), |footnote| print_note(f, &footnote))
+}
+
+/// Prints a note below a table in lines no longer than the table may be.
+pub fn print_note(f: &mut fmt::Formatter, note: &str) -> fmt::Result {
+    wrapped(note, f.width().unwrap_or(usize::MAX)).iter().try_for_each(|line| writeln!(f, "{line}"))
 }
 
 /// Breaks a text into lines of at most `width` characters, between words.

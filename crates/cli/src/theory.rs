@@ -14,7 +14,7 @@ use gfmd_surface::PowerSpectrum;
 use serde::Serialize;
 
 use crate::loads::PressingArgs;
-use crate::session::list_files;
+use crate::session::{list_files, print_note};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
@@ -336,13 +336,13 @@ impl fmt::Display for Report {
         }
         let reasons: BTreeMap<_, _> = self.loads.iter().flat_map(|load| &load.undefined).collect();
         for (reason, names) in reasons {
-            writeln!(f, "no {}: {reason}", names.join(", "))?;
+            print_note(f, &format!("no {}: {reason}", names.join(", ")))?;
         }
         if self.loads.iter().any(|load| load.self_affine.is_some()) {
-            writeln!(
+            print_note(
                 f,
                 "formula: fitted to computed contacts in the limit of endless spectra; counted: on this band and grid \
-                 (docs/results.md)"
+                 (docs/results.md)",
             )?;
         }
         list_files(f, None, &self.plots)

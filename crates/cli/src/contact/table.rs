@@ -7,7 +7,7 @@ use gfmd_record::{Table, lines, table_of, with_limit};
 
 use super::Report;
 use crate::measuring::legends;
-use crate::session::{list_files, print_sheet};
+use crate::session::{list_files, print_note, print_sheet};
 use gfmd_input::hardness::GivenHardness;
 
 impl fmt::Display for Report {
@@ -34,15 +34,11 @@ impl fmt::Display for Report {
             if !sheet.lines.is_empty() {
                 write!(f, "\n{title}")?;
                 print_sheet(f, |_| sheet, 0, |_| String::new(), |_| String::new())?;
-                for legend in legends(table, &self.loads) {
-                    writeln!(f, "{legend}")?;
-                }
+                legends(table, &self.loads).into_iter().try_for_each(|legend| print_note(f, legend))?;
             }
         }
         self.threshold(f)?;
-        for line in lines(&self.loads, ["load", "loads"], |_| true) {
-            writeln!(f, "{line}")?;
-        }
+        lines(&self.loads, ["load", "loads"], |_| true).iter().try_for_each(|line| print_note(f, line))?;
         for used in self.accuracy.iter().flat_map(|accurate| &accurate.grids) {
             writeln!(f, "grid: {used}")?;
         }

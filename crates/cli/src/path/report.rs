@@ -11,7 +11,7 @@ use gfmd_unit::{DisplayUnit, Units};
 use serde::Serialize;
 
 use crate::measuring::legends;
-use crate::session::{list_files, print_sheet};
+use crate::session::{list_files, print_note, print_sheet};
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::memory::peak_bytes;
 use gfmd_report::path::{leg_number, work_imbalance};
@@ -207,7 +207,7 @@ fn print_measured(
     }
     write!(f, "\n{title}")?;
     print_sheet(f, |width| Sheet::of(columns, width), steps.len(), number, |_| String::new())?;
-    legends(table, steps).into_iter().try_for_each(|legend| writeln!(f, "{legend}"))
+    legends(table, steps).into_iter().try_for_each(|legend| print_note(f, legend))
 }
 
 /// Columns of the table that may lack a value although others of their kind have one.
@@ -282,9 +282,8 @@ impl fmt::Display for Report {
         if !fine.is_empty() {
             writeln!(f, "on an infinitely fine grid: {}", fine.join(", "))?;
         }
-        for line in lines(&self.steps, ["step", "steps"], |column| TABLE.contains(&column)) {
-            writeln!(f, "{line}")?;
-        }
+        let notes = lines(&self.steps, ["step", "steps"], |column| TABLE.contains(&column));
+        notes.iter().try_for_each(|line| print_note(f, line))?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

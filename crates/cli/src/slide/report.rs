@@ -15,7 +15,7 @@ use gfmd_run::series::Head;
 use serde::Serialize;
 
 use super::steady_state::SteadyState;
-use crate::session::{list_files, print_sheet};
+use crate::session::{list_files, print_note, print_sheet};
 
 /// The result, as printed.
 #[derive(Clone, Debug, Serialize)]
@@ -84,7 +84,7 @@ impl fmt::Display for Report {
             writeln!(f)?;
             print_sheet(f, |_| heat, 0, |_| String::new(), |_| String::new())?;
         }
-        writeln!(f, "{ROUGH}; compare with a grid of half the spacing")?;
+        print_note(f, &format!("{ROUGH}; compare with a grid of half the spacing"))?;
         list_files(f, self.out.as_deref(), &self.plots)
     }
 }

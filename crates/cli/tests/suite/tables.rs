@@ -90,6 +90,35 @@ fn tables_fit_in_80_characters_and_wide_ones_have_the_columns_left_out() {
 }
 
 #[test]
+fn notes_below_a_table_fit_in_80_characters() {
+    let folder = tempfile::tempdir().unwrap();
+    let measured = LINES[1].0.replace("UNITS", UNITS);
+    let lines = [
+        (&*measured, "gas conductance: per area"),
+        ("contact --n 32 --eps-f-inv 4 --p-star 0.05,5 --statistics -q", "no "),
+        ("slide UNITS --prony 1us:0.5 --pressure 10MPa --velocity 1m/s,10m/s", "two digits and ~:"),
+        ("estimate --n 64 --p-star 0.01,2 -q", "±: 95 %"),
+        ("theory --n 64 --p-star 0.01,5 -q", "formula: fitted"),
+    ];
+    for (line, start) in lines {
+        let line = line.replace("UNITS", UNITS);
+        let printed = |more: &[&str]| {
+            let words: Vec<&str> = line.split_whitespace().chain(more.iter().copied()).collect();
+            String::from_utf8(gfmd(folder.path(), &words).stdout).unwrap()
+        };
+        let (usual, wide) = (printed(&[]), printed(&["--wide"]));
+        let note = wide.lines().find(|line| line.starts_with(start) && line.chars().count() > WIDTH);
+        let note = note.unwrap_or_else(|| panic!("{line}: {wide}"));
+        let lines: Vec<&str> = usual.lines().collect();
+        let pieces = (0..lines.len()).find_map(|first| {
+            (first + 2..=lines.len()).map(|end| &lines[first..end]).find(|pieces| pieces.join(" ") == note)
+        });
+        let pieces = pieces.unwrap_or_else(|| panic!("{line}: {usual}"));
+        assert!(pieces.iter().all(|piece| piece.chars().count() <= WIDTH), "{usual}");
+    }
+}
+
+#[test]
 fn the_numbers_of_a_surface_fit_in_80_characters() {
     let folder = tempfile::tempdir().unwrap();
     for line in ["surface --n 32 -q", "surface --n 32 --unit um --size 100um -q"] {
