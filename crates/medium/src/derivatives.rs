@@ -187,6 +187,7 @@ mod tests {
                 if let crate::Stiffening::Waves(factors) = &affine.stiffening {
                     response = response.stiffened(factors);
                 }
+                let response = std::sync::Arc::new(response);
                 let mut transforms = gfmd_response::NormalTransforms::of(&response);
                 let mut indentation = vec![0.0; grid.len()];
                 transforms.convolve(response.compliance(), &pressure, &mut indentation);
