@@ -2,12 +2,12 @@
 //! points in contact (theory.md, section 7.9).
 
 use gfmd_response::NormalTransforms;
-use gfmd_vector::{dot, for_each, total};
+use gfmd_vector::{contiguous, dot, for_each, total};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::compliance::Compliance;
 use crate::springs;
-use crate::{Contact, Effort, Load, Solution};
+use crate::{Contact, Effort, Load, RigidSurface, Solution};
 
 /// Derivatives of a number L with respect to the fields of a contact, ∂L/∂p and ∂L/∂g at each point `[x, y]`, and with
 /// respect to its numbers. Omitted fields have zero derivatives.
@@ -41,6 +41,43 @@ pub struct Gradient {
     pub error: f64,
     /// Effort of the linear problem.
     pub effort: Effort,
+}
+
+/// Derivatives of a number L with respect to the input of a contact, with the clearance of each point in the place of
+/// the heights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClearanceGradient {
+    /// Derivative with respect to the clearance of each point, at a fixed zero of the approach.
+    pub clearance: Array2<f64>,
+    /// Derivative with respect to the prescribed mean pressure or approach.
+    pub load: f64,
+    /// Derivative with respect to E*, with all moduli of the body in proportion to it.
+    pub modulus: f64,
+    /// Relative error of the linear problem, from its residual with fresh transforms.
+    pub error: f64,
+    /// Effort of the linear problem.
+    pub effort: Effort,
+}
+
+impl ClearanceGradient {
+    /// Converts the clearance to the heights of a `surface`, with an approach measured from its highest point.
+    pub fn by_heights(self, surface: &RigidSurface) -> Gradient {
+        let Self { clearance, load, modulus, error, effort } = self;
+        Gradient { heights: surface.by_heights(&clearance), load, modulus, error, effort }
+    }
+}
+
+impl RigidSurface {
+    /// Returns the derivatives with respect to the height of each point, peaks towards the body, from the derivatives
+    /// with respect to its clearance: an approach is measured from the highest point.
+    pub fn by_heights(&self, by_clearance: &ArrayRef2<f64>) -> Array2<f64> {
+        let mut heights = by_clearance.mapv(|by| -by);
+        let points = self.clearance().iter().enumerate();
+        let lowest = points.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
+        let columns = heights.ncols();
+        heights[[lowest / columns, lowest % columns]] += total(&contiguous(by_clearance));
+        heights
+    }
 }
 
 /// Reasons why a contact has no derivative.
@@ -126,6 +163,22 @@ impl Contact {
     /// an approach that does not determine its pressure; derivatives that differ in shape or are not finite; a linear
     /// problem that was not solved.
     pub fn gradient(&self, solution: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
+        let found = self.gradient_by_clearance((&solution.pressure, &solution.displacement), load, of)?;
+        Ok(found.by_heights(&self.scaled))
+    }
+
+    /// Computes the derivatives as [`gradient`](Self::gradient), with the clearance in the place of the heights, in the
+    /// state with this pressure and displacement u_z. Springs below the surface have a share in the derivative by the
+    /// modulus if the displacement contains them.
+    ///
+    /// # Errors
+    /// As [`gradient`](Self::gradient).
+    pub fn gradient_by_clearance(
+        &self,
+        (pressure, displacement): (&ArrayRef2<f64>, &ArrayRef2<f64>),
+        load: Load,
+        of: &Cotangents,
+    ) -> Result<ClearanceGradient, GradientError> {
         let grid = *self.response.grid();
         let (shape, n) = (grid.points(), grid.len());
         if self.hardness.is_some() {
@@ -139,8 +192,8 @@ impl Contact {
         let units = self.units();
         let (stress, length, energy) = (units.stress(), units.length(), units.energy());
         let in_units = |field: &ArrayRef2<f64>, unit: f64| -> Vec<f64> { field.iter().map(|x| x / unit).collect() };
-        let pressure = in_units(&solution.pressure, stress);
-        let sunk = in_units(&solution.displacement, -length);
+        let pressure = in_units(pressure, stress);
+        let sunk = in_units(displacement, -length);
         let inside: Vec<f64> = pressure.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
         let count = total(&inside);
         let approach = of.approach * length;
@@ -178,18 +231,14 @@ impl Contact {
         if error.is_nan() || error > ERROR {
             return Err(GradientError::Inexact { error, iterations: problem.iterations });
         }
-        let mut heights: Vec<f64> = adjoint.iter().zip(&gap).map(|(adjoint, gap)| adjoint - gap).collect();
         let by_approach = total(&adjoint) - opened;
-        // The approach is measured from the highest point.
-        let clearance = self.scaled.clearance();
-        let lowest = clearance.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
-        heights[lowest] += if is_driven { -by_approach } else { approach };
         let by_load =
             if is_driven { by_approach / length + of.approach } else { level * n as f64 / stress + of.mean_pressure };
         let stored = 0.5 * dot(&pressure, &sunk) / n as f64;
         let by_modulus = dot(&adjoint, &sunk) - dot(&gap, &sunk) - of.elastic_energy * energy * stored;
-        Ok(Gradient {
-            heights: Array2::from_shape_fn(shape, |(i, j)| heights[i * shape[1] + j] / length),
+        let by_clearance = |i: usize| (gap[i] - adjoint[i]) / length;
+        Ok(ClearanceGradient {
+            clearance: Array2::from_shape_fn(shape, |(i, j)| by_clearance(i * shape[1] + j)),
             load: by_load,
             modulus: by_modulus / (self.response.contact_modulus() * units.modulus()),
             error,

@@ -63,7 +63,7 @@ pub use gfmd_field::Grid;
 pub use gfmd_green::{Body, Material};
 pub use gfmd_measure::{Boundary, UnknownBoundary};
 pub use gfmd_relax::{Budget, Factors, MemoryCheckpoint, Progress, Variables, Visit, Watch, Why};
-pub use gradient::{Cotangents, Gradient, GradientError};
+pub use gradient::{ClearanceGradient, Cotangents, Gradient, GradientError};
 pub use hardness::Hardness;
 pub use load::{Drive, Load};
 pub use ndarray;

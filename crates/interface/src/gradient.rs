@@ -1,7 +1,7 @@
 //! Derivatives of a scalar result of an interface in u_z with respect to heights, load and modulus, from one linear
 //! problem (theory.md, section 7.9).
 
-use gfmd_contact::{Cotangents, Effort, Fields as _, Gradient, GradientError, Load, Stiffness};
+use gfmd_contact::{ClearanceGradient, Cotangents, Effort, Fields as _, Gradient, GradientError, Load, Stiffness};
 use gfmd_vector::{dot, total};
 use ndarray::{Array2, ArrayRef2};
 
@@ -32,9 +32,10 @@ impl Interface {
     /// # Errors
     /// Returns the errors of [`gradient`](Self::gradient); a hardness is none.
     pub fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, GradientError> {
+        self.check_rigid()?;
         let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
         match self.derivatives(state, Load::Approach(state.approach), &of, tolerance.clamp(EXACT, LOOSEST)) {
-            Ok(Gradient { load: value, error, effort, .. }) => Ok(Stiffness { value, error, effort }),
+            Ok(ClearanceGradient { load: value, error, effort, .. }) => Ok(Stiffness { value, error, effort }),
             Err(GradientError::Undetermined(FULL)) => {
                 Ok(Stiffness { value: f64::INFINITY, error: 0.0, effort: Effort::default() })
             }
@@ -51,13 +52,38 @@ impl Interface {
     /// shape or not finite; if the load does not determine the state, or the state jumps; or if the linear problem was
     /// not solved.
     pub fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
+        self.check_rigid()?;
+        Ok(self.gradient_by_clearance(state, load, of)?.by_heights(&self.surface))
+    }
+
+    /// Computes the derivatives as [`gradient`](Self::gradient), with the clearance in the place of the heights. The
+    /// interface may have springs, whose stiffness does not change with the modulus.
+    ///
+    /// # Errors
+    /// Returns an error as [`gradient`](Self::gradient), but for springs.
+    pub(crate) fn gradient_by_clearance(
+        &self,
+        state: &State,
+        load: Load,
+        of: &Cotangents,
+    ) -> Result<ClearanceGradient, GradientError> {
         if self.hardness.is_some() {
             return Err(GradientError::Hardness);
         }
         self.derivatives(state, load, of, EXACT)
     }
 
-    /// Computes the [`gradient`](Self::gradient), from a linear problem solved to a relative residual of `tolerance`;
+    /// Checks that the interface has no springs.
+    fn check_rigid(&self) -> Result<(), GradientError> {
+        match self.has_springs() {
+            true => Err(GradientError::Undetermined(
+                "the interface has springs; it must have none, since their derivative is not implemented",
+            )),
+            false => Ok(()),
+        }
+    }
+
+    /// Computes the derivatives by the clearance, from a linear problem solved to a relative residual of `tolerance`;
     /// points at the hardness keep their pressure.
     fn derivatives(
         &self,
@@ -65,13 +91,8 @@ impl Interface {
         load: Load,
         of: &Cotangents,
         tolerance: f64,
-    ) -> Result<Gradient, GradientError> {
+    ) -> Result<ClearanceGradient, GradientError> {
         let shape: [usize; 2] = self.surface.grid().points();
-        if self.has_springs() {
-            return Err(GradientError::Undetermined(
-                "the interface has springs; it must have none, since their derivative is not implemented",
-            ));
-        }
         of.check(shape)?;
         // All values in the units of the solve.
         let (stress, length, energy) = (self.units.stress(), self.units.length(), self.units.energy());
@@ -102,11 +123,14 @@ impl Interface {
         let closed = in_cell(state.gap.iter().map(|gap| f64::from(u8::from(*gap <= 0.0))).collect());
         let kinks = self.kinks(&frame);
         let is_pressed = |i: usize| kinks.as_ref().is_some_and(|kinks| closed[i] > 0.0 && kinks.is_at_most(i, held[i]));
-        let mut problem = Linear::at(self, &frame, &in_cell(position), |i| match held[i] > 0.0 || is_pressed(i) {
+        let spring = |i: usize| kinks.as_ref().map_or(0.0, |kinks| kinks.spring(i));
+        let bond = |i: usize| match held[i] > 0.0 || is_pressed(i) {
             false => Bond::Free,
             true if is_pressed(i) => Bond::Pressed,
+            true if spring(i) > 0.0 => Bond::Spring(spring(i)),
             true => Bond::Held,
-        });
+        };
+        let mut problem = Linear::at(self, &frame, &in_cell(position), bond);
         let acts = |(slope, free): (&f64, &f64)| *free == 0.0 || *slope != 0.0;
         if !is_driven && !problem.slope().iter().zip(problem.free()).any(acts) {
             return Err(GradientError::Undetermined(
@@ -126,7 +150,13 @@ impl Interface {
         by_pressure.iter_mut().zip(&sunk).for_each(|(by, sunk)| *by += of_energy * sunk / inside as f64);
         let by_gap = of.gap.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / length));
         let of_mean_gap = of.mean_gap * length / inside as f64;
-        let by_gap = in_cell(by_gap.iter().map(|by| by + of_mean_gap).collect());
+        let mut by_gap = in_cell(by_gap.iter().map(|by| by + of_mean_gap).collect());
+        // The gap stays closed while a spring is shortened.
+        by_gap
+            .iter_mut()
+            .enumerate()
+            .filter(|(i, _)| matches!(bond(*i), Bond::Spring(_)))
+            .for_each(|(_, by)| *by = 0.0);
         // In the frame of a load, the approach is the mean position plus the mean displacement caused by the load.
         let by_approach = if is_driven { 0.0 } else { of.approach * length };
         let level = by_approach / points as f64;
@@ -158,12 +188,8 @@ impl Interface {
         let of_load = if is_driven { 0.0 } else { total(&whole) * frame.push + by_approach * sinks * mean_pressure };
         let stored = 0.5 * dot(&pressure, &sunk) / inside as f64;
         let by_modulus = dot(&whole, &pressure) - of_load - of_energy * stored;
-        let mut heights = Array2::from_shape_fn(shape, |(i, j)| -by_clearance[i * shape[1] + j] / length);
-        // The approach is measured from the highest point.
-        let clearance = self.surface.clearance();
-        let lowest = clearance.iter().enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
-        heights[[lowest / shape[1], lowest % shape[1]]] += moved / length;
+        let clearance = Array2::from_shape_fn(shape, |(i, j)| by_clearance[i * shape[1] + j] / length);
         let effort = Effort { iterations, transform_pairs };
-        Ok(Gradient { heights, load: by_load, modulus: by_modulus / self.contact_modulus, error, effort })
+        Ok(ClearanceGradient { clearance, load: by_load, modulus: by_modulus / self.contact_modulus, error, effort })
     }
 }

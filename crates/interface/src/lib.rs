@@ -7,13 +7,15 @@
 //! - [`QuasistaticContact`]: a contact made of [`Parts`], solved increment by increment: a wall or a law, friction, a
 //!   hardness, wear, and a body that relaxes, in any combination.
 //! - [`Squeezed`]: either of them at both faces of a plate between two surfaces.
-//! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step.
+//! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step; [`follow`] keeps all
+//!   states, from which [`QuasistaticContact::gradient_along`] computes derivatives.
 
 mod certify;
 mod dynamics;
 mod frame;
 mod give_way;
 mod gradient;
+mod increments;
 mod kinks;
 mod newton;
 mod numbers;
@@ -30,11 +32,13 @@ mod stored_fields;
 
 pub use gfmd_contact::{Body, Equilibrium, Grid, Load, Material};
 pub use gfmd_law as law;
+pub use increments::follow;
 pub use ndarray;
 pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
 pub use problem::{Interface, Trapping};
 pub use quasistatic::{
-    LimitingPressure, Losses, Parts, QuasistaticContact, QuasistaticState, Shear, StiffnessError, Wear,
+    Increment, LimitingPressure, Losses, Parts, PathGradient, PathGradientError, QuasistaticContact, QuasistaticState,
+    Shear, StiffnessError, Wear,
 };
 pub use squeezed::{Squeezed, SqueezedState, Stacked};
 pub use state::{Residual, State};

@@ -792,7 +792,7 @@ impl Halves {
 
 impl Reading {
     /// Surfaces before the first step.
-    const UNLOADED: Self = Self {
+    pub(crate) const UNLOADED: Self = Self {
         mean_pressure: 0.0,
         approach: 0.0,
         mean_shear: [0.0; 2],
@@ -814,7 +814,7 @@ impl Reading {
     }
 
     /// Returns the drive at the fraction `share` of the path from this state to `drive`.
-    fn towards(&self, drive: Drive, share: f64) -> Drive {
+    pub(crate) fn towards(&self, drive: Drive, share: f64) -> Drive {
         if share == 1.0 {
             return drive;
         }

@@ -3,6 +3,7 @@
 mod division;
 mod end;
 mod faces;
+mod gradient;
 mod normal;
 mod parts;
 mod response;
@@ -26,6 +27,7 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::path::{Loss, Quasistatic, Reading};
 use crate::{Interface, StoredFields, Trapping};
+pub use gradient::{Increment, PathGradient, PathGradientError};
 use normal::Normal;
 pub use parts::{LimitingPressure, Parts, Shear, Wear};
 use response::Response;
@@ -268,6 +270,15 @@ impl QuasistaticContact {
         Drive { distance: drive.distance / self.units.length(), ..self.units.drive(drive) }
     }
 
+    /// Converts a state to the units of the solve.
+    fn in_units(&self, state: &QuasistaticState) -> QuasistaticState {
+        if self.units.are_one() {
+            return state.clone();
+        }
+        let scales = (&self.scaled, self.contact_modulus / self.units.modulus());
+        state.clone().times(1.0 / self.units.length(), 1.0 / self.units.stress(), scales)
+    }
+
     fn given_units(&self, state: QuasistaticState) -> QuasistaticState {
         if self.units.are_one() {
             return state;
@@ -370,9 +381,8 @@ impl Equilibrium for QuasistaticContact {
         if self.units.are_one() {
             return self.increment(drive, solver, budget, start, watch);
         }
-        let (length, stress, modulus) = (self.units.length(), self.units.stress(), self.units.modulus());
-        let scales = (&self.scaled, self.contact_modulus / modulus);
-        let start = start.map(|state| state.clone().times(1.0 / length, 1.0 / stress, scales));
+        let stress = self.units.stress();
+        let start = start.map(|state| self.in_units(state));
         let watch = &mut self.units.shown(watch);
         let solved = self.increment(self.drive(drive), solver, budget, start.as_ref(), watch);
         let state = solved.map_err(|error| match error {

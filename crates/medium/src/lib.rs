@@ -9,6 +9,7 @@
 
 mod branch;
 mod bulk;
+mod derivatives;
 mod dma;
 mod medium;
 mod memory;
@@ -24,6 +25,7 @@ mod velocity;
 mod wlf;
 
 pub use branch::Branch;
+pub use derivatives::MemoryDerivatives;
 pub use dma::{
     DynamicModulus, EXCESS, FitError, FittedBranch, GOOD_MISFIT, MOST_TIMES, PLATEAU, PronyFit, RelaxationTimes,
 };

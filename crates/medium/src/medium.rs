@@ -2,7 +2,7 @@
 
 use gfmd_contact::Refusal;
 
-use crate::{Energies, Memory};
+use crate::{Energies, Memory, MemoryDerivatives};
 
 /// Body with a memory, in the steps of a contact.
 ///
@@ -32,6 +32,33 @@ pub trait Medium: Send + Sync {
         indentation: Vec<f64>,
         pressure: &[f64],
     ) -> Result<(Memory, Energies), Refusal>;
+
+    /// Computes the derivatives of the energy stored in all springs, per area, with respect to the memory, times
+    /// `factor`. The mean displacement has no share where nothing moves it.
+    ///
+    /// # Errors
+    /// Returns an error for the memory of another body.
+    fn energy_derivatives(&self, memory: &Memory, factor: f64) -> Result<MemoryDerivatives, Refusal>;
+
+    /// Transposes [`end`](Self::end) for a body with u_z alone: from the derivatives of a number with respect to the
+    /// memory at the end of a step, computes those with respect to the indentation reached, and to the memory at the
+    /// start for a fixed indentation.
+    ///
+    /// # Errors
+    /// Returns an error for the memory of another body.
+    fn end_transposed(&self, of: &MemoryDerivatives, duration: f64) -> Result<(Vec<f64>, MemoryDerivatives), Refusal>;
+
+    /// Transposes [`begin`](Self::begin) for a body with u_z alone: adds to the derivatives `of` a number with respect
+    /// to the memory at the start the effect of its derivatives with respect to the residual indentation.
+    ///
+    /// # Errors
+    /// Returns an error for the memory of another body.
+    fn begin_transposed(
+        &self,
+        by_residual_indentation: &[f64],
+        duration: f64,
+        of: &mut MemoryDerivatives,
+    ) -> Result<(), Refusal>;
 
     /// Returns the largest number of branches of a wave.
     fn branches(&self) -> usize;

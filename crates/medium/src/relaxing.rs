@@ -9,9 +9,10 @@ use gfmd_vector::{contiguous, dot};
 use ndarray::Array2;
 use num_complex::Complex64;
 
+use crate::derivatives::{Decays, Lengths};
 use crate::memory::{Fields, PointStep};
 use crate::spectrum::{Spectrum, stiffness};
-use crate::{Affine, Energies, Medium, Memory, Prony, Relaxes, Stiffening};
+use crate::{Affine, Energies, Medium, Memory, MemoryDerivatives, Prony, Relaxes, Stiffening};
 
 /// Body that relaxes by a Prony series (theory.md, section 7.7). Each step is exact for a displacement linear in time,
 /// whatever its duration; a step of zero duration is a jump.
@@ -163,6 +164,35 @@ impl Relaxing {
         wrong.map_or(Ok(()), |field| Err(Refusal::Start { found: field.len(), expected: self.grid.len() }))
     }
 
+    /// Returns the coefficients of a step.
+    fn decays(&self, duration: f64) -> Decays {
+        match &*self.spectrum {
+            Spectrum::Common(branches) => Decays::common(branches, duration),
+            Spectrum::Waves(waves) => {
+                let branches = (0..waves.stiffness.len()).flat_map(|mode| waves.of(mode));
+                Decays::of_waves(branches, waves.count, duration)
+            }
+        }
+    }
+
+    /// Checks that derivatives belong to this body, with u_z alone.
+    fn check_lengths(&self, of: &Lengths) -> Result<(), Refusal> {
+        let (found, sizes, expected): (_, Vec<usize>, _) = match (of, &*self.spectrum) {
+            (Lengths::Points(of), Spectrum::Common(_)) => {
+                (of.len(), of.iter().map(Vec::len).collect(), self.grid.len())
+            }
+            (Lengths::Waves(of), Spectrum::Waves(_)) => {
+                (of.len(), of.iter().map(Vec::len).collect(), self.grid.spectrum_len())
+            }
+            _ => return Err(Refusal::OtherKind),
+        };
+        if found != 1 + self.branches() {
+            return Err(Refusal::Basis { found, expected: 1 + self.branches() });
+        }
+        let wrong = sizes.into_iter().find(|size| *size != expected);
+        wrong.map_or(Ok(()), |found| Err(Refusal::Start { found, expected }))
+    }
+
     /// Transforms a field; only for a body with wave-dependent branches.
     fn forward(&self, field: &[f64]) -> Vec<Complex64> {
         let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
@@ -173,7 +203,7 @@ impl Relaxing {
     }
 
     /// Transforms a spectrum back; only for a body with wave-dependent branches.
-    fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
+    pub(crate) fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
         let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
         let mut field = vec![0.0; transform.grid().len()];
         let workspace = &mut *workspace.lock().unwrap_or_else(PoisonError::into_inner);
@@ -229,6 +259,61 @@ impl Medium for Relaxing {
             _ => return Err(Refusal::OtherKind),
         };
         Ok((Memory(fields), energies))
+    }
+
+    fn energy_derivatives(&self, memory: &Memory, factor: f64) -> Result<MemoryDerivatives, Refusal> {
+        let share = factor / self.grid.len() as f64;
+        match (&memory.0, &*self.spectrum) {
+            (Fields::Points { stresses, .. }, Spectrum::Common(branches)) => {
+                let weights = std::iter::once(1.0).chain(branches.iter().map(|branch| branch.weight));
+                let of = |(weight, field): (f64, &Vec<f64>)| field.iter().map(|s| share * weight * s).collect();
+                Ok(MemoryDerivatives(Lengths::Points(weights.zip(stresses).map(of).collect())))
+            }
+            (Fields::Waves(fields), Spectrum::Waves(waves)) => {
+                let mut all = fields.clone();
+                for (mode, stiffness) in waves.stiffness.iter().enumerate() {
+                    // The mean level of a body may be fixed.
+                    let stiffness = if stiffness.is_finite() { share * stiffness } else { 0.0 };
+                    let weights = std::iter::once(1.0).chain(waves.of(mode).map(|branch| branch.weight));
+                    all.iter_mut().zip(weights).for_each(|(field, weight)| field[mode] *= stiffness * weight);
+                }
+                Ok(MemoryDerivatives(Lengths::Waves(all)))
+            }
+            _ => Err(Refusal::OtherKind),
+        }
+    }
+
+    fn end_transposed(&self, of: &MemoryDerivatives, duration: f64) -> Result<(Vec<f64>, MemoryDerivatives), Refusal> {
+        let decays = self.decays(duration);
+        self.check_lengths(&of.0)?;
+        Ok(match &of.0 {
+            Lengths::Points(of) => {
+                let (by_indentation, start) = decays.end(of);
+                (by_indentation, MemoryDerivatives(Lengths::Points(start)))
+            }
+            Lengths::Waves(of) => {
+                let (by_indentation, start) = decays.end(of);
+                (self.inverse(&by_indentation), MemoryDerivatives(Lengths::Waves(start)))
+            }
+        })
+    }
+
+    fn begin_transposed(
+        &self,
+        by_residual_indentation: &[f64],
+        duration: f64,
+        of: &mut MemoryDerivatives,
+    ) -> Result<(), Refusal> {
+        if by_residual_indentation.len() != self.grid.len() {
+            return Err(Refusal::Start { found: by_residual_indentation.len(), expected: self.grid.len() });
+        }
+        let decays = self.decays(duration);
+        self.check_lengths(&of.0)?;
+        match &mut of.0 {
+            Lengths::Points(of) => decays.begin(by_residual_indentation, of),
+            Lengths::Waves(of) => decays.begin(&self.forward(by_residual_indentation), of),
+        }
+        Ok(())
     }
 
     fn branches(&self) -> usize {

@@ -8,7 +8,6 @@ use super::trust_region::{Model, TrustRegion};
 use super::weight_of;
 use crate::Interface;
 use crate::frame::Frame;
-use crate::numbers::mean_where;
 
 /// Best accuracy of one search; the next one starts with the residual from fresh transforms.
 const ACCURACY: f64 = 1e-9;
@@ -40,6 +39,8 @@ pub(crate) enum Bond {
     Free,
     /// The wall holds the point.
     Held,
+    /// A spring of this compliance holds the point.
+    Spring(f64),
     /// The point keeps its pressure, at the hardness.
     Pressed,
 }
@@ -66,8 +67,13 @@ impl<'a> Linear<'a> {
         let mut reaction = Reaction::new(1, points);
         reaction.update(interface.law.as_ref(), frame, position, &mut vec![0.0; points]);
         let [_, slope] = reaction.normal_mut();
-        let slopes = slope.iter_mut().enumerate().filter(|(i, _)| bond(*i) == Bond::Pressed);
-        slopes.for_each(|(_, slope)| *slope = 0.0);
+        for (i, slope) in slope.iter_mut().enumerate() {
+            match bond(i) {
+                Bond::Pressed => *slope = 0.0,
+                Bond::Spring(compliance) => *slope = compliance.recip(),
+                Bond::Free | Bond::Held => {}
+            }
+        }
         let mut model =
             AllComponents::new(interface.elastic.transforms(), frame, super::uniform_compliance(interface, frame));
         let reference = (softest * stiffest).sqrt();
@@ -75,7 +81,15 @@ impl<'a> Linear<'a> {
         weights.for_each(|(i, (weight, slope))| {
             *weight = if bond(i) == Bond::Held { 0.0 } else { weight_of(*slope, reference) };
         });
-        let free = model.weight().iter().map(|weight| f64::from(u8::from(*weight > 0.0))).collect();
+        let free: Vec<f64> = model.weight().iter().map(|weight| f64::from(u8::from(*weight > 0.0))).collect();
+        // Points at springs stiffer than the body hardly move.
+        let share = |(i, free): (usize, &f64)| match bond(i) {
+            Bond::Spring(compliance) => free / (1.0 + (compliance * reference).recip()),
+            _ => *free,
+        };
+        if (0..points).any(|i| matches!(bond(i), Bond::Spring(_))) {
+            model.restore_mean_by(free.iter().enumerate().map(share).collect());
+        }
         Self { model, frame, reaction, free }
     }
 
@@ -100,7 +114,7 @@ impl<'a> Linear<'a> {
     fn residual(&mut self, source: &[f64], values: &[f64], out: &mut [f64]) -> f64 {
         self.model.elastic(values, out);
         self.reaction.add_product(values, out);
-        let free = &self.free;
+        let Self { model, free, .. } = &*self;
         let rest = |start: usize, [out]: [&mut [f64]; 1]| {
             let of = source[start..].iter().zip(&free[start..]);
             out.iter_mut().zip(of).for_each(|(out, (source, free))| *out = free * (source - *out));
@@ -109,7 +123,7 @@ impl<'a> Linear<'a> {
         if !self.frame.held[0] {
             return 0.0;
         }
-        let level = mean_where(out, |i| free[i] > 0.0);
+        let level = model.mean_of(0, out);
         for_each([out], &|start, [out]| {
             out.iter_mut().zip(&free[start..]).for_each(|(out, free)| *out -= level * free);
         });
@@ -120,9 +134,10 @@ impl<'a> Linear<'a> {
     /// of v.
     pub(crate) fn solve(&mut self, source: &[f64], sum: f64, tolerance: f64) -> Adjoint {
         let accuracy = (OF_TOLERANCE * tolerance).max(ACCURACY);
-        let count = self.free.iter().sum::<f64>();
+        let share = self.model.share().unwrap_or(&self.free);
+        let count = share.iter().sum::<f64>();
         let start = if self.frame.held[0] && count > 0.0 { sum / count } else { 0.0 };
-        let mut values: Vec<f64> = self.free.iter().map(|free| start * free).collect();
+        let mut values: Vec<f64> = share.iter().map(|share| start * share).collect();
         let mut region = TrustRegion::new(values.len());
         let mut residual = vec![0.0; values.len()];
         let mut level = self.residual(source, &values, &mut residual);

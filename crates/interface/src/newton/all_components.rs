@@ -2,7 +2,7 @@
 
 use gfmd_relax::Visit;
 use gfmd_response::Transforms;
-use gfmd_vector::{dot, for_each};
+use gfmd_vector::{dot, for_each, total};
 
 use super::reaction::Reaction;
 use super::trust_region::{Model, Vectors};
@@ -15,6 +15,8 @@ pub(super) struct AllComponents<'a> {
     frame: &'a Frame<'a>,
     /// Weight of each point in the preconditioner; 0 for points held by the wall.
     weight: Vec<f64>,
+    /// Share of each point in a shift that restores a held mean, in u_z alone; empty if all free points have the same.
+    share: Vec<f64>,
     /// Compliance of the uniform mode in the preconditioner.
     uniform_compliance: Vec<f64>,
 }
@@ -22,7 +24,26 @@ pub(super) struct AllComponents<'a> {
 impl<'a> AllComponents<'a> {
     pub(super) fn new(transforms: Transforms, frame: &'a Frame<'a>, uniform_compliance: Vec<f64>) -> Self {
         let weight = vec![0.0; frame.components() * frame.points()];
-        Self { transforms, frame, weight, uniform_compliance }
+        Self { transforms, frame, weight, share: Vec::new(), uniform_compliance }
+    }
+
+    /// Sets the share of each point in a shift that restores a held mean, in u_z alone; 0 for points held by the wall.
+    pub(super) fn restore_mean_by(&mut self, share: Vec<f64>) {
+        self.share = share;
+    }
+
+    /// Returns the share of each point in a shift that restores a held mean, if the points differ.
+    pub(super) fn share(&self) -> Option<&[f64]> {
+        (!self.share.is_empty()).then_some(&self.share)
+    }
+
+    /// Returns the mean of a component over the points that restore a held mean.
+    pub(super) fn mean_of(&self, c: usize, field: &[f64]) -> f64 {
+        let weight = &self.weight[c * field.len()..][..field.len()];
+        match self.share.is_empty() {
+            true => mean_where(field, |i| weight[i] > 0.0),
+            false => dot(&self.share, field) / total(&self.share),
+        }
     }
 
     fn precondition(&mut self, residual: &[f64], scratch: &mut [f64], out: &mut [f64]) {
@@ -36,7 +57,14 @@ impl<'a> AllComponents<'a> {
         for_each([&mut *out], &|start, [out]| {
             out.iter_mut().zip(&weight[start..]).for_each(|(out, w)| *out *= w);
         });
-        self.project(out);
+        if self.share.is_empty() || !self.frame.held[0] {
+            return self.project(out);
+        }
+        // The transpose of the projection, which keeps the preconditioner symmetric.
+        let shift = total(out) / total(&self.share);
+        for_each([out], &|start, [out]| {
+            out.iter_mut().zip(&self.share[start..]).for_each(|(out, share)| *out -= shift * share);
+        });
     }
 }
 
@@ -53,7 +81,7 @@ impl Model for AllComponents<'_> {
         let points = self.frame.points();
         for (c, (field, held)) in vector.chunks_exact_mut(points).zip(&self.frame.held).enumerate() {
             let weight = &self.weight[c * points..][..points];
-            let mean = if *held { mean_where(field, |i| weight[i] > 0.0) } else { 0.0 };
+            let mean = if *held { self.mean_of(c, field) } else { 0.0 };
             let keep = |start: usize, [field]: [&mut [f64]; 1]| {
                 for (v, weight) in field.iter_mut().zip(&weight[start..]) {
                     *v = if *weight > 0.0 { *v - mean } else { 0.0 };

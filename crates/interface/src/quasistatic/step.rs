@@ -142,7 +142,7 @@ impl<'a> Step<'a> {
     }
 
     /// Returns the depth of the elastic surface at zero pressure: not yet recovered, less the lift by the shear.
-    fn unpressed(&self, effect: Effect) -> Option<Array2<f64>> {
+    pub(super) fn unpressed(&self, effect: Effect) -> Option<Array2<f64>> {
         let (points, base) = (self.contact.points(), &self.affine.residual_indentation);
         let mut depth = self.contact.medium.as_ref().map(|_| base[base.len() - points..].to_vec());
         if let Some(shear) = &self.shear {
@@ -170,7 +170,7 @@ impl<'a> Step<'a> {
     }
 
     /// Returns the springs that stand for the wear during the step, with this length of the slip at each point.
-    fn springs(&self, slipped: &[f64]) -> Option<Springs> {
+    pub(super) fn springs(&self, slipped: &[f64]) -> Option<Springs> {
         let wear = self.contact.wear?;
         let factor = self.affine.factor();
         let by_distance = factor * (wear.by_distance * self.moved);
@@ -214,6 +214,16 @@ impl<'a> Step<'a> {
         (Drive { lateral, ..load.into() }, is_apart)
     }
 
+    /// Returns the normal contact of the step under the last shear, and first touch, from which it measures its
+    /// approach.
+    pub(super) fn normal(&self) -> Result<(Normal, f64), Refusal> {
+        let contact = match self.springs(self.shear.as_ref().map_or(&[], |shear| &shear.slipped)) {
+            Some(springs) => self.normal.softened(springs)?,
+            None => self.normal.clone(),
+        };
+        self.at(contact, self.depth_with(None, Effect::Assumed).as_ref())
+    }
+
     /// Solves the normal contact, from the state `warm` with its tractions and measured from the undeformed surfaces.
     fn press(
         &self,
@@ -222,11 +232,7 @@ impl<'a> Step<'a> {
         warm: Option<&NormalState>,
         watch: &mut dyn Watch,
     ) -> Result<Pressed, Refusal> {
-        let contact = match self.springs(self.shear.as_ref().map_or(&[], |shear| &shear.slipped)) {
-            Some(springs) => self.normal.softened(springs)?,
-            None => self.normal.clone(),
-        };
-        let (contact, touch) = self.at(contact, self.depth_with(None, Effect::Assumed).as_ref())?;
+        let (contact, touch) = self.normal()?;
         let (drive, is_apart) = self.drive_from(touch);
         if is_apart {
             return Ok(Pressed { state: contact.unloaded(drive.load)?, touch, is_apart, failed: None });

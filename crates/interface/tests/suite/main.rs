@@ -9,6 +9,7 @@ mod cost;
 mod free;
 mod free_shear;
 mod friction;
+mod gradient;
 mod kinks;
 mod path;
 mod plastic;
