@@ -47,7 +47,7 @@ def rate(
 ) -> Array:
     """Returns the volume per time through the cell for flow along x and y (last axis), from the transmissivities.
 
-    The `fluid` is its name and its viscosity, one of which is given.
+    The `fluid` is its name and its viscosity; exactly one of both is given.
     """
     viscosity = viscosity_of(*fluid)
     thickness, drop = in_units("viscosity", viscosity, "stress*time"), in_units(
