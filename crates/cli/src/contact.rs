@@ -298,8 +298,9 @@ impl Loads {
         let Measuring { gathered, trace, mut finer, .. } = measuring;
         let is_kept = outcome.is_kept(kept.as_deref());
         let SeriesOutcome { records, failure, not_converged, .. } = outcome;
+        let head = Head::new(&args.asked()?, prepared, contact.surface());
         let mut report = Report {
-            head: Head::new(&args.asked()?, prepared, contact.surface()),
+            head: Head { fluid: args.measure.fluid.fluid.clone(), ..head },
             facts: prepared.facts,
             accuracy: None,
             loads: records,

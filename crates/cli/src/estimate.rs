@@ -64,6 +64,9 @@ pub struct Report {
     /// Name of the body's material, and the source of its values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Name of the second body's material, and the source of its values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_material: Option<String>,
     /// Equivalent band of the spectrum; `null` without one.
     pub hurst: Option<f64>,
     pub eps_f_inv: Option<f64>,
@@ -143,6 +146,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         rms_gradient,
         e_star,
         material: args.body.material.clone(),
+        second_material: args.body.second_material.clone(),
         hurst: band.map(|band| band.hurst),
         eps_f_inv: band.map(|band| band.eps_f_inv),
         plasticity_index: args.hardness.map(|hardness| e_star * rms_gradient / hardness),
@@ -257,6 +261,9 @@ impl fmt::Display for Report {
         writeln!(f, "rms height {height}, rms gradient {:.4}, E* {modulus}", self.rms_gradient)?;
         if let Some(material) = &self.material {
             writeln!(f, "material: {material}")?;
+        }
+        if let Some(material) = &self.second_material {
+            writeln!(f, "material of the second body: {material}")?;
         }
         if let (Some(hurst), Some(ratio)) = (self.hurst, self.eps_f_inv) {
             writeln!(f, "the spectrum is like a self-affine one with H = {hurst:.2} and 1/eps_f = {ratio:.1}")?;

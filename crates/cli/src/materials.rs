@@ -1,9 +1,10 @@
-//! `materials`: names of `--material`, with their values and sources.
+//! `materials`: names of `--material` and `--fluid`, with their values and sources.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use clap::Args as ClapArgs;
+use gfmd_input::fluids::{Fluid, fluids};
 use gfmd_input::materials::{Material, materials};
 use serde::Serialize;
 
@@ -17,31 +18,23 @@ use crate::session::wrapped;
   gfmd materials --json")]
 pub struct Args {}
 
-/// Materials by name.
+/// Materials and fluids by name.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[expect(missing_docs, reason = "docs/interface.md")]
 pub struct Report {
     pub materials: &'static BTreeMap<String, Material>,
+    pub fluids: &'static BTreeMap<String, Fluid>,
 }
 
-/// Returns all materials.
+/// Returns all materials and fluids.
 pub fn run() -> Report {
-    Report { materials: materials() }
+    Report { materials: materials(), fluids: fluids() }
 }
-
-/// Characters of a line before the source.
-const BEFORE: usize = 46;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line = |f: &mut fmt::Formatter<'_>, [name, young, poisson, stress]: [&str; 4], source: &str| {
-            let values = format!("{name:<14} {young:>8} {poisson:>6} {stress:>13}  ");
-            let width = f.width().map_or(usize::MAX, |width| width.saturating_sub(BEFORE));
-            for (line, words) in wrapped(source, width).into_iter().enumerate() {
-                let before = if line == 0 { &values } else { "" };
-                writeln!(f, "{before:<BEFORE$}{words}")?;
-            }
-            Ok(())
+            print_beside(f, &format!("{name:<14} {young:>8} {poisson:>6} {stress:>13}  "), source)
         };
         line(f, ["name", "E", "nu", "yield stress"], "source")?;
         for (name, material) in self.materials {
@@ -52,8 +45,24 @@ impl fmt::Display for Report {
                 wrapped(&words, width).iter().try_for_each(|words| writeln!(f, "  {words}"))?;
             }
         }
-        Ok(())
+        writeln!(f)?;
+        let line = |f: &mut fmt::Formatter<'_>, [name, viscosity]: [&str; 2], source: &str| {
+            print_beside(f, &format!("{name:<18} {viscosity:>12}  "), source)
+        };
+        line(f, ["fluid", "viscosity"], "source")?;
+        self.fluids.iter().try_for_each(|(name, fluid)| line(f, [name, &fluid.viscosity], &fluid.source))
     }
+}
+
+/// Prints a text beside values, in lines of its own.
+fn print_beside(f: &mut fmt::Formatter<'_>, values: &str, text: &str) -> fmt::Result {
+    let before = values.chars().count();
+    let width = f.width().map_or(usize::MAX, |width| width.saturating_sub(before));
+    let lines = wrapped(text, width);
+    lines
+        .iter()
+        .zip(std::iter::once(values).chain(std::iter::repeat("")))
+        .try_for_each(|(line, values)| writeln!(f, "{values:<before$}{line}"))
 }
 
 /// Returns the values of a material that have no column.

@@ -324,6 +324,7 @@ fn report_of(
     let mut head = Head::new(&args.asked()?, prepared, surface);
     head.relaxation = args.prony.relaxation(&args.body)?;
     head.yielding = prepared.yielding(&args.plasticity)?;
+    head.fluid.clone_from(&args.measure.fluid.fluid);
     let report = Report::new(head, args.waypoints.along(), records, places);
     Ok(Report { facts: prepared.facts, coefficient: args.wear.coefficient, ..report })
 }

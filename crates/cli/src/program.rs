@@ -63,7 +63,7 @@ pub enum Command {
     Report(Box<report::Args>),
     /// Open a page in the browser: take a scan, prepare it, press it, look at maps of the result
     Serve(Box<serve::Args>),
-    /// List the materials of --material: modulus, Poisson's ratio, source
+    /// List the materials of --material and the fluids of --fluid with their values and sources
     Materials(materials::Args),
     /// Print a script by which a shell completes commands and flags
     Completions(completions::Args),

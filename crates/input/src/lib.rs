@@ -10,11 +10,13 @@
 pub mod array;
 pub mod base;
 pub mod failure;
+pub mod fluids;
 pub mod hardness;
 pub mod json;
 pub mod lower;
 pub mod materials;
 pub mod memory;
+mod named;
 pub mod processes;
 pub mod rows;
 pub mod session;

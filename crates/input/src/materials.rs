@@ -3,17 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use gfmd_problem::{key, words};
+use gfmd_problem::key;
 use serde::{Deserialize, Serialize};
-use toml::{Table, Value};
 
 use crate::failure::Failure;
-
-/// Key of the option that names a material.
-pub const MATERIAL: &str = "material";
-
-/// Keys of the options that a material replaces.
-const REPLACED: [&str; 3] = ["young", "e_star", "poisson"];
 
 /// Material with a source.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -46,63 +39,13 @@ pub fn materials() -> &'static BTreeMap<String, Material> {
     ALL.get_or_init(|| toml::from_str(include_str!("../data/materials.toml")).unwrap_or_default())
 }
 
-/// Returns the material with a name.
+/// Returns the material that an option names.
 ///
 /// # Errors
 /// Returns an error that lists the known names.
-pub fn material(name: &str) -> Result<&'static Material, Failure> {
+pub fn material(option: &str, name: &str) -> Result<&'static Material, Failure> {
     let names = || materials().keys().map(String::as_str).collect::<Vec<_>>().join(", ");
-    materials().get(name).ok_or_else(|| Failure::value(key(MATERIAL), name, format!("one of {}", names())))
-}
-
-/// Returns the name of a material with its source, as results record it.
-pub fn recorded(name: &str, material: &Material) -> String {
-    format!("{name} ({})", material.source)
-}
-
-/// Returns true if a text is a name with its source already.
-fn is_recorded(text: &str) -> bool {
-    text.ends_with(')')
-}
-
-/// Returns a text that names a material as results record it, with the values of the options that it replaces; `None`
-/// if the text is recorded already. `given` tells the options that are given beside it.
-///
-/// # Errors
-/// Returns an error for an unknown name, and for a given option that the material replaces.
-pub(crate) fn resolved(
-    name: &str,
-    given: impl Fn(&str) -> bool,
-) -> Result<Option<(String, &'static Material)>, Failure> {
-    if is_recorded(name) {
-        return Ok(None);
-    }
-    let found = material(name)?;
-    if given("compliance") {
-        let allowed = words!["left out with ", key("compliance"), ", which describes the whole body"];
-        return Err(Failure::value(key(MATERIAL), name, allowed));
-    }
-    match REPLACED.into_iter().find(|option| given(option)) {
-        Some(option) => {
-            let allowed = words!["given without ", key(option), ": it has a modulus and a Poisson's ratio"];
-            Err(Failure::value(key(MATERIAL), name, allowed))
-        }
-        None => Ok(Some((recorded(name, found), found))),
-    }
-}
-
-/// Puts the values of the material in a table of options in its place.
-///
-/// # Errors
-/// The errors of [`resolved`].
-pub(crate) fn of_table(table: &mut Table) -> Result<(), Failure> {
-    let Some(name) = table.get(MATERIAL).and_then(Value::as_str).map(str::to_owned) else { return Ok(()) };
-    if let Some((text, found)) = resolved(&name, |option| table.contains_key(option))? {
-        table.insert(MATERIAL.into(), text.into());
-        table.insert("young".into(), found.young.clone().into());
-        table.insert("poisson".into(), found.poisson.into());
-    }
-    Ok(())
+    materials().get(name).ok_or_else(|| Failure::value(key(option), name, format!("one of {}", names())))
 }
 
 #[cfg(test)]
@@ -131,7 +74,7 @@ mod tests {
             assert!(conductivity.is_none_or(|conductivity| (0.01..1e3).contains(&conductivity)), "{name}");
             let parts = material.prony.iter().map(|(_, fraction)| fraction).sum::<f64>();
             assert!(parts < 1.0 && material.prony.is_empty() == material.relaxes.is_none(), "{name}");
-            assert!(material.source.chars().any(|c| c.is_ascii_digit()) && !is_recorded(name), "{name}");
+            assert!(material.source.chars().any(|c| c.is_ascii_digit()) && !name.ends_with(')'), "{name}");
         }
     }
 
@@ -149,21 +92,5 @@ mod tests {
         for ((time, modulus), (listed, fraction)) in branches.iter().zip(&nbr.prony) {
             assert_eq!((time, format!("{:.5}", modulus / instantaneous)), (&&**listed, format!("{fraction:.5}")));
         }
-    }
-
-    #[test]
-    fn a_material_stands_for_its_values_once() {
-        let mut table = Table::from_iter([(MATERIAL.to_owned(), "aluminium".into())]);
-        of_table(&mut table).unwrap();
-        assert_eq!(table["young"].as_str(), Some("70GPa"));
-        let again = table.clone();
-        of_table(&mut table).unwrap();
-        assert_eq!(table, again);
-        for key in REPLACED {
-            let mut both = Table::from_iter([(MATERIAL.to_owned(), "aluminium".into()), (key.to_owned(), 0.2.into())]);
-            assert!(of_table(&mut both).unwrap_err().to_string().contains("it must be given without"), "{key}");
-        }
-        let mut unknown = Table::from_iter([(MATERIAL.to_owned(), "mithril".into())]);
-        assert!(of_table(&mut unknown).unwrap_err().to_string().contains("aluminium, copper-etp, fused-silica"));
     }
 }

@@ -10,7 +10,7 @@ use gfmd_unit::Units;
 use toml::{Table, Value};
 
 use crate::failure::Failure;
-use crate::materials::{self, MATERIAL, Material, resolved};
+use crate::named::{self, Resolved, in_words, resolved};
 use crate::session::NamedMap;
 use crate::table;
 
@@ -159,17 +159,16 @@ pub fn of_words(
         };
         word.replace(&rows);
     }
-    let given = |option: &str| words.iter().filter_map(Word::given).find(|(key, _)| *key == option);
-    let named = match given(MATERIAL) {
-        Some((_, name)) => resolved(name, |option| given(option).is_some())?,
-        None => None,
-    };
-    if let Some((recorded, Material { young, poisson, .. })) = named {
-        words.iter_mut().filter(|word| word.given().is_some_and(|(key, _)| key == MATERIAL)).for_each(|word| {
+    let given =
+        |option: &str| words.iter().filter_map(Word::given).find(|(key, _)| *key == option).map(|(_, value)| value);
+    for Resolved { option, recorded, values } in resolved(given)? {
+        words.iter_mut().filter(|word| word.given().is_some_and(|(key, _)| key == option)).for_each(|word| {
             word.replace(&recorded);
         });
-        let values = [("young", young.clone()), ("poisson", poisson.to_string())];
-        words.extend(values.map(|(option, value)| Word::value(option, &format!("{}=", flag(option)), &value)));
+        words.extend(values.iter().map(|(key, value)| {
+            let (before, text) = in_words(key, value);
+            Word::value(key, &before, &text)
+        }));
     }
     let mut sought = Sought::default();
     for ((key, text), kinds) in words.iter().filter_map(|word| word.quantity(kinds)) {
@@ -229,7 +228,7 @@ pub fn of_words(
 /// # Errors
 /// The errors of `of_words`.
 pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &KindsByKey) -> Result<(), Failure> {
-    materials::of_table(table)?;
+    named::of_table(table)?;
     let mut sought = Sought::default();
     for (key, value) in &*table {
         if let Some(kinds) = kinds.get(&**key) {

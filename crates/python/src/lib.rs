@@ -32,7 +32,9 @@ mod _gfmd {
         texture,
     };
     #[pymodule_export]
-    use crate::unit::{canonical, converted, in_units, kinds, law_kinds, materials, readable, unit_name, with_limit};
+    use crate::unit::{
+        canonical, converted, fluids, in_units, kinds, law_kinds, materials, readable, unit_name, with_limit,
+    };
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

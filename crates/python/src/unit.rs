@@ -86,6 +86,12 @@ pub(crate) fn converted<'py>(
     Ok((heights.into_pyarray(py), lengths, gfmd_unit::canonical(to).to_owned()))
 }
 
+/// Returns the fluids by name as JSON.
+#[pyfunction]
+pub(crate) fn fluids(py: Python<'_>) -> PyResult<String> {
+    gfmd_input::json::to_string(gfmd_input::fluids::fluids()).map_err(|error| refused(py, &error))
+}
+
 /// Returns the materials by name as JSON.
 #[pyfunction]
 pub(crate) fn materials(py: Python<'_>) -> PyResult<String> {

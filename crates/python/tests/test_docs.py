@@ -223,7 +223,7 @@ def test_results_have_the_attributes_that_are_documented(words):
         (gfmd.KappaSweep, [words["k"]]),
         (gfmd.Study, [words["many"]]),
         (gfmd.Statistics, [words["s"].statistics(features=True), flat, filtered.statistics()]),
-        (gfmd.Body, [gfmd.Body(), curve, gfmd.Body(material="aluminium")]),
+        (gfmd.Body, [gfmd.Body(), curve, gfmd.Body(material="aluminium", second_material="peek")]),
         (gfmd.PronyFit, [series]),
         (
             gfmd.Residual,

@@ -124,3 +124,42 @@ def test_a_rubber_relaxes_with_the_series_of_its_source():
     with pytest.raises(gfmd.InputError, match="'prony' is not a value that the source of ptfe has"):
         gfmd.material("ptfe", "prony")
     assert gfmd.material("peek", "conductivity")["conductivity"] == "0.299W/(m*K)"
+
+
+def test_a_second_body_and_a_fluid_have_names():
+    named = gfmd.Body(young="70 GPa", second_material="steel-s355")
+    plain = gfmd.Body(young="70 GPa", second_body=("210GPa", 0.3))
+    assert named.e_star == plain.e_star and named.second_body == plain.second_body
+    assert named.second_material.startswith("steel-s355 (EN 1993") and "second_material" not in plain
+    contacts = [gfmd.contact(rough(), body, pressure="10 MPa") for body in (named, plain)]
+    assert contacts[0].area_fraction == contacts[1].area_fraction
+    assert contacts[0].leak_rate(fluid="water", pressure_drop="1 bar") == pytest.approx(
+        contacts[1].leak_rate(viscosity="1.0016 mPa*s", pressure_drop="1 bar"), rel=1e-14
+    )
+    path = gfmd.path(rough(), named, pressure="10 MPa", steps=1, flow=True, fluid="water", pressure_drop="1 bar")
+    assert path.steps.leak[-1] == pytest.approx(path.leak_rate(fluid="water", pressure_drop="1 bar")[-1], rel=1e-9)
+    assert "IAPWS 2008" in path.fluid and path.second_material == named.second_material
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: gfmd.Body(second_material="mithril"), "second_material is 'mithril'; it must be one of aluminium"),
+        (lambda: gfmd.Body(second_material="peek", second_body=(1.0, 0.3)), "must be given without second_body"),
+        (lambda: gfmd.contact(rough(), BODY, pressure="1 MPa").leak_rate(pressure_drop=1.0), "viscosity is missing"),
+        (
+            lambda: gfmd.contact(rough(), BODY, pressure="1 MPa").leak_rate(fluid="honey", pressure_drop=1.0),
+            "fluid is 'honey'; it must be one of air",
+        ),
+        (
+            lambda: gfmd.contact(rough(), BODY, pressure="1 MPa").leak_rate(
+                fluid="air", viscosity=1.0, pressure_drop=1.0
+            ),
+            "must be given without viscosity",
+        ),
+    ],
+)
+def test_names_that_cannot_be_used_are_refused(call, words):
+    with pytest.raises(gfmd.InputError, match=words) as error:
+        call()
+    assert "\n" not in str(error.value)

@@ -11,10 +11,14 @@ use gfmd_input::failure::Failure;
 use gfmd_input::source::Surface;
 
 /// Options of the fluid whose leak is computed from the flow.
-#[derive(Args, Options, Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 #[command(next_help_heading = "Measurements")]
 pub struct FluidArgs {
+    /// Fluid whose viscosity is taken, in place of --viscosity. gfmd materials lists the names with their sources
+    #[arg(long, value_name = "NAME")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<String>,
     /// Viscosity of the fluid, stress * time, such as 1mPa*s; with --flow and --pressure-drop for the leak along x and
     /// along y, volume per time
     #[arg(long, value_name = "ETA", allow_negative_numbers = true)]
@@ -33,14 +37,26 @@ impl FluidArgs {
     ///
     /// # Errors
     /// Returns an error for one number without the other, without the flow, and for numbers that are not positive.
-    pub fn fluid(self, flow: bool) -> Result<Option<Fluid>, Failure> {
-        let given = [("viscosity", self.viscosity), ("pressure_drop", self.pressure_drop)];
-        if let (false, Some((option, _))) = (flow, given.iter().find(|(_, value)| value.is_some())) {
+    pub fn fluid(&self, flow: bool) -> Result<Option<Fluid>, Failure> {
+        let Self { fluid, viscosity, pressure_drop } = self;
+        let given = [
+            ("fluid", fluid.is_some()),
+            ("viscosity", viscosity.is_some()),
+            ("pressure_drop", pressure_drop.is_some()),
+        ];
+        if let (false, Some((option, _))) = (flow, given.iter().find(|(_, is_given)| *is_given)) {
             return Err(Failure::value(key(option), "given", words!["left out without ", key("flow")]));
+        }
+        // The viscosity of a fluid is an option, too, once it is looked up.
+        if let (Some(name), None) = (fluid, viscosity) {
+            return Err(Failure::value(key("fluid"), name, words!["given with ", key("viscosity"), ", its viscosity"]));
         }
         match (self.viscosity, self.pressure_drop) {
             (None, None) => Ok(None),
-            (Some(_), None) => Err(Failure::missing("pressure_drop", words!["it is needed with ", key("viscosity")])),
+            (Some(_), None) => {
+                let named = if fluid.is_some() { "fluid" } else { "viscosity" };
+                Err(Failure::missing("pressure_drop", words!["it is needed with ", key(named)]))
+            }
             (None, Some(_)) => Err(Failure::missing("viscosity", words!["it is needed with ", key("pressure_drop")])),
             (Some(viscosity), Some(pressure_drop)) => {
                 for (option, value) in [("viscosity", viscosity), ("pressure_drop", pressure_drop)] {

@@ -19,7 +19,18 @@ const MEASURED: [&str; 3] = ["statistics", "flow", "conductance"];
 const NUMBERS: [&str; 5] = ["poisson", "base_poisson", "tolerance", "stiffness_tolerance", "max_iterations"];
 
 /// Keys of the body.
-const BODY: [&str; 8] = ["young", "poisson", "e_star", "height", "base", "base_young", "base_poisson", "second_body"];
+const BODY: [&str; 10] = [
+    "material",
+    "young",
+    "poisson",
+    "e_star",
+    "height",
+    "base",
+    "base_young",
+    "base_poisson",
+    "second_body",
+    "second_material",
+];
 
 /// Keys of `gfmd.contact` with the names that they have on the command line.
 const CONTACT: [&str; 11] = [
@@ -224,5 +235,9 @@ mod tests {
         assert!(python("a", "r.h5", &with("law", "exponential")).unwrap_err().contains("--law"));
         assert!(python("a", "r.h5", &answers(&[("p_star", "0.1:0.2:3".into())])).unwrap_err().contains("A:B:N"));
         assert!(python("a", "r.h5", &with("young", "1")).is_ok());
+        let mut named = with("material", "ptfe");
+        named.insert("second_material".into(), "steel-s355".into());
+        let lines = python("a", "r.h5", &named).unwrap();
+        assert!(lines.contains("gfmd.Body(material=\"ptfe\", second_material=\"steel-s355\")"), "{lines}");
     }
 }

@@ -73,6 +73,64 @@ fn files_record_a_material_and_are_checked_resumed_and_reported() {
 }
 
 #[test]
+fn a_second_body_and_a_fluid_have_names_that_results_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let contact = "contact --n 32 --eps-f-inv 4 --size 100um --pressure 10MPa --young 70GPa --flow -q --json";
+    let path = "path --n 32 --eps-f-inv 4 --size 100um --pressure 10MPa --young 70GPa --steps 1 --flow -q --json";
+    let drop = "--pressure-drop 1bar";
+    for (line, rows) in [(contact, "loads"), (path, "steps")] {
+        let of = |more: &str| json(folder.path(), &words(&format!("{line} {drop} {more}")));
+        let named = of("--second-material steel-s355 --fluid water --out named.h5");
+        let plain = of("--second-body 210GPa,0.3 --viscosity 1.0016mPa*s --out plain.h5");
+        let source = |text: &serde_json::Value| text.as_str().unwrap().to_owned();
+        assert!(source(&named["second_material"]).starts_with("steel-s355 (EN 1993"), "{named}");
+        assert!(source(&named["fluid"]).starts_with("water (IAPWS 2008"), "{named}");
+        assert!(plain["second_material"].is_null() && plain["fluid"].is_null(), "{plain}");
+        for key in ["e_star", "second_body"] {
+            assert_eq!(named[key], plain[key], "{line}");
+        }
+        let leak = |report: &serde_json::Value| report[rows][0]["leak"].clone();
+        assert!(leak(&named)[0].as_f64().unwrap() > 0.0, "{named}");
+        assert_eq!(leak(&named), leak(&plain), "{line}");
+        let text = |file: &str| Reader::open(folder.path().join(file)).unwrap().text("/", "config").unwrap();
+        assert!(text("named.h5").contains("IAPWS 2008") && text("named.h5").contains("steel-s355 (EN 1993"));
+        for command in ["check named.h5", "report named.h5 --out named.html"] {
+            let output = gfmd(folder.path(), &words(command));
+            assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
+        }
+        let page = std::fs::read_to_string(folder.path().join("named.html")).unwrap();
+        assert!(page.contains("IAPWS 2008"), "{line}");
+        let printed = gfmd(folder.path(), &words(&format!("{} {drop} --fluid water", line.replace(" --json", ""))));
+        assert!(String::from_utf8(printed.stdout).unwrap().contains("\nfluid: water (IAPWS 2008"));
+        for name in ["named.h5", "plain.h5"] {
+            std::fs::remove_file(folder.path().join(name)).unwrap();
+        }
+    }
+    let below = "body --surface c.h5:/fields/displacement_z --depths 0.1um -q --second-material aluminium";
+    let line = "contact --n 16 --eps-f-inv 4 --size 100um --pressure 10MPa --young 70GPa --second-body 1GPa,0.3 -q";
+    assert!(gfmd(folder.path(), &words(&format!("{line} --out c.h5"))).status.success());
+    let output = gfmd(folder.path(), &words(below));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn names_beside_numbers_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = "contact --n 16 --eps-f-inv 4 --size 100um --pressure 1MPa --young 70GPa";
+    for (more, wanted) in [
+        ("--second-material mithril", "--second-material is mithril; it must be one of aluminium"),
+        ("--second-material peek --second-body 1GPa,0.3", "it must be given without --second-body: it has a modulus"),
+        ("--fluid honey --flow --pressure-drop 1bar", "--fluid is honey; it must be one of air, oil-cylinder"),
+        ("--fluid water --viscosity 1mPa*s --flow --pressure-drop 1bar", "without --viscosity: it has a viscosity"),
+        ("--fluid water --flow", "--pressure-drop is missing; it is needed with --fluid"),
+        ("--fluid water --pressure-drop 1bar", "--fluid is given; it must be left out without --flow"),
+    ] {
+        let text = refused(folder.path(), &format!("{base} {more}"));
+        assert!(text.contains(wanted), "{more}: {text}");
+    }
+}
+
+#[test]
 fn a_study_takes_materials_as_bodies() {
     let folder = tempfile::tempdir().unwrap();
     let bodies = "{ name = 'al', material = 'aluminium' }, { name = 'plain', young = '70GPa', poisson = 0.3 }";
@@ -99,6 +157,8 @@ fn materials_are_listed_and_refused_by_name() {
     let table = String::from_utf8(gfmd(folder.path(), &["materials"]).stdout).unwrap();
     assert!(table.contains("\n  conductivity 0.263W/(m*K)\n"), "{table}");
     assert!(table.lines().all(|line| line.chars().count() <= 80), "{table}");
+    assert_eq!(listed["fluids"]["water"]["viscosity"], "1.0016mPa*s");
+    assert!(table.contains("\nwater "), "{table}");
     let base = "contact --n 16 --eps-f-inv 4 --size 100um --pressure 1MPa --material";
     assert!(refused(folder.path(), &format!("{base} mithril")).contains("--material is mithril; it must be one of"));
     for other in ["young 70GPa", "poisson 0.3", "e-star 70GPa"] {

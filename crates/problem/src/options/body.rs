@@ -32,6 +32,10 @@ pub struct BodyArgs {
     #[arg(long, value_name = "NAME")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Material of the second body, a half-space, in place of --second-body
+    #[arg(long, value_name = "NAME")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_material: Option<String>,
     /// Contact modulus E* = E/(1 - NU^2), in place of --young
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -195,6 +199,10 @@ impl BodyArgs {
         // The values of a material are options, too, once it is looked up.
         if let (Some(name), None) = (&self.material, self.young) {
             return Err(Unusable::value(key("material"), name, words!["given with ", key("young"), ", its modulus"]));
+        }
+        if let (Some(name), None) = (&self.second_material, self.others.second_body) {
+            let allowed = words!["given with ", key("second_body"), ", its modulus and Poisson's ratio"];
+            return Err(Unusable::value(key("second_material"), name, allowed));
         }
         let material = match self.e_star {
             Some(modulus) => {
@@ -442,6 +450,10 @@ pub struct RecordedBodyArgs {
     #[arg(long, value_name = "NAME")]
     #[serde(skip_serializing_if = "Option::is_none")]
     material: Option<String>,
+    /// Material of the second body, a half-space, in place of --second-body
+    #[arg(long, value_name = "NAME")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    second_material: Option<String>,
     /// Contact modulus E* = E/(1 - NU^2), in place of --young
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     #[option(kinds = Kinds::STRESS)]
@@ -489,6 +501,9 @@ impl RecordedBodyArgs {
         // A recorded material has the recorded values.
         if self.young.is_some() || self.e_star.is_some() || self.poisson.is_some() {
             table.remove("material");
+        }
+        if self.second_body.is_some() {
+            table.remove("second_material");
         }
         if self.base.is_some_and(|base| base != BaseKind::HalfSpace) {
             for key in ["base_young", "base_poisson"] {

@@ -38,8 +38,8 @@ class Material(dict[str, Any]):
     source: str
 
     @classmethod
-    def named(cls, name: str, *others: str) -> Material:
-        """Returns the material with a name, and `others` of its values.
+    def named(cls, name: str, *others: str, option: str = "material") -> Material:
+        """Returns the material with a name that an `option` has, and `others` of its values.
 
         Example:
             >>> gfmd.Material.named("aluminium")["poisson"]
@@ -47,7 +47,7 @@ class Material(dict[str, Any]):
         """
         known: dict[str, dict[str, Any]] = json.loads(_gfmd.materials())
         if name not in known:
-            raise InputError(f"material is {shown(name)}; it must be one of {', '.join(known)}")
+            raise InputError(f"{option} is {shown(name)}; it must be one of {', '.join(known)}")
         found = known[name]
         for other in others:
             if other == "source" or other not in found:
@@ -55,6 +55,11 @@ class Material(dict[str, Any]):
         made = cls({key: found[key] for key in ("young", "poisson", *others)})
         made.name, made.source = name, found["source"]
         return made
+
+    @property
+    def recorded(self) -> str:
+        """Name and source, as results have them."""
+        return f"{self.name} ({self.source})"
 
 
 def material(name: str, *others: str) -> Material:
@@ -105,6 +110,7 @@ class Body(Record):
         second_body: elastic body with the rough surface: (Young's modulus, Poisson's ratio) of a half-space, or
             (Young's modulus, Poisson's ratio, height) of a slab bonded at its back. Displacements are then relative:
             the sum over both bodies.
+        second_material: name of a material, in place of `second_body`, of a half-space.
         prony: Prony series of a viscoelastic body, for `gfmd.path` in time: (relaxation time, fraction of the
             instantaneous modulus) of each branch.
         moduli: kind of the given moduli, "long-term" or "instantaneous"; with `prony` only.
@@ -169,6 +175,7 @@ class Body(Record):
     kinematic_hardening: Optional[Quantity]
     layer_yield: tuple[Quantity, ...]
     material: str
+    second_material: str
     _given: tuple[Optional[Quantity], float, Optional[Quantity], Optional[Quantity]]
 
     @hinted
@@ -195,6 +202,7 @@ class Body(Record):
         compliance: Optional[_Compliance] = None,
         uniform_compliance: Optional[float] = None,
         material: Optional[str] = None,
+        second_material: Optional[str] = None,
     ) -> None:
         if material is not None:
             chosen = Material.named(material)
@@ -205,7 +213,15 @@ class Body(Record):
                         " ratio"
                     )
             young, poisson = chosen["young"], chosen["poisson"]
-            material = f"{chosen.name} ({chosen.source})"
+            material = chosen.recorded
+        if second_material is not None:
+            other = Material.named(second_material, option="second_material")
+            if second_body is not None:
+                raise InputError(
+                    f"second_material is {second_material}; it must be given without second_body: it has a modulus and"
+                    " a Poisson's ratio"
+                )
+            second_body, second_material = (other["young"], other["poisson"]), other.recorded
         if young is not None and e_star is not None:
             raise InputError("young and e_star are both given; give one of the two")
         nu = _ratio("poisson", poisson)
@@ -252,7 +268,8 @@ class Body(Record):
                         f"{name} is {shown(found)}; it must be left out with compliance, which is that of the whole"
                         " body"
                     )
-        known = {} if material is None else {"material": material}
+        names = {"material": material, "second_material": second_material}
+        known = {key: name for key, name in names.items() if name is not None}
         super().__init__(
             {**values, **known, **_below(base, thickness, base_young, base_poisson), **plasticity, **table}
         )
@@ -279,6 +296,7 @@ class Body(Record):
             *table,
             tuple(plasticity.items()),
             self._values.get("material"),
+            self._values.get("second_material"),
         )
 
     def __eq__(self, other: object) -> bool:
@@ -475,6 +493,7 @@ def _body(
     uniform_compliance: Optional[float] = None,
     plasticity: Sequence[tuple[str, Any]] = (),
     material: Optional[str] = None,
+    second_material: Optional[str] = None,
 ) -> Body:
     below = {"base": base, "base_young": base_young, "base_poisson": base_poisson, "layers": layers}
     table = None if compliance is None else np.array(compliance, dtype=np.float64)
@@ -487,9 +506,13 @@ def _body(
     }
     options: dict[str, Any] = {**below, **relaxation, **dict(plasticity)}
     body = Body(young, poisson, e_star=e_star, height=height, second_body=second_body, **options)
-    if material is not None:
-        body._values["material"] = material
+    names = {"material": material, "second_material": second_material}
+    body._values.update({key: name for key, name in names.items() if name is not None})
     return body
+
+
+# Keys of a configuration that only a body with them has.
+_RECORDED = ("compliance", "uniform_compliance", "material", "second_material")
 
 
 def body_of(config: dict[str, Any]) -> Body:
@@ -498,7 +521,7 @@ def body_of(config: dict[str, Any]) -> Body:
     below: dict[str, Any] = {name: config.get(name) for name in ("base_young", "base_poisson", "second_body")}
     young = None if e_star is not None else config.get("young")
     top = (young, config.get("poisson", 0.0), e_star, None if height == "inf" else height)
-    below.update({name: config.get(name) for name in ("compliance", "uniform_compliance", "material")})
+    below.update({name: config.get(name) for name in _RECORDED})
     return _body(*top, config.get("base", "bonded"), layers=config.get("layer", ()), **below)
 
 

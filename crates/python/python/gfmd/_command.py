@@ -23,8 +23,7 @@ def body_keys(body: Body) -> dict[str, Any]:
     """Returns the configuration keys of a body, as it was given."""
     young, poisson, e_star, height = body._given
     elastic: dict[str, Any] = {"young": young} if e_star is None else {"e_star": e_star}
-    if "material" in body:
-        elastic["material"] = body["material"]
+    elastic.update({name: body[name] for name in ("material", "second_material") if name in body})
     keys = {**elastic, "poisson": poisson, "height": height_key(height), **other_keys(body, body.layers)}
     if "compliance" in body:
         keys.update(compliance=[list(row) for row in body["compliance"]], uniform_compliance=body["uniform_compliance"])

@@ -385,7 +385,9 @@ class Contact(Result, Numbers, Fields):
         return Flow(found, self.units)
 
     @_hints.hinted
-    def leak_rate(self, *, viscosity: Quantity, pressure_drop: Quantity) -> Array:
+    def leak_rate(
+        self, *, viscosity: Optional[Quantity] = None, pressure_drop: Quantity, fluid: Optional[str] = None
+    ) -> Array:
         """Returns the leak rate (volume per time) through the gap of the whole cell, [2]: along x and along y.
 
         Args:
@@ -393,20 +395,22 @@ class Contact(Result, Numbers, Fields):
                 length unit is unknown.
             pressure_drop: pressure drop over the length of the cell along the flow, Pa, or a string with a unit, such
                 as "1 bar"; in stress if the length unit is unknown.
+            fluid: name of a fluid, such as "water", in place of `viscosity`; `gfmd materials` lists them.
 
         Returns:
             The leak rates in m³/s, where 1e-6 m³/s are 1 ml/s (length³/time if the length unit is unknown); zero where
             the gap is closed.
 
         Raises:
-            InputError: a profile, a lower surface; arguments that are not positive.
+            InputError: a profile, a lower surface; arguments that are not positive; an unknown fluid.
 
         Example:
             >>> c.leak_rate(viscosity=1e-3, pressure_drop=1e5).shape
             (2,)
         """
         along = np.diag(self.flow().transmissivity)
-        return frozen(_leak.rate(along, self.surface.size, metre(self.surface.unit), viscosity, pressure_drop))
+        of = (fluid, viscosity)
+        return frozen(_leak.rate(along, self.surface.size, metre(self.surface.unit), of, pressure_drop))
 
     def conductance(
         self, k1: Optional[Quantity] = None, k2: Optional[Quantity] = None, *, conductor_height: Quantity = float("inf")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import math
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 import numpy.typing as npt
 
-from ._check import Array, Quantity, in_units
+from . import _gfmd
+from ._check import Array, Quantity, in_units, shown
 from ._errors import InputError
 from ._hints import hinted
 from ._units import metre
@@ -22,15 +24,41 @@ def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_
     return through
 
 
-def rate(along: Array, size: tuple[float, float], metre: float, viscosity: Quantity, pressure_drop: Quantity) -> Array:
-    """Returns the volume per time through the cell for flow along x and y (last axis), from the transmissivities."""
-    fluid, drop = in_units("viscosity", viscosity, "stress*time"), in_units("pressure_drop", pressure_drop, "stress")
-    if not (0.0 < fluid < math.inf and 0.0 < drop < math.inf):
+def viscosity_of(fluid: Optional[str], viscosity: Optional[Quantity]) -> Quantity:
+    """Returns the given viscosity, or the viscosity of the fluid with a name."""
+    if fluid is None:
+        if viscosity is None:
+            raise InputError("viscosity is missing; give it, or the name of a fluid")
+        return viscosity
+    if viscosity is not None:
+        raise InputError(f"fluid is {fluid}; it must be given without viscosity: it has a viscosity")
+    known: dict[str, dict[str, str]] = json.loads(_gfmd.fluids())
+    if fluid not in known:
+        raise InputError(f"fluid is {shown(fluid)}; it must be one of {', '.join(known)}")
+    return known[fluid]["viscosity"]
+
+
+def rate(
+    along: Array,
+    size: tuple[float, float],
+    metre: float,
+    fluid: tuple[Optional[str], Optional[Quantity]],
+    pressure_drop: Quantity,
+) -> Array:
+    """Returns the volume per time through the cell for flow along x and y (last axis), from the transmissivities.
+
+    The `fluid` is its name and its viscosity; exactly one of both is given.
+    """
+    viscosity = viscosity_of(*fluid)
+    thickness, drop = in_units("viscosity", viscosity, "stress*time"), in_units(
+        "pressure_drop", pressure_drop, "stress"
+    )
+    if not (0.0 < thickness < math.inf and 0.0 < drop < math.inf):
         raise InputError(
             f"viscosity and pressure_drop are {viscosity!r}, {pressure_drop!r}; they must be positive and finite"
         )
     lx, ly = size
-    volume: Array = along * np.array([ly / lx, lx / ly]) * metre**3 * drop / fluid
+    volume: Array = along * np.array([ly / lx, lx / ly]) * metre**3 * drop / thickness
     return volume
 
 
@@ -38,7 +66,9 @@ class Leaks:
     """A result with steps that may have a `flow`."""
 
     @hinted
-    def leak_rate(self, *, viscosity: Quantity, pressure_drop: Quantity) -> Array:
+    def leak_rate(
+        self, *, viscosity: Optional[Quantity] = None, pressure_drop: Quantity, fluid: Optional[str] = None
+    ) -> Array:
         """Returns the leak rate (volume per time) through the gap after each step, [step, 2]: along x and along y.
 
         Args:
@@ -46,12 +76,13 @@ class Leaks:
                 length unit is unknown.
             pressure_drop: pressure drop over the length of the cell along the flow, Pa, or a string with a unit, such
                 as "1 bar"; in stress if the length unit is unknown.
+            fluid: name of a fluid, such as "water", in place of `viscosity`; `gfmd materials` lists them.
 
         Returns:
             The leak rates in m³/s (length³/time if the length unit is unknown); zero where the gap is closed.
 
         Raises:
-            InputError: a result without flow; arguments that are not positive.
+            InputError: a result without flow; arguments that are not positive; an unknown fluid.
 
         Example:
             >>> rubber = gfmd.Body(young="2 MPa", poisson=0.5, prony=[("1 s", 0.3), ("1 d", 0.4)])
@@ -67,4 +98,4 @@ class Leaks:
         along = np.stack([steps.flow_xx, steps.flow_yy], axis=-1)
         is_open = np.stack([steps.flow_percolates_x, steps.flow_percolates_y], axis=-1).astype(bool)
         through = transmissivity(along, is_open, np.asarray(steps.mean_gap)[:, np.newaxis])
-        return rate(through, surface.size, metre(surface.unit), viscosity, pressure_drop)
+        return rate(through, surface.size, metre(surface.unit), (fluid, viscosity), pressure_drop)

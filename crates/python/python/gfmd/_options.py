@@ -79,6 +79,7 @@ class PathOptions(TypedDict, total=False):
     conductor_height: Optional[Quantity]
     conductivity: Optional[Sequence[Quantity]]
     flow: bool
+    fluid: Optional[str]
     viscosity: Optional[Quantity]
     pressure_drop: Optional[Quantity]
     gas: Optional[Literal["air", "nitrogen", "argon", "helium", "hydrogen"]]

@@ -46,6 +46,9 @@ pub struct Head {
     /// Name of the body's material, and the source of its values.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Name of the second body's material, and the source of its values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_material: Option<String>,
     /// Body, unless it is a single half-space or slab on a bonded base.
     #[serde(flatten)]
     pub others: OtherArgs,
@@ -71,6 +74,9 @@ pub struct Head {
     pub components: Unknown,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hardness: Option<GivenHardness>,
+    /// Name of the fluid in the gap, and the source of its viscosity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<String>,
     /// Only with an attraction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adhesion: Option<Adhesion>,
@@ -152,6 +158,7 @@ impl Head {
             rms_height: surface.rms_height(),
             e_star: prepared.body.contact_modulus(),
             material: asked.body.material.clone(),
+            second_material: asked.body.second_material.clone(),
             others: asked.body.others.clone(),
             body: asked.body.words(asked.lower.given().map(|_| lower::BETWEEN), &given.units()),
             relaxation: None,
@@ -167,6 +174,7 @@ impl Head {
             boundary: (!is_path || *boundary == Boundary::Free).then(|| boundary.name()),
             components: facts.unknown,
             hardness: asked.hardness.cloned(),
+            fluid: None,
             adhesion: prepared.adhesion,
             grid_error: FoundBy::new(prepared),
         }
@@ -226,6 +234,12 @@ impl fmt::Display for Head {
         )?;
         if let Some(material) = &self.material {
             writeln!(f, "material: {material}\n")?;
+        }
+        if let Some(material) = &self.second_material {
+            writeln!(f, "material of the second body: {material}\n")?;
+        }
+        if let Some(fluid) = &self.fluid {
+            writeln!(f, "fluid: {fluid}\n")?;
         }
         if let Some(body) = &self.body {
             writeln!(f, "elastic body: {body}\n")?;
