@@ -34,13 +34,13 @@ use parts::Parts;
 use serde_json::Value;
 
 /// Number of cases in the default run.
-const CASES: u64 = 300;
+const CASES: u64 = 120;
 
 /// Number of histories drawn in the default run, before histories of other kinds are left out.
-const HISTORIES: u64 = 120;
+const HISTORIES: u64 = 60;
 
-/// Number of paths with random parts in the default run; it takes about 45 seconds of processor time.
-const PATHS: u64 = 75;
+/// Number of paths with random parts in the default run; it takes about half a minute of processor time.
+const PATHS: u64 = 40;
 
 /// Cases of longer runs that exposed a wrong program or definition; the default run includes them.
 const ONCE_WRONG: [u64; 16] =
