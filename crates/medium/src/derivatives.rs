@@ -66,8 +66,8 @@ impl Decays {
         if self.is_common { &self.all } else { &self.all[i * self.count..][..self.count] }
     }
 
-    /// Transposes the end of a step, x' = e x + γ (d' − d): from the derivatives with respect to d' and x', computes the
-    /// derivatives with respect to d', and to d and x at the start.
+    /// Transposes the end of a step, x' = e x + γ (d' − d): from the derivatives with respect to d' and x', computes
+    /// the derivatives with respect to d', and to d and x at the start.
     pub(crate) fn end<T>(&self, of: &[Vec<T>]) -> (Vec<T>, Vec<Vec<T>>)
     where
         T: Copy + Default + Add<Output = T> + Mul<f64, Output = T>,

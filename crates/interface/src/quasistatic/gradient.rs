@@ -125,8 +125,8 @@ impl From<GradientError> for Reason {
 }
 
 impl QuasistaticContact {
-    /// Computes the derivatives of a number along a path, from its derivatives with respect to the states at the ends of
-    /// all `increments`, which begin with the undeformed surfaces. Each increment follows from the one before; if a
+    /// Computes the derivatives of a number along a path, from its derivatives with respect to the states at the ends
+    /// of all `increments`, which begin with the undeformed surfaces. Each increment follows from the one before; if a
     /// [`Path`](crate::Path) divides its steps, all increments of the division are needed. Points in contact are kept,
     /// as they are for almost all heights and loads. A body that relaxes and surfaces that wear by a distance pass the
     /// derivatives back from increment to increment.
