@@ -4,6 +4,7 @@
 mod args;
 mod check;
 mod course;
+mod derivatives;
 mod figures;
 mod legs;
 mod memory;
@@ -45,6 +46,7 @@ use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::resume::EVERY;
 use gfmd_run::series::{Asked, Head, Places, Prepared, SeriesOutcome, StateFile, StiffnessArgs};
 
+pub use self::derivatives::{Derivatives, derivatives};
 pub use self::report::{Report, Sliding};
 pub use self::stored::stored;
 

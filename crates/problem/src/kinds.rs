@@ -5,15 +5,15 @@ use gfmd_contact::{
     SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    Interface, Loss, Losses, Quasistatic, QuasistaticContact, QuasistaticState, Reading, Squeezed, SqueezedState,
-    Stacked, State, StiffnessError, StoredFields, Trapping,
+    Increment, Interface, Loss, Losses, PathGradient, Quasistatic, QuasistaticContact, QuasistaticState, Reading,
+    Squeezed, SqueezedState, Stacked, State, StiffnessError, StoredFields, Trapping,
 };
 use gfmd_plasticity::{PlasticState, YieldingContact};
 use gfmd_relax::Why;
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
-use crate::posed::{AnyState, ContactKind, NoStiffness, of_fields, other_fields};
+use crate::posed::{AnyState, ContactKind, NoStiffness, OfState, of_fields, other_fields};
 
 /// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
@@ -246,6 +246,12 @@ impl ContactKind for QuasistaticContact {
     fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
         let [[pressure, gap]] = faces.try_into().map_err(|_| other_fields())?;
         QuasistaticContact::stiffness_of_fields(self, pressure, gap, tolerance).map_err(no_stiffness)
+    }
+
+    fn gradient_along(&self, increments: &[OfState<QuasistaticState>]) -> Result<PathGradient, Unusable> {
+        let increments: Vec<Increment> =
+            increments.iter().map(|(load, state, of)| Increment { load: *load, state, of: *of }).collect();
+        QuasistaticContact::gradient_along(self, &increments).map_err(|error| Unusable::of(error.to_string()))
     }
 
     fn reading(&self, state: &QuasistaticState) -> Reading {

@@ -38,7 +38,7 @@ pub use kept_strain::KeptStrain;
 pub use memory::MemoryNeed;
 pub use moduli::Moduli;
 pub use pose::{Given, pose};
-pub use posed::{AnyState, ContactKind, NoStiffness, Posed, State};
+pub use posed::{AnyState, ContactKind, NoStiffness, OfState, Posed, State};
 pub use rules::{Clash, Facts, Part, RULES, Rule, rules_of, rules_of_sliding, table};
 pub use unknown::{NoUnknown, Unknown};
 pub use unusable::{SIZES, Unusable, check_size};

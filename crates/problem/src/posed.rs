@@ -5,7 +5,7 @@ use gfmd_contact::{
     Budget, Cotangents, Drive, Effort, Equilibrium, Fields, Gradient, Load, Refusal, Resumable, RigidSurface,
     SolveError, Solver, Stiffness, Visit, Watch,
 };
-use gfmd_interface::{Loss, Losses, Quasistatic, Reading, StoredFields, Trapping};
+use gfmd_interface::{Loss, Losses, PathGradient, Quasistatic, Reading, StoredFields, Trapping};
 use gfmd_measure::{Scales, Summary};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
@@ -67,6 +67,15 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
         ))
     }
 
+    /// Computes the derivatives of a scalar along a path, from its derivatives with respect to the states at the ends
+    /// of all increments, under loads of these kinds.
+    ///
+    /// # Errors
+    /// Returns the reason why there are none.
+    fn gradient_along(&self, _increments: &[OfState<Self::State>]) -> Result<PathGradient, Unusable> {
+        Err(Unusable::of("derivatives along a path are not implemented for this contact"))
+    }
+
     /// Returns the forces, positions and energy of a state, for the balance of a path.
     fn reading(&self, state: &Self::State) -> Reading {
         of_fields(state)
@@ -94,9 +103,17 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
     }
 }
 
+/// Load of an increment, the state at its end, and derivatives with respect to this state, if there are some.
+pub type OfState<'a, S> = (Load, &'a S, Option<&'a Cotangents>);
+
 /// Returns the reason why the fields of another kind of contact give no stiffness.
 pub(crate) fn other_fields() -> NoStiffness {
     NoStiffness::Undefined("the fields do not determine the state".into())
+}
+
+/// Returns the reason why the state of another kind of contact has no derivatives.
+fn other_kind() -> Unusable {
+    Unusable::of("the state is of another kind of contact")
 }
 
 /// Returns the reading of a state that is pressed without shear and has an unknown loss.
@@ -241,6 +258,7 @@ trait DynContact: Send + Sync {
     fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness>;
     fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
+    fn gradient_along(&self, increments: &[OfState<AnyState>]) -> Result<PathGradient, Unusable>;
     fn reading(&self, state: &AnyState) -> Reading;
     fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool;
     fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64;
@@ -316,8 +334,13 @@ impl<K: ContactKind> DynContact for K {
     fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
         match state.get() {
             Some(state) => ContactKind::gradient(self, state, load, of),
-            None => Err(Unusable::of("the state is of another kind of contact")),
+            None => Err(other_kind()),
         }
+    }
+
+    fn gradient_along(&self, increments: &[OfState<AnyState>]) -> Result<PathGradient, Unusable> {
+        let own = increments.iter().map(|(load, state, of)| Ok((*load, state.get().ok_or_else(other_kind)?, *of)));
+        ContactKind::gradient_along(self, &own.collect::<Result<Vec<_>, Unusable>>()?)
     }
 
     fn reading(&self, state: &AnyState) -> Reading {
@@ -424,6 +447,15 @@ impl Posed {
     /// Returns the reason why there are none.
     pub fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
         self.kind.gradient(state, load, of)
+    }
+
+    /// Computes the derivatives of a scalar along a path, from its derivatives with respect to the states at the ends
+    /// of all increments, under loads of these kinds.
+    ///
+    /// # Errors
+    /// Returns the reason why there are none.
+    pub fn gradient_along(&self, increments: &[OfState<AnyState>]) -> Result<PathGradient, Unusable> {
+        self.kind.gradient_along(increments)
     }
 
     /// Returns a warning if the law is too steep for the grid.

@@ -8,20 +8,23 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use gfmd_cli::inputs::stay_in;
+use gfmd_cli::path::Derivatives;
 use gfmd_cli::program::{Command, status, tune_allocator};
+use gfmd_contact::Cotangents;
 use gfmd_files::{Draft, Memory, Output};
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
+use gfmd_interface::PathGradient;
 use gfmd_problem::options::given::{ArrayOption, Arrays, StoredLoad};
-use ndarray::ArrayD;
-use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn};
+use ndarray::{Array3, ArrayD, Axis};
+use numpy::{IntoPyArray, PyArray2, PyArrayDyn, PyReadonlyArray3, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyInt};
 use toml::{Table, Value};
 
 use crate::failure::{failed, refused, spelled, unusable};
-use crate::worker::{self, quick};
+use crate::worker::{self, Shared, quick};
 
 /// Time between two checks for an interruption.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -87,22 +90,10 @@ pub(crate) fn solve<'py>(
         session.in_memory(memory.clone())
     };
     let (result, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
-        let (finished, wait) = channel::<()>();
-        std::thread::scope(|scope| {
-            let session = &session;
-            scope.spawn(move || {
-                // The sender is dropped when the command ends, also by a panic.
-                while wait.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout) {
-                    if shared.see(0, f64::NAN).is_break() {
-                        session.interrupt();
-                    }
-                }
-            });
-            let result = command
-                .outcome(session)
-                .and_then(|Outcome { report, failure }| Ok((report.json(session)?, failure.map(kind_and_text))));
-            drop(finished);
-            result
+        stoppable(shared, &session, || {
+            command
+                .outcome(&session)
+                .and_then(|Outcome { report, failure }| Ok((report.json(&session)?, failure.map(kind_and_text))))
         })
     })?;
     // An interruption keeps the result so far; any other exception of a signal handler is passed on to the caller.
@@ -121,6 +112,73 @@ pub(crate) fn solve<'py>(
     }
     let field = |(path, values): (String, ArrayD<f64>)| (path.replacen(FIELDS, "", 1), values.into_pyarray(py));
     Ok((text, failure, fields.into_iter().map(field).collect(), draft.map(FileDraft)))
+}
+
+/// Does `work` in a session, which is interrupted when the caller asks to stop.
+fn stoppable<T>(shared: &Shared, session: &Session, work: impl FnOnce() -> T) -> T {
+    let (finished, wait) = channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            // The sender is dropped when the work ends, also by a panic.
+            while wait.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout) {
+                if shared.see(0, f64::NAN).is_break() {
+                    session.interrupt();
+                }
+            }
+        });
+        let result = work();
+        drop(finished);
+        result
+    })
+}
+
+/// Derivatives by heights, by the load of each step and by the modulus, their error, and mean pressure and approach at
+/// the end of each step.
+type OfPath<'py> = (Bound<'py, PyArray2<f64>>, Vec<f64>, f64, f64, Vec<[f64; 2]>);
+
+/// Returns the derivatives of a scalar along a path, which is followed again. The inputs are its derivatives with
+/// respect to the fields at the waypoints and to the numbers of the steps.
+#[pyfunction]
+#[pyo3(signature = (problem, arrays, fields, numbers, threads=0, tick=None))]
+pub(crate) fn path_vjp<'py>(
+    py: Python<'py>,
+    problem: &Bound<'py, PyDict>,
+    arrays: &Bound<'py, PyDict>,
+    fields: BTreeMap<String, PyReadonlyArray3<'py, f64>>,
+    numbers: BTreeMap<String, Vec<f64>>,
+    threads: usize,
+    tick: Option<Py<PyAny>>,
+) -> PyResult<OfPath<'py>> {
+    let command = Command::of("path", table(problem)?, self::arrays(arrays)?);
+    let Command::Path(args) = command.map_err(|failure| unusable(py, failure))? else {
+        return Err(refused(py, &"the command is no path"));
+    };
+    let fields: BTreeMap<String, Array3<f64>> =
+        fields.into_iter().map(|(name, field)| (name, field.as_array().to_owned())).collect();
+    let of = |step: usize, waypoint: Option<usize>| {
+        let field = |name: &str| Some(fields.get(name)?.index_axis(Axis(0), waypoint?).to_owned());
+        let number = |name: &str| numbers.get(name).and_then(|values| values.get(step)).copied().unwrap_or(0.0);
+        Cotangents {
+            pressure: field("pressure"),
+            gap: field("gap"),
+            approach: number("approach"),
+            mean_pressure: number("mean_pressure"),
+            mean_gap: number("mean_gap"),
+            elastic_energy: number("elastic_energy"),
+        }
+    };
+    let session = Session::embedded();
+    let (found, raised) = worker::run(py, threads, tick.as_ref(), |shared| {
+        // The warnings were given when the path was followed first.
+        let silent = tracing::subscriber::NoSubscriber::new();
+        tracing::subscriber::with_default(silent, || {
+            stoppable(shared, &session, || gfmd_cli::path::derivatives(&args, of, &session))
+        })
+    })?;
+    raised.map_or(Ok(()), Err)?;
+    let Derivatives { gradient, reached } = found.map_err(|failure| failed(py, failure))?;
+    let PathGradient { heights, loads, modulus, error, .. } = gradient;
+    Ok((heights.into_pyarray(py), loads, modulus, error, reached))
 }
 
 /// Returns the kind and the text of a failure with a state.

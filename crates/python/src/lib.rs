@@ -16,7 +16,7 @@ mod worker;
 #[pymodule]
 mod _gfmd {
     #[pymodule_export]
-    use crate::command::{FileDraft, figures, program, solve, write_file, write_page};
+    use crate::command::{FileDraft, figures, path_vjp, program, solve, write_file, write_page};
     #[pymodule_export]
     use crate::contact::{
         Problem, State, adhesion, check_compliance, check_law, conductance, gas_conductance, gas_in_gap, law_traction,

@@ -25,7 +25,7 @@ from ._kappa import KappaSweep, kappa_sweep
 from ._load import Residual
 from ._many import many
 from ._parts import Wear
-from ._path import Path, friction, path, wear
+from ._path import Path, PathGradient, friction, path, wear
 from ._progress import progress
 from ._prony import PronyFit, prony
 from ._record import Record
@@ -54,6 +54,7 @@ __all__ = [
     "Material",
     "NotConverged",
     "Path",
+    "PathGradient",
     "PronyFit",
     "Punch",
     "Record",

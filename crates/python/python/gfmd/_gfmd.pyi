@@ -32,6 +32,7 @@ __all__ = [
     "materials",
     "law_traction",
     "options",
+    "path_vjp",
     "periodise",
     "prepared",
     "program",
@@ -89,6 +90,14 @@ class Problem:
     ) -> tuple[_Array, float, float, float]: ...
     def recall(self, fields: dict[str, _Array], approach: float) -> State: ...
 
+def path_vjp(
+    problem: dict[str, Any],
+    arrays: dict[str, Any],
+    fields: dict[str, _Array],
+    numbers: dict[str, list[float]],
+    threads: int = 0,
+    tick: _Tick = None,
+) -> tuple[_Array, list[float], float, float, list[list[float]]]: ...
 def adhesion(problem: dict[str, Any], arrays: dict[str, _Array]) -> str: ...
 def conductance(
     touching: npt.NDArray[np.bool_], lengths: tuple[float, float], boundary: str, height: float

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import reduce
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -11,23 +11,53 @@ import numpy.typing as npt
 
 from . import _command, _gfmd, _show
 from ._body import Body, Law, as_body, as_law
-from ._check import Array, Quantity, number, quantities, quantity
+from ._check import Array, Quantity, array, frozen, integer, number, quantities, quantity
 from ._columns import MEASURED, StepFields, Steps
 from ._contact import Adhesion
-from ._errors import InputError
+from ._errors import Error, InputError
 from ._given import taking
 from ._hints import hinted
 from ._leak import Leaks
 from ._load import LOADS, Residual, residual_of
 from ._options import PathOptions
 from ._parts import Wear, wear_keys
+from ._progress import Progress
 from ._record import Record, by_name, without_null
-from ._result import Computed
+from ._result import Computed, Contents, File
 from ._surface import Surface, as_hardness, as_lower, as_surface
 from ._units import known
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+
+# Largest difference between a path and the same path followed again, relative to the largest of its values.
+_ALIKE = 1e-6
+
+# Reason why a path that was not followed in this session has no derivatives.
+_READ = "the path was read from a file; it must be a result of gfmd.path, for derivatives"
+
+
+class PathGradient(Record):
+    """Derivatives of a number L of a path with respect to its inputs, from `Path.vjp`.
+
+    Attributes:
+        heights: derivative by the height of each point [x, y], 1 / length times the unit of L; read-only.
+        loads: derivative by the mean pressure prescribed at each step [step], or by the approach; read-only.
+        modulus: derivative by E* (stress), with all moduli of the body in proportion.
+        error: largest relative error of the linear problems, at most 1e-8.
+
+    Example:
+        >>> rubber = gfmd.Body(prony=[(1.0, 0.5)])
+        >>> creep = gfmd.path(gfmd.self_affine(n=16), rubber, pressure=0.01, time=[0, 1], steps=1)
+        >>> creep.vjp(elastic_energy=[0.0, 1.0]).loads.shape
+        (2,)
+    """
+
+    heights: Array
+    loads: Array
+    modulus: float
+    error: float
 
 
 class Path(Leaks, Computed, StepFields):
@@ -112,6 +142,101 @@ class Path(Leaks, Computed, StepFields):
     extra_solves: int
     undefined: dict[str, str]
     warnings: list[Record]
+    _again: Union[str, tuple[dict[str, Any], dict[str, Any]]]
+
+    def __init__(
+        self,
+        values: Mapping[str, Any],
+        file: File | Contents,
+        again: Union[str, tuple[dict[str, Any], dict[str, Any]]] = _READ,
+    ) -> None:
+        super().__init__(values, file)
+        object.__setattr__(self, "_again", again)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._values, self._file, self._again)
+
+    def vjp(
+        self,
+        *,
+        pressure: Optional[npt.ArrayLike] = None,
+        gap: Optional[npt.ArrayLike] = None,
+        approach: npt.ArrayLike = 0.0,
+        mean_pressure: npt.ArrayLike = 0.0,
+        mean_gap: npt.ArrayLike = 0.0,
+        elastic_energy: npt.ArrayLike = 0.0,
+        threads: Optional[int] = None,
+    ) -> PathGradient:
+        """Returns the derivatives of a number L of this path with respect to the heights, the loads and the modulus.
+
+        The arguments are the derivatives of L by the fields at the waypoints and by the numbers of the steps; the
+        result is the vector-Jacobian product of reverse-mode differentiation. The path is followed again, and each
+        step takes one linear solve, from the last to the first: a body that relaxes and surfaces that wear by a
+        distance pass the derivatives back to the steps before. The set of points in contact is held fixed at each
+        step, as in `Contact.vjp`; times and sliding distances are fixed.
+
+        Args:
+            pressure: derivative of L by the pressure of each point [waypoint, x, y]; 0 by default, like all others.
+            gap: derivative of L by the gap of each point [waypoint, x, y]; ignored at points that a wall presses.
+            approach: derivative of L by the approach of each step [step], or one number for all steps, like
+            mean_pressure: derivative of L by the mean pressure,
+            mean_gap: derivative of L by the mean gap, and
+            elastic_energy: derivative of L by the elastic energy per area.
+            threads: number of threads; all cores by default.
+
+        Raises:
+            InputError: arrays of the wrong shape; a path with friction, a hardness, a body that yields, all
+                components, a lower surface or a base that moves (not implemented); full contact under an approach that
+                does not determine the pressure; a state of a law where a small change causes a jump; a path that is
+                not complete, or was read from a file. Error: the path followed again passes a jump in another way.
+
+        Example:
+            >>> rubber = gfmd.Body(prony=[(1.0, 0.5)])
+            >>> rough = gfmd.self_affine(n=16)
+            >>> creep = gfmd.path(rough, rubber, pressure=0.01, time=[0, 1, 100], steps=1)
+            >>> found = creep.vjp(mean_gap=[0.0, 0.0, 1.0])  # of the last mean gap
+            >>> found.heights.shape, found.loads.shape
+            ((16, 16), (3,))
+        """
+        if isinstance(self._again, str):
+            raise InputError(self._again)
+        problem, arrays = self._again
+        waypoints, count = self.pressure.shape, len(self.steps.mean_pressure)
+        fields = {}
+        for name, value in {"pressure": pressure, "gap": gap}.items():
+            if value is None:
+                continue
+            found = array(name, value)
+            fields[name] = found[..., np.newaxis] if found.ndim == 2 and waypoints[2] == 1 else found
+            if fields[name].shape != waypoints:
+                raise InputError(
+                    f"{name} has the shape {list(found.shape)}; it must be {list(waypoints)}, the shape of the path"
+                )
+        given = {
+            "approach": approach,
+            "mean_pressure": mean_pressure,
+            "mean_gap": mean_gap,
+            "elastic_energy": elastic_energy,
+        }
+        by_step = {}
+        for name, value in given.items():
+            found = array(name, value)
+            if found.shape not in ((), (count,)):
+                shape = list(found.shape)
+                raise InputError(f"{name} has the shape {shape}; it must be a number or [{count}], the steps")
+            by_step[name] = [number(name, entry) for entry in np.broadcast_to(found, count).tolist()]
+        used = 0 if threads is None else integer("threads", threads, 0, 4096)
+        with Progress("path") as progress:
+            heights, loads, modulus, error, again = _gfmd.path_vjp(
+                problem, arrays, fields, by_step, used, progress.tick
+            )
+        for reached, name in zip(np.transpose(again), ("mean_pressure", "approach")):
+            known = self.steps.get(name)
+            if known is not None and not np.allclose(reached, known, rtol=0.0, atol=_ALIKE * np.abs(known).max()):
+                raise Error(f"the {name} of the path followed again differs from this path, which passes a jump")
+        return PathGradient(
+            {"heights": frozen(heights), "loads": frozen(np.array(loads)), "modulus": modulus, "error": error}
+        )
 
     @property
     def residual(self) -> Residual:
@@ -477,7 +602,8 @@ def path(
         reported["wear"] = wear
     if lower is not None:
         reported["lower_surface"] = lower
-    result = Path({**reported, "unit": made.unit, "surface": made, **fields}, file)
+    again = (problem, arrays) if failure is None else "the path is not complete; it must be, for derivatives"
+    result = Path({**reported, "unit": made.unit, "surface": made, **fields}, file, again)
     return _command.ended(result, failure)
 
 
