@@ -147,6 +147,11 @@ const TOLERANCE: f64 = 1e-11;
 /// Largest error of a result.
 const ERROR: f64 = 1e-8;
 
+/// Residual at the start, relative to the residual without the projection, below which errors count relative to this
+/// part of it; and residual at which the iterations end in any case.
+const LEAST: f64 = 1e-6;
+const ROUNDING: f64 = 1e-15;
+
 /// Largest number of iterations; 20 to 40 are usual.
 const ITERATIONS: u64 = 2000;
 
@@ -382,14 +387,22 @@ impl<'a> Problem<'a> {
         }
         let (mut residual, mut image, mut direction) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         self.residual(source, &pressure, &mut residual);
+        // A source whose projection is a rounding error has no residual of its own to reduce.
+        let whole = if sum.is_some() {
+            self.press(source, &mut image);
+            dot(source, &image)
+        } else {
+            0.0
+        };
         let (mut first, mut last) = (0.0, f64::INFINITY);
         loop {
             self.precondition(&residual, sum.is_some(), &mut image);
             let slope = dot(&residual, &image);
             if self.iterations == 0 {
-                first = slope;
+                first = slope.max(LEAST * LEAST * whole);
             }
-            let goes_on = slope > TOLERANCE * TOLERANCE * first && self.iterations < ITERATIONS;
+            let least = (TOLERANCE * TOLERANCE * first).max(ROUNDING * ROUNDING * whole);
+            let goes_on = slope > least && self.iterations < ITERATIONS;
             if !goes_on {
                 break;
             }

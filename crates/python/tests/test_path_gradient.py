@@ -102,6 +102,10 @@ def test_a_step_without_history_is_a_contact():
     assert found.modulus == pytest.approx(wanted.modulus, rel=1e-7)
     line = gfmd.path(HEIGHTS[:, 0], RUBBER, pressure=0.02, time=[0, 1], steps=1)
     assert line.vjp(pressure=np.ones((2, 16))).loads == pytest.approx([16.0, 16.0])
+    # The sum of the pressure is prescribed.
+    creep = gfmd.path(HEIGHTS, RUBBER, pressure=0.02, time=[0, 1], steps=1)
+    found = creep.vjp(pressure=np.ones((2, 16, 16)))
+    assert found.loads == pytest.approx([256.0, 256.0]) and np.abs(found.heights).max() < 1e-9
     # A pickle is followed again; a file has not all options of a path.
     again = pickle.loads(pickle.dumps(p))
     assert again.vjp(approach=[0.0, 1.0]).heights == pytest.approx(p.vjp(approach=[0.0, 1.0]).heights, rel=1e-12)
