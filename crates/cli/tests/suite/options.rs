@@ -384,8 +384,19 @@ fn python_has_the_types_of_the_options() {
         keys
     };
     // Arguments of the functions, of `Law` and `Wear`, and of the program alone.
-    let loads =
-        ["pressure", "p_star", "force", "approach", "param", "law_table", "lower_seed", "plots", "resume", "compare"];
+    let loads = [
+        "pressure",
+        "p_star",
+        "force",
+        "approach",
+        "param",
+        "law_table",
+        "lower_seed",
+        "plots",
+        "resume",
+        "checkpoint",
+        "compare",
+    ];
     let parts = ["lateral", "lateral_y", "friction", "shear_strength", "coefficient", "wear_by", "distance"];
     let of_body = ["yield_stress", "hardening", "hardening_curve", "kinematic_hardening", "layer_yield"];
     let path = without(all("path"), &body, &[&loads[..], &parts, &of_body].concat());
