@@ -114,6 +114,9 @@ pub fn numbers(estimated: &Estimated) -> [Option<f64>; 5] {
 /// Reason for surfaces with spectra unlike all that were measured.
 const UNLIKE: &str = "the spectrum is unlike all self-affine ones, from which the formula is known";
 
+/// Largest part of the mean square slope at the seam; half of it is the relative error of the area.
+const SEAM: f64 = 0.05;
+
 /// Reason for a missing peak.
 const NO_PEAK: &str = "the cell has less than one patch of high pressure";
 
@@ -198,15 +201,31 @@ pub fn shape(surface: &Surface) -> Result<[f64; 3], Failure> {
     Ok([found.ssk, found.sku, direction.anisotropy].map(|number| number.unwrap_or(f64::NAN)))
 }
 
+/// Returns the part of the mean square slope by which steps across the periodic seam exceed those inside.
+fn seam_share(surface: &Surface) -> f64 {
+    let (seam, points, spacing) = (surface.statistics.seam, surface.grid.points(), surface.grid.spacing());
+    let of_axes = [0, 1].map(|axis| {
+        let [across, inside] = [seam.across, seam.inside].map(|step| (step[axis] / spacing[axis]).powi(2));
+        [(across - inside).max(0.0) / points[axis] as f64, inside]
+    });
+    let [excess, inside] = [0, 1].map(|which| of_axes.iter().map(|of| of[which]).sum::<f64>());
+    excess / (excess + inside)
+}
+
 /// Returns the estimate of a surface that is like the measured ones, or the reason why it is not.
 fn known<'a>(
     estimate: Option<&'a Estimate>,
     surface: &Surface,
     measured: &Deviations,
 ) -> Result<Result<&'a Estimate, String>, Failure> {
-    let heights = shape(surface)?;
+    let (heights, seam) = (shape(surface)?, seam_share(surface));
     Ok(match estimate {
         None => Err(UNLIKE.to_owned()),
+        Some(_) if seam > SEAM => Err(format!(
+            "{:.0} % of the mean square slope are steps across the periodic seam, and the errors are known for surfaces \
+             that repeat",
+            100.0 * seam
+        )),
         Some(estimate) => measured.beyond(estimate.band(), heights).map_or(Ok(estimate), Err),
     })
 }

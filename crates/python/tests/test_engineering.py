@@ -27,6 +27,15 @@ def test_loads_beyond_the_range_are_nan_with_a_reason():
     assert "undefined" not in gfmd.estimate(rough(), BODY, p_star=0.1)
 
 
+def test_a_surface_with_a_rough_seam_has_no_estimate_until_it_is_periodic():
+    part = gfmd.Surface(rough().heights[:40, :40], size="62.5 um", unit="um")
+    estimate = gfmd.estimate(part, BODY, p_star=0.1)
+    assert np.isnan(estimate.area_fraction).all()
+    assert "of the mean square slope are steps across the periodic seam" in estimate.undefined["area_fraction"]
+    mirrored = part.periodise("mirror")
+    assert "seam" not in str(gfmd.estimate(mirrored, BODY, p_star=0.1))
+
+
 @pytest.mark.parametrize(
     "given, words",
     [
