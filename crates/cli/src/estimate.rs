@@ -222,8 +222,8 @@ fn known<'a>(
     Ok(match estimate {
         None => Err(UNLIKE.to_owned()),
         Some(_) if seam > SEAM => Err(format!(
-            "{:.0} % of the mean square slope are steps across the periodic seam, and the errors are known for surfaces \
-             that repeat",
+            "{:.0} % of the mean square slope are steps across the periodic seam, and the errors are known for \
+             surfaces that repeat",
             100.0 * seam
         )),
         Some(estimate) => measured.beyond(estimate.band(), heights).map_or(Ok(estimate), Err),
