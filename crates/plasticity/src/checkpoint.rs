@@ -1,4 +1,4 @@
-//! What a checkpoint keeps of a step between two Newton steps.
+//! Variables of a step between two Newton steps, for its checkpoint.
 
 use gfmd_relax::Visit;
 use gfmd_vector::with_contiguous;
