@@ -10,7 +10,6 @@ mod table;
 mod threshold;
 mod together;
 mod vtk;
-mod whole;
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -46,6 +45,7 @@ use gfmd_run::series::{
 };
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
+use crate::whole::Whole;
 use gfmd_problem::options::Options;
 use law_file::{LawFile, LawFileArgs};
 pub use measure::measure;
@@ -53,7 +53,6 @@ pub use report::Report;
 use report::{Accurate, GridUsed};
 pub use stored::{configuration, records};
 use vtk::VtkFile;
-use whole::Whole;
 
 /// Flags of `contact`.
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
@@ -72,9 +71,10 @@ use whole::Whole;
   gfmd contact --surface a.x3p --second-surface b.x3p --shift 3e-6,0 --detrend plane --p-star 0.02
   gfmd contact --surface scan.txt --detrend plane --boundary free --e-star 1e9 --p-star 0.02 --plots scan")]
 pub struct Args {
+    /// Options that pose the contact.
     #[command(flatten)]
     #[serde(flatten)]
-    problem: ContactArgs,
+    pub problem: ContactArgs,
     #[command(flatten)]
     #[serde(flatten)]
     control: LoadArgs,
@@ -240,13 +240,13 @@ impl Loads {
         prepared.check_drives(&contact, drives, args.control.option(), args.problem.solver.search.tolerance)?;
         prepared.warn_about_drives(drives, args.control.option(), session);
         let config = args.config()?;
-        // A recorded search, or one shared by several processes, cannot be continued and is not kept.
-        let kept = match output {
-            Some(output) if !args.trace.is_wanted() && session.ranks().is_none() => {
-                let head = prepared.identity(&config, session);
-                Some(UnfinishedRun::open(output, head, drives.len(), args.resume, args.checkpoint.every()?)?)
-            }
-            _ => None,
+        // A recorded search cannot be continued and is not kept.
+        let kept = if args.out.is_some() && !args.trace.is_wanted() {
+            let (head, every) = (prepared.identity(&config, session), args.checkpoint.every()?);
+            let place = (output.as_ref(), &prepared.surface.share);
+            Some(UnfinishedRun::open(place, head, drives.len(), args.resume, every)?)
+        } else {
+            None
         };
         let outcome = run_with_journal(
             kept,

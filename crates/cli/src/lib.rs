@@ -46,3 +46,4 @@ pub mod slide;
 pub mod study;
 pub mod surface;
 pub mod theory;
+mod whole;

@@ -24,7 +24,6 @@ use gfmd_interface::{LimitingPressure, Path, Refinement, Step, Wear};
 use gfmd_law::LawKind;
 use gfmd_plasticity::PlasticState;
 use gfmd_problem::{AnyState, Facts, Inelastic, Posed, WearBy, key, setting, words};
-use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use self::args::{PathOptions, StepArgs};
@@ -32,11 +31,12 @@ use self::course::{Followed, PathInput, PathSettings};
 use self::waypoints::WaypointArgs;
 use crate::loads::Sign;
 use crate::measuring::{Conducting, MeasureArgs};
+use crate::whole::Whole;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::lower::LowerArgs;
 use gfmd_input::session::Session;
-use gfmd_input::source::SourceArgs;
+use gfmd_input::source::{SourceArgs, Surface};
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::Options;
 use gfmd_problem::options::flags::toml_of;
@@ -44,7 +44,7 @@ use gfmd_problem::options::{ComplianceArgs, FrictionArgs, LawArgs, PlasticityArg
 use gfmd_record::Record;
 use gfmd_report::figures::{Scene, parse_prefix};
 use gfmd_run::resume::EVERY;
-use gfmd_run::series::{Asked, Head, Places, Prepared, SeriesOutcome, StateFile, StiffnessArgs};
+use gfmd_run::series::{Asked, Field, Head, Places, Prepared, SeriesOutcome, StateFile, StiffnessArgs};
 
 pub use self::derivatives::{Derivatives, derivatives};
 pub use self::report::{Report, Sliding};
@@ -208,7 +208,7 @@ impl Args {
 /// # Errors
 /// Returns an error for unusable input or a file that cannot be written.
 pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
-    let input = path_input(args, session)?;
+    let input = session.agree(path_input(args, session))?;
     warn_of_yield_stress(args, session);
     let settings = PathSettings {
         asked: args.asked()?,
@@ -269,11 +269,12 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     };
     let (drives, places) = args.waypoints.drives(&args.steps.steps, &prepared, sign)?;
     if let Some(Wear { by_distance, .. }) = prepared.inelastic.wear {
-        check_distance(by_distance, &drives, &prepared.surface.heights)?;
+        check_distance(by_distance, &drives, &prepared.surface)?;
     }
     let conducting = Conducting::new(&args.measure, &prepared, Solver::Auto)?;
-    let output = session.output(args.steps.out.as_ref())?;
-    Ok(PathInput { prepared, conducting, drives, places, output })
+    let is_written = args.steps.out.is_some() || session.is_in_memory();
+    let output = if session.is_first() { session.output(args.steps.out.as_ref())? } else { None };
+    Ok(PathInput { prepared, conducting, drives, places, output, is_written })
 }
 
 /// Largest depth that can be worn off, divided by the range of heights; the rounding errors of the remaining heights
@@ -281,9 +282,13 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
 const MOST_WORN: f64 = 1e6;
 
 /// Refuses distances over which surfaces with a wear `coefficient` lose a depth beyond the precision of the numbers of
-/// the `heights`.
-fn check_distance(coefficient: f64, drives: &[Drive], heights: &Array2<f64>) -> Result<(), Failure> {
-    let [least, most] = [f64::min, f64::max].map(|fold| heights.iter().copied().fold(heights[[0, 0]], fold));
+/// heights of the `surface`.
+fn check_distance(coefficient: f64, drives: &[Drive], surface: &Surface) -> Result<(), Failure> {
+    let Surface { heights, share, .. } = surface;
+    let [least, most] = [f64::min, f64::max].map(|fold| {
+        let own = heights.iter().copied().fold(heights[[0, 0]], fold);
+        share.each(own).into_iter().fold(own, fold)
+    });
     let pressure = |drive: &Drive| if let Load::MeanPressure(pressure) = drive.load { pressure } else { 0.0 };
     let largest = drives.iter().map(pressure).fold(0.0, f64::max);
     let whole = drives.last().map_or(0.0, |drive| drive.distance);
@@ -305,7 +310,7 @@ fn finish(
     let Followed { contact, path, outcome, mut file, gathered, widest, unsettled } = followed;
     warn_unsettled_steps(&unsettled, &path, args, session);
     if let (Some(file), Some(state)) = (&mut file, path.state()) {
-        memory::write(file, &prepared.surface, state)?;
+        session.agree(memory::write(file, &prepared.surface, state))?;
     }
     if let Some(state) = path.state().and_then(AnyState::yielding) {
         warn_of_strain(state, prepared, session);
@@ -315,15 +320,22 @@ fn finish(
         statistics::write(archive, prepared, &gathered.states)?;
     }
     let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;
-    let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose()?.flatten();
+    let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose();
+    let out = session.agree(out)?.flatten();
     let out = session.written(out);
     let report = report_of(args, prepared, contact.surface(), (records, places))?;
     let mut report = Report { parted_at, not_converged, out, ..report };
-    if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, &widest) {
-        let scene = Scene::upper(&prepared.surface, shown, report.head.e_star, prepared.hardness.as_ref());
+    if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, widest) {
         let depth = path.state().and_then(|state| state.on_path()?.wear_depth());
+        let depth = depth.map(|depth| Field { name: "wear_depth", units: "length", values: depth.into() });
         let strained = path.state().and_then(AnyState::yielding);
-        report.plots = figures::draw(prefix, &report, places, &scene, (&prepared.surface, depth, strained))?;
+        let whole = Whole::of(prepared, shown, depth.into_iter().collect());
+        let drawn = whole.map_or(Ok(Vec::new()), |Whole { surface, hardness, shown, fields }| {
+            let scene = Scene::upper(&surface, &shown, report.head.e_star, hardness.as_deref());
+            let depth = fields.first().map(|field| field.values.view());
+            figures::draw(prefix, &report, places, &scene, (&surface, depth, strained))
+        });
+        report.plots = session.agree(drawn)?;
     }
     Ok(Outcome { report, failure })
 }

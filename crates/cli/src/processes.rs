@@ -11,9 +11,9 @@ use gfmd_input::processes::texts;
 use gfmd_mpi::{Launcher, World, start};
 use gfmd_vector::Ranks as _;
 
-/// The command shared by several processes. Other commands run separately on each process, such as the shards of a
+/// The commands shared by several processes. Other commands run separately on each process, such as the shards of a
 /// sweep.
-const TOGETHER: &str = "contact";
+const TOGETHER: [&str; 3] = ["contact", "path", "wear"];
 
 /// Joins the other processes started by a launcher with these `words`, if there are any.
 ///
@@ -22,7 +22,7 @@ const TOGETHER: &str = "contact";
 pub(crate) fn join(words: &[OsString]) -> Result<Option<Arc<World>>, Failure> {
     // Only flags and the number of threads precede the command.
     let is_command = |word: &&OsString| word.to_str().is_some_and(|word| word.starts_with(char::is_alphabetic));
-    if words.iter().skip(1).find(is_command).is_none_or(|word| word != TOGETHER) {
+    if words.iter().skip(1).find(is_command).is_none_or(|word| TOGETHER.iter().all(|name| word != name)) {
         return Ok(None);
     }
     let joined: Result<Option<(World, Vec<String>)>, Failure> = watched(TIME_TO_REPORT, report_waiting, || {

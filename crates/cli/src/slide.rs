@@ -485,7 +485,7 @@ impl SlideInput {
             }
             if let (None, Some(kept)) = (&failed, &mut kept) {
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
-                kept.add(&FinishedStep { text, fields });
+                kept.add(&FinishedStep { text, fields })?;
                 kept.keep_state(|visitor| finer.iter().for_each(|finer| finer.keep(visitor)))?;
             }
             report.states.push(record);
@@ -522,7 +522,8 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let kept = match &output {
         Some(output) if !session.is_in_memory() => {
             let identity = input.prepared.identity(&args.config()?, session);
-            Some(UnfinishedRun::open(output, identity, input.states().count(), args.resume, None)?)
+            let place = (Some(output), &input.prepared.surface.share);
+            Some(UnfinishedRun::open(place, identity, input.states().count(), args.resume, None)?)
         }
         _ => None,
     };

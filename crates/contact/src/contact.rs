@@ -79,7 +79,7 @@ impl Contact {
     /// Makes the contact as [`new`](Self::new), solved by the processes of a [`share`](Self::share). Each process gives
     /// and gets only its rows of all fields (heights, hardness, start), and all make the same calls. Fields and numbers
     /// have the bits of a single process. The methods are [`FREE_SOLVERS`](Self::FREE_SOLVERS). The
-    /// [`Watch`](gfmd_relax::Watch) of any process may stop the search; checkpoints have the rows of one process.
+    /// [`Watch`](gfmd_relax::Watch) of any process may stop the search, and keeps checkpoints together with the others.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
@@ -240,9 +240,10 @@ impl Contact {
     /// # Errors
     /// A depth that differs in shape from the heights, or is not finite.
     pub fn with_wear_depth(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let [least, most] = depth
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], depth| [depth.min(least), depth.max(most)]);
+        let wider = |[least, most]: [f64; 2], [low, high]: [f64; 2]| [low.min(least), high.max(most)];
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let own = depth.iter().fold(none, |range, depth| wider(range, [*depth; 2]));
+        let [least, most] = self.share.each(own).into_iter().fold(none, wider);
         Ok(Self { worn: (most - least).max(0.0) / self.units.length(), ..self.with_indentation(depth)? })
     }
 

@@ -19,14 +19,14 @@ pub trait Resumable: Equilibrium {
 /// The state of a hard wall follows from its pressure.
 impl Resumable for Contact {
     fn keep(&self, state: &mut Solution, visitor: &mut dyn Visit) {
-        with_contiguous(&mut state.pressure, |pressure| visitor.field(pressure));
+        with_contiguous(&mut state.pressure, |pressure| visitor.rows(&self.share, pressure));
         state.effort.visit(visitor);
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Solution, Refusal> {
         self.check(drive)?;
         let mut pressure = vec![0.0; self.scaled.clearance().len()];
-        visitor.field(&mut pressure);
+        visitor.rows(&self.share, &mut pressure);
         let pressure = pressure.into_iter().map(|p| p / self.units().stress()).collect();
         let mut state = self.given_units(self.certified(pressure, self.units().drive(drive).load));
         state.effort.visit(visitor);

@@ -192,7 +192,7 @@ impl RigidSurface {
     }
 
     /// Returns the shape of the fields of this process.
-    pub(crate) fn shape(&self) -> [usize; 2] {
+    pub fn shape(&self) -> [usize; 2] {
         shape(&self.share, &self.grid)
     }
 

@@ -99,6 +99,13 @@ impl Residual {
     }
 }
 
+impl Solution {
+    /// Returns the rows of this process, all of them if it is alone.
+    pub fn share(&self) -> &Share {
+        self.surface.share()
+    }
+}
+
 impl Fields for Solution {
     fn pressure(&self) -> CowArray<'_, f64, Ix2> {
         self.pressure.view().into()
@@ -143,16 +150,27 @@ impl Fields for Solution {
 impl Variables for Solution {
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let Self {
-            pressure, displacement, gap, mean_pressure, approach, residual, effort, plastic, length_scale, ..
+            pressure,
+            displacement,
+            gap,
+            mean_pressure,
+            approach,
+            residual,
+            effort,
+            plastic,
+            length_scale,
+            surface,
+            ..
         } = self;
+        let share = surface.share();
         for field in [pressure, displacement, gap] {
-            with_contiguous(field, |field| visitor.field(field));
+            with_contiguous(field, |field| visitor.rows(share, field));
         }
         let Residual { complementarity, penetration, negative_pressure, load } = residual;
         visitor.numbers(&mut [mean_pressure, approach, complementarity, penetration, negative_pressure, load]);
         effort.visit(visitor);
         if let Some(Plastic { depth, fraction, volume, saturation }) = plastic {
-            with_contiguous(depth, |depth| visitor.field(depth));
+            with_contiguous(depth, |depth| visitor.rows(share, depth));
             visitor.numbers(&mut [fraction, volume, saturation]);
         }
         visitor.number(length_scale);

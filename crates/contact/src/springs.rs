@@ -25,12 +25,9 @@ pub(crate) struct SpringsInUnits {
 }
 
 impl Springs {
-    /// Returns the springs of a surface, in `units`; one process has all points.
+    /// Returns the springs of a surface, in `units`; rows of this process.
     pub(crate) fn in_units(&self, surface: &RigidSurface, units: &Units) -> Result<SpringsInUnits, Refusal> {
-        if !surface.share().is_whole() {
-            return Err(Refusal::SpringsShared);
-        }
-        let unit = units.stiffness();
+        let (unit, share) = (units.stiffness(), surface.share());
         match self {
             Self::Uniform(compliance) => {
                 check(*compliance)?;
@@ -38,12 +35,14 @@ impl Springs {
             }
             Self::Field(field) => {
                 let (found, expected) = (field.dim().into(), surface.shape());
-                if found != expected {
+                if share.any(found != expected) {
                     return Err(Refusal::SpringsShape { found, expected });
                 }
-                field.iter().try_for_each(|compliance| check(*compliance))?;
-                let common = field.iter().fold(f64::INFINITY, |least, compliance| least.min(*compliance));
-                let is_uniform = field.iter().all(|compliance| *compliance == common);
+                let wrong = field.iter().copied().find(|compliance| check(*compliance).is_err());
+                share.first(wrong).map_or(Ok(()), check)?;
+                let least = field.iter().fold(f64::INFINITY, |least, compliance| least.min(*compliance));
+                let common = share.each(least).into_iter().fold(f64::INFINITY, f64::min);
+                let is_uniform = !share.any(field.iter().any(|compliance| *compliance != common));
                 let rest = || field.iter().map(|compliance| (compliance - common) * unit).collect();
                 Ok(SpringsInUnits { common: common * unit, rest: (!is_uniform).then(rest) })
             }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::Args;
 use gfmd_contact::Hardness;
 use gfmd_field::{Grid, Share};
-use gfmd_files::{Archive, Checksum, Dimension, Reader, Variable};
+use gfmd_files::{Archive, Dimension, Reader, Variable, contiguous};
 use gfmd_problem::key;
 use gfmd_unit::Units;
 use ndarray::{Array2, Ix2};
@@ -109,10 +109,11 @@ pub fn handed_out(hardness: Option<Hardness>, grid: &Grid, share: &Share) -> Har
     }
 }
 
-/// Returns the words that identify a hardness field among the input of a run; empty for other hardnesses.
-pub fn identity(hardness: Option<&Hardness>) -> String {
+/// Returns the words that identify a hardness field among the input of a run; empty for other hardnesses. With several
+/// processes, only the first one gets them.
+pub fn identity(hardness: Option<&Hardness>, share: &Share) -> String {
     match hardness {
-        Some(Hardness::Field(field)) => format!("\nhardness {}", Checksum::of_numbers(field.iter().copied())),
+        Some(Hardness::Field(field)) => format!("\nhardness {}", rows::checksum(share, &contiguous(field))),
         _ => String::new(),
     }
 }

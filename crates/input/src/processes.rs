@@ -26,10 +26,16 @@ pub fn agree<T>(ranks: &dyn Ranks, outcome: Result<T, Failure>) -> Result<T, Fai
 
 /// Returns the numbers of the first process on all processes.
 pub fn of_first<const N: usize>(ranks: &dyn Ranks, own: [u64; N]) -> [u64; N] {
-    let (is_first, mut all) = (ranks.rank() == 0, [0; N]);
-    let lengths: Vec<usize> = (0..ranks.size()).map(|rank| if rank == 0 { N } else { 0 }).collect();
-    ranks.gather(if is_first { &own } else { &[] }, &mut all, &lengths);
+    let mut all = own;
+    replace_by_first(ranks, &mut all);
     all
+}
+
+/// Replaces the numbers of each process by the numbers of the first one.
+pub fn replace_by_first(ranks: &dyn Ranks, numbers: &mut [u64]) {
+    let lengths: Vec<usize> = (0..ranks.size()).map(|rank| if rank == 0 { numbers.len() } else { 0 }).collect();
+    let own = if ranks.rank() == 0 { numbers.to_vec() } else { Vec::new() };
+    ranks.gather(&own, numbers, &lengths);
 }
 
 /// Gathers the text of each process.

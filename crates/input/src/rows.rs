@@ -1,7 +1,7 @@
 //! Fields distributed by rows over processes: from the process that reads files, and to the one that writes and draws.
 
 use gfmd_field::Share;
-use gfmd_files::{Archive, Variable, contiguous, rows_of_chunk};
+use gfmd_files::{Archive, Checksum, Variable, contiguous, rows_of_chunk};
 use ndarray::{Array2, ArrayView2};
 
 use crate::failure::Failure;
@@ -10,15 +10,19 @@ use crate::failure::Failure;
 const CHUNKS: usize = 16;
 
 /// Returns the number of rows of a block with `columns` values each.
-fn height(columns: usize) -> usize {
+pub fn height(columns: usize) -> usize {
     CHUNKS * rows_of_chunk(columns)
 }
 
 /// Distributes the rows of a field of the first process; the other processes give `None`.
 pub fn handed_out(share: &Share, whole: Option<&Array2<f64>>, columns: usize) -> Array2<f64> {
     let whole = whole.map(|whole| contiguous(whole)).unwrap_or_default();
-    let own = share.from_first(&whole, columns, height(columns));
-    Array2::from_shape_vec((own.len() / columns, columns), own).expect("rows are whole")
+    let rows = share.rows().len();
+    let mut own = vec![0.0; rows * columns];
+    share.from_first(&mut own, columns, height(columns), |rows, values| {
+        values.copy_from_slice(&whole[rows.start * columns..rows.end * columns]);
+    });
+    Array2::from_shape_vec((rows, columns), own).expect("rows are whole")
 }
 
 /// Gathers the whole field at the first process; returns `None` at the others.
@@ -28,6 +32,16 @@ pub fn gathered(share: &Share, own: ArrayView2<f64>) -> Option<Array2<f64>> {
     share.to_first(&own, columns, height(columns), |_, values| whole.extend_from_slice(values));
     let shape = (whole.len() / columns, columns);
     if share.ranks().rank() == 0 { Array2::from_shape_vec(shape, whole).ok() } else { None }
+}
+
+/// Returns the SHA-256 of a field, row by row, from the rows of each process; only the first process gets it.
+pub fn checksum(share: &Share, own: &[f64]) -> String {
+    let columns = own.len() / share.rows().len();
+    let mut sum = Checksum::default();
+    share.to_first(own, columns, height(columns), |_, values| {
+        values.iter().for_each(|value| sum.bytes(&value.to_le_bytes()));
+    });
+    sum.text()
 }
 
 /// Writes a variable along x and y to the `archive`, which only the first process has.
@@ -63,6 +77,15 @@ pub fn write(
     mut see: impl FnMut(&[f64]),
 ) -> Result<(), Failure> {
     let (columns, own) = (own.ncols(), contiguous(&own));
+    if share.is_whole() {
+        // The rows of a profile are not those of its share.
+        see(&own);
+        let Some(archive) = archive else { return Ok(()) };
+        return Ok(match index {
+            Some(index) => archive.write_slab(path, index, &own),
+            None => archive.write_rows(path, None, 0, &own),
+        }?);
+    }
     let mut written = Ok(());
     share.to_first(&own, columns, height(columns), |rows, values| {
         see(values);

@@ -24,7 +24,7 @@ use crate::processes;
 pub const GIT_COMMIT: &str = env!("GFMD_GIT_COMMIT");
 
 /// Number of the journal format; a journal of another format cannot be continued.
-const JOURNAL: u32 = 4;
+const JOURNAL: u32 = 5;
 
 /// Run of the program.
 #[derive(Clone)]

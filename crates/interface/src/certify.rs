@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
 use gfmd_contact::{Drive, Effort, Load, Refusal};
-use gfmd_vector::{add, for_each, pass, reduce, sum};
+use gfmd_vector::{add, contiguous, for_each};
 use ndarray::{Array2, Array3, ArrayRef2};
 
 use crate::frame::Frame;
 use crate::kinks::Kinks;
-use crate::numbers::{higher, higher_each, lower, mean};
+use crate::numbers::{dot, higher, higher_each, lower, reduce, sum, total};
 use crate::{Interface, Residual, State};
 
 /// Computes the state at `position`, the displacement in the frame of the drive, from new transforms and the law. At a
@@ -48,8 +48,8 @@ pub(crate) fn certify_level(
     let interface_energy = certificate.interface_energy();
     let contact_fraction = certificate.contact_fraction();
     let (displacement, approach) = certificate.displacement_and_approach(mean_pressure);
-    let elastic_energy = 0.5 * gfmd_vector::dot(&certificate.traction, &displacement) / frame.inside() as f64;
-    let [nx, ny] = interface.surface.grid().points();
+    let elastic_energy = 0.5 * dot(frame.share, &certificate.traction, &displacement) / frame.all_inside() as f64;
+    let [nx, ny] = interface.surface.shape();
     let vectors = |all: Vec<f64>| Array3::from_shape_vec((z + 1, nx, ny), frame.values_inside(all)).expect(FITS);
     let field = |all: Vec<f64>| Array2::from_shape_vec((nx, ny), frame.values_inside(all)).expect(FITS);
     let Certificate { traction, gap, wall_pressure, .. } = certificate;
@@ -62,7 +62,9 @@ pub(crate) fn certify_level(
     let depth = |kinks: &Kinks| (0..points).map(|i| kinks.pressed_in(i, depth_of(inset, i))).collect();
     let pressed_in = interface.hardness.as_ref().and(kinks).map(|kinks| field(depth(kinks)));
     let (gap, wall_pressure) = (field(gap), field(wall_pressure));
-    let (closed, pressed) = ((&wall_pressure * &gap).sum(), wall_pressure.sum());
+    let pressures = contiguous(&wall_pressure);
+    let closed = dot(frame.share, &pressures, &contiguous(&gap));
+    let pressed = total(frame.share, &pressures);
     let residual = Residual {
         complementarity: if pressed > 0.0 { (closed / (pressed * interface.length_scale())).abs() } else { 0.0 },
         equilibrium: worst(|balance| balance.unbalanced) / stress,
@@ -88,6 +90,7 @@ pub(crate) fn certify_level(
         effort: Effort { iterations: 0, transform_pairs: transforms.pairs() },
         passed_instability: false,
         lowest_curvature: f64::NAN,
+        is_pressed: pressed > 0.0,
         noise,
         surface: Arc::clone(&interface.given),
         contact_modulus: interface.contact_modulus,
@@ -145,7 +148,7 @@ impl Interface {
         let frame = self.frame(drive)?;
         let expected = frame.components() * frame.inside();
         let sizes = [Some(gap.len()), Some(pressure.len()), pressed_in.map(|depth| depth.len())];
-        if let Some(found) = sizes.into_iter().flatten().find(|found| *found != expected) {
+        if let Some(found) = self.share.first(sizes.into_iter().flatten().find(|found| *found != expected)) {
             return Err(Refusal::Start { found, expected });
         }
         let wall: Vec<f64> = frame.values_inside(frame.wall().collect());
@@ -163,11 +166,20 @@ impl Interface {
         let added = frame.values_inside(insets.clone());
         inside.iter_mut().zip(&added).for_each(|(w, inset)| *w += inset);
         let position = frame.position(&self.elastic, inside, pressure);
-        let mut state = certify_level(self, &frame, &position, &insets, pressure.mean());
+        let mut state = certify_level(self, &frame, &position, &insets, Some(self.mean_of(pressure)));
         // A point with an inset has a closed gap, whatever the given one is.
-        let lowest = gap.iter().fold(0.0, |least, gap| lower(least, *gap));
+        let lowest = self.share.each(gap.iter().fold(0.0, |least, gap| lower(least, *gap)));
+        let lowest = lowest.into_iter().fold(0.0, lower);
         state.residual.penetration = higher(state.residual.penetration, -lowest / self.length_scale());
         Ok(state)
+    }
+}
+
+impl Interface {
+    /// Returns the mean of a field over all processes.
+    pub(crate) fn mean_of(&self, field: &ArrayRef2<f64>) -> f64 {
+        let points = if self.share.is_whole() { field.len() } else { self.share.total() };
+        total(&self.share, &contiguous(field)) / points as f64
     }
 }
 
@@ -215,7 +227,7 @@ impl Certificate<'_> {
     /// Computes the gap; returns its lowest value, NaN if any value is NaN.
     fn separations(&mut self) -> f64 {
         let Self { frame, position, inset, gap, .. } = self;
-        pass(
+        frame.share.pass(
             [&mut gap[..]],
             &|start, [gap]| {
                 gap.iter_mut().enumerate().fold(f64::INFINITY, |least, (k, gap)| {
@@ -252,6 +264,7 @@ impl Certificate<'_> {
         };
         let traction = &mut traction[component * points..][..points];
         let [free, net, law_total] = reduce(
+            frame.share,
             points,
             &|range| {
                 range.fold([0.0; 3], |sums, i| {
@@ -273,7 +286,7 @@ impl Certificate<'_> {
             }
         };
         let most = |i: usize| kinks.map_or(f64::INFINITY, |kinks| kinks.most(i));
-        let [unbalanced, tension, largest, excess] = pass(
+        let [unbalanced, tension, largest, excess] = frame.share.pass(
             [&mut *traction],
             &|start, [traction]| {
                 traction.iter_mut().enumerate().fold([0.0; 4], |worst, (k, traction)| {
@@ -302,7 +315,7 @@ impl Certificate<'_> {
                 for_each([&mut wall_pressure[..]], &press_in);
             }
         }
-        Balance { unbalanced, tension, largest, law_mean: law_total / frame.inside() as f64, excess }
+        Balance { unbalanced, tension, largest, law_mean: law_total / frame.all_inside() as f64, excess }
     }
 
     /// Returns the energy of the law per area.
@@ -313,7 +326,7 @@ impl Certificate<'_> {
             let (normal, sliding) = frame.separation(position, at);
             interface.energy((if depth_of(inset, at) > 0.0 { 0.0 } else { normal }, sliding))
         };
-        sum(frame.inside(), &|range| range.map(of).sum()) / frame.inside() as f64
+        sum(frame.share, frame.inside(), &|range| range.map(of).sum()) / frame.all_inside() as f64
     }
 
     /// Returns the fraction of points pressed by the wall; without a wall, the fraction of points repelled by the law.
@@ -325,7 +338,8 @@ impl Certificate<'_> {
             let (normal, sliding) = frame.separation(position, i);
             if wall { wall_pressure[i] > 0.0 } else { interface.law.traction(normal, sliding)[2] < 0.0 }
         };
-        sum(frame.inside(), &|range| range.map(|i| f64::from(in_contact(i))).sum()) / frame.inside() as f64
+        let count = sum(frame.share, frame.inside(), &|range| range.map(|i| f64::from(in_contact(i))).sum());
+        count / frame.all_inside() as f64
     }
 
     /// Returns the displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the
@@ -336,7 +350,8 @@ impl Certificate<'_> {
         let Load::MeanPressure(_) = frame.drive.load else { return (displacement, frame.approach) };
         let normal = &mut displacement[frame.z() * frame.points()..];
         let inside = frame.inside() as f64 / frame.points() as f64;
-        let approach = mean(normal) + interface.elastic.uniform_compliance()[frame.z()] * mean_pressure * inside;
+        let mean = total(frame.share, normal) / frame.all_points() as f64;
+        let approach = mean + interface.elastic.uniform_compliance()[frame.z()] * mean_pressure * inside;
         normal.iter_mut().for_each(|u| *u -= approach);
         (displacement, approach)
     }

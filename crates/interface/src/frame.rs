@@ -1,8 +1,9 @@
 use gfmd_contact::{Drive, Load, Refusal};
 use gfmd_response::Elastic;
-use gfmd_vector::total;
+use gfmd_vector::Share;
 use ndarray::ArrayRef2;
 
+use crate::numbers::total;
 use crate::patch::Patch;
 use crate::{Interface, State};
 
@@ -24,6 +25,8 @@ pub(crate) struct Frame<'a> {
     /// Lateral displacement without traction, component by component; empty if it is zero.
     sideways: &'a [f64],
     patch: Option<&'a Patch>,
+    /// Points of this process.
+    pub(crate) share: &'a Share,
 }
 
 impl Interface {
@@ -56,12 +59,12 @@ impl Interface {
             }
         };
         let (sideways, patch) = (self.sideways.as_deref().unwrap_or_default(), self.patch.as_ref());
-        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance, sideways, patch })
+        Ok(Frame { drive, uniform_stiffness, held, push, approach, clearance, sideways, patch, share: &self.share })
     }
 }
 
 impl Frame<'_> {
-    /// Returns the number of points.
+    /// Returns the number of points of this process.
     pub(crate) fn points(&self) -> usize {
         self.clearance.len()
     }
@@ -69,6 +72,16 @@ impl Frame<'_> {
     /// Returns the number of points below the rigid surface: all points, or the points of the patch.
     pub(crate) fn inside(&self) -> usize {
         self.patch.map_or(self.points(), Patch::len)
+    }
+
+    /// Returns the number of points of all processes.
+    pub(crate) fn all_points(&self) -> usize {
+        if self.share.is_whole() { self.points() } else { self.share.total() }
+    }
+
+    /// Returns the number of points below the rigid surface of all processes.
+    pub(crate) fn all_inside(&self) -> usize {
+        if self.share.is_whole() { self.inside() } else { self.share.total() }
     }
 
     /// Returns the index of point `i` of the points [inside](Self::inside).
@@ -86,7 +99,7 @@ impl Frame<'_> {
 
     /// Returns the mean over the inside points of a field that is zero elsewhere.
     pub(crate) fn mean(&self, field: &[f64]) -> f64 {
-        total(field) / self.inside() as f64
+        total(self.share, field) / self.all_inside() as f64
     }
 
     /// Returns the number of components.
@@ -134,7 +147,7 @@ impl Frame<'_> {
         if let Load::MeanPressure(_) = self.drive.load {
             // In the frame of a load the body moves as a whole.
             let (normal, inside) = (&mut position[self.z() * self.points()..], &inside[self.z() * patch.len()..]);
-            let rise = (total(inside) - total(&patch.inside(normal))) / patch.len() as f64;
+            let rise = (total(self.share, inside) - total(self.share, &patch.inside(normal))) / patch.len() as f64;
             normal.iter_mut().for_each(|w| *w += rise);
         }
         patch.place(inside, &mut position);

@@ -37,7 +37,7 @@ impl Interface {
     /// without a hard wall, and for an interface in all components.
     pub fn with_springs(self, springs: impl Into<Springs>) -> Result<Self, Refusal> {
         self.check_wall("a compliance of springs is")?;
-        let [nx, ny] = self.given.grid().points();
+        let [nx, ny] = self.given.shape();
         let check = |found: f64| {
             if found >= 0.0 && found.is_finite() { Ok(found) } else { Err(Refusal::Springs { found }) }
         };
@@ -52,7 +52,7 @@ impl Interface {
             }
         };
         let unit = self.units.stiffness();
-        let is_rigid = values.iter().all(|compliance| *compliance == 0.0);
+        let is_rigid = !self.share.any(values.iter().any(|compliance| *compliance != 0.0));
         let springs = (!is_rigid).then(|| values.iter().map(|compliance| compliance * unit).collect());
         Ok(Self { springs, ..self })
     }
@@ -67,8 +67,8 @@ impl Interface {
         Some(match self.hardness.as_ref()?.times(unit) {
             Upper::All(hardness) => Hardness::Uniform(hardness),
             Upper::Each(values) => {
-                let [_, ny] = self.given.grid().points();
-                Hardness::Field(Array2::from_shape_fn(self.given.grid().points(), |(i, j)| values[i * ny + j]))
+                let [nx, ny] = self.given.shape();
+                Hardness::Field(Array2::from_shape_fn([nx, ny], |(i, j)| values[i * ny + j]))
             }
         })
     }
@@ -85,7 +85,7 @@ impl Interface {
     pub(crate) fn check_hardness(&self, load: Load) -> Result<(), Refusal> {
         let (Some(hardness), Load::MeanPressure(found)) = (&self.hardness, load) else { return Ok(()) };
         let what = if let Upper::Each(_) = hardness { "mean hardness" } else { "hardness" };
-        let hardness = hardness.mean() * self.units.stress();
+        let hardness = hardness.mean_over(&self.share) * self.units.stress();
         if found < hardness { Ok(()) } else { Err(Refusal::BeyondHardness { found, what, hardness }) }
     }
 
@@ -98,7 +98,8 @@ impl Interface {
     /// Returns true if the springs at some points are not walls for the search.
     pub(crate) fn has_springs(&self) -> bool {
         let [_, stiffest] = self.elastic.stiffness_range();
-        self.springs.iter().flat_map(|all| all.iter()).any(|k| !is_rigid(*k, stiffest))
+        let given = self.springs.as_ref();
+        given.is_some_and(|all| self.share.any(all.iter().any(|k| !is_rigid(*k, stiffest))))
     }
 
     /// Returns the wall in a frame; `None` if it gives way nowhere.

@@ -2,10 +2,10 @@
 //! problem (theory.md, section 7.9).
 
 use gfmd_contact::{ClearanceGradient, Cotangents, Effort, Fields as _, Gradient, GradientError, Load, Stiffness};
-use gfmd_vector::{dot, total};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::newton::{Adjoint, Bond, Linear};
+use crate::numbers::{dot, total};
 use crate::{Interface, State};
 
 /// Largest accepted error of a result.
@@ -92,7 +92,7 @@ impl Interface {
         of: &Cotangents,
         tolerance: f64,
     ) -> Result<ClearanceGradient, GradientError> {
-        let shape: [usize; 2] = self.surface.grid().points();
+        let (shape, share): ([usize; 2], _) = (self.surface.shape(), &self.share);
         of.check(shape)?;
         // All values in the units of the solve.
         let (stress, length, energy) = (self.units.stress(), self.units.length(), self.units.energy());
@@ -107,7 +107,7 @@ impl Interface {
         if frame.components() != 1 {
             return Err(GradientError::Components);
         }
-        let (points, inside) = (frame.points(), frame.inside());
+        let (points, inside, all) = (frame.points(), frame.inside(), frame.all_inside() as f64);
         let in_cell = |values: Vec<f64>| match &self.patch {
             Some(patch) => {
                 let mut field = vec![0.0; points];
@@ -132,24 +132,24 @@ impl Interface {
         };
         let mut problem = Linear::at(self, &frame, &in_cell(position), bond);
         let acts = |(slope, free): (&f64, &f64)| *free == 0.0 || *slope != 0.0;
-        if !is_driven && !problem.slope().iter().zip(problem.free()).any(acts) {
+        if !is_driven && !share.any(problem.slope().iter().zip(problem.free()).any(acts)) {
             return Err(GradientError::Undetermined(
                 "no point is in contact; there must be some under a mean pressure",
             ));
         }
-        if frame.held[0] && total(problem.free()) == 0.0 {
+        if frame.held[0] && total(share, problem.free()) == 0.0 {
             return Err(GradientError::Undetermined(FULL));
         }
         let pressure = in_cell(scaled(&state.pressure(), stress));
         let sunk = in_cell(state.displacement.iter().map(|u| -u / length).collect());
         // ∂L/∂p at fixed gaps, with the terms of the mean pressure and of the energy, which changes by −u dp.
-        let of_mean = if is_driven { of.mean_pressure * stress / inside as f64 } else { 0.0 };
+        let of_mean = if is_driven { of.mean_pressure * stress / all } else { 0.0 };
         let of_energy = of.elastic_energy * energy;
         let by_pressure = of.pressure.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / stress));
         let mut by_pressure = in_cell(by_pressure.iter().map(|by| by + of_mean).collect());
-        by_pressure.iter_mut().zip(&sunk).for_each(|(by, sunk)| *by += of_energy * sunk / inside as f64);
+        by_pressure.iter_mut().zip(&sunk).for_each(|(by, sunk)| *by += of_energy * sunk / all);
         let by_gap = of.gap.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / length));
-        let of_mean_gap = of.mean_gap * length / inside as f64;
+        let of_mean_gap = of.mean_gap * length / all;
         let mut by_gap = in_cell(by_gap.iter().map(|by| by + of_mean_gap).collect());
         // The gap stays closed while a spring is shortened.
         by_gap
@@ -159,11 +159,11 @@ impl Interface {
             .for_each(|(_, by)| *by = 0.0);
         // In the frame of a load, the approach is the mean position plus the mean displacement caused by the load.
         let by_approach = if is_driven { 0.0 } else { of.approach * length };
-        let level = by_approach / points as f64;
+        let level = by_approach / frame.all_points() as f64;
         let of_position = problem.elastic(&by_pressure);
         let source: Vec<f64> = of_position.iter().zip(&by_gap).map(|(k, gap)| level - k - gap).collect();
         let Adjoint { values, level: mean, error, lowest, effort: (iterations, transform_pairs) } =
-            problem.solve(&source, -total(&by_pressure), tolerance);
+            problem.solve(&source, -total(share, &by_pressure), tolerance);
         if lowest <= 0.0 || lowest.is_nan() {
             return Err(GradientError::Unstable { lowest });
         }
@@ -177,17 +177,18 @@ impl Interface {
             false => level - elastic[i] - mean,
         });
         let by_clearance = frame.values_inside(by_clearance.collect());
-        let moved = total(&by_clearance);
-        let part = inside as f64 / points as f64;
+        let moved = total(share, &by_clearance);
+        let part = all / frame.all_points() as f64;
         let sinks = self.elastic.uniform_compliance()[0] * part;
         let by_load = match is_driven {
             true => of.approach - moved / length,
-            false => of.mean_pressure + (total(&whole) * part + by_approach * sinks) / stress,
+            false => of.mean_pressure + (total(share, &whole) * part + by_approach * sinks) / stress,
         };
         let mean_pressure = state.mean_pressure / stress;
-        let of_load = if is_driven { 0.0 } else { total(&whole) * frame.push + by_approach * sinks * mean_pressure };
-        let stored = 0.5 * dot(&pressure, &sunk) / inside as f64;
-        let by_modulus = dot(&whole, &pressure) - of_load - of_energy * stored;
+        let of_load =
+            if is_driven { 0.0 } else { total(share, &whole) * frame.push + by_approach * sinks * mean_pressure };
+        let stored = 0.5 * dot(share, &pressure, &sunk) / all;
+        let by_modulus = dot(share, &whole, &pressure) - of_load - of_energy * stored;
         let clearance = Array2::from_shape_fn(shape, |(i, j)| by_clearance[i * shape[1] + j] / length);
         let effort = Effort { iterations, transform_pairs };
         Ok(ClearanceGradient { clearance, load: by_load, modulus: by_modulus / self.contact_modulus, error, effort })

@@ -9,10 +9,11 @@
 use gfmd_contact::Load;
 use gfmd_law::Opening;
 use gfmd_relax::Upper;
-use gfmd_vector::{for_each, reduce, sum, total};
+use gfmd_vector::{Share, for_each};
 
 use crate::State;
 use crate::frame::Frame;
+use crate::numbers::{reduce, sum, total};
 
 /// Compliance of a spring times the largest stiffness of the body below which the spring is a wall for the search: it
 /// changes the displacement by a smaller part than the tightest tolerance.
@@ -59,6 +60,7 @@ pub(crate) struct Kinks {
     pub(crate) touch: Opening,
     /// Stiffness of a wave of middle length.
     stiffness: f64,
+    share: Share,
 }
 
 impl Kinks {
@@ -81,7 +83,8 @@ impl Kinks {
                 springs[at] = if is_rigid(given[i], stiffest) { 0.0 } else { given[i] };
             }
         }
-        Self { bound: frame.wall().collect(), most, springs, touch, stiffness: (softest * stiffest).sqrt() }
+        let (bound, share, stiffness) = (frame.wall().collect(), frame.share.clone(), (softest * stiffest).sqrt());
+        Self { bound, most, springs, touch, stiffness, share }
     }
 
     /// Returns the height of the rigid surface at point `i`.
@@ -223,10 +226,10 @@ impl Kinks {
     /// Shifts points on their pieces until the mean of the positions is 0. A shift may push points to the ends of their
     /// pieces; it is repeated. Returns false if the pieces do not allow it.
     pub(crate) fn restore_mean(&self, pieces: &[Piece], w: &mut [f64], inset: &mut [f64], length_scale: f64) -> bool {
-        let points = w.len() as f64;
+        let points = if self.share.is_whole() { w.len() } else { self.share.total() } as f64;
         let mut last = f64::INFINITY;
         for _ in 0..ROUNDS {
-            let now = total(w);
+            let now = total(&self.share, w);
             let is_near = now.abs() / points <= RESTORED * length_scale;
             if now.abs() / points <= f64::EPSILON * length_scale || (is_near && now.abs() >= 0.5 * last.abs()) {
                 return true;
@@ -235,7 +238,7 @@ impl Kinks {
             let share = |i: usize, w: f64, inset: f64| {
                 if self.can_move(i, pieces[i], inset, last < 0.0, w) { self.share(i, pieces[i]) } else { 0.0 }
             };
-            let movable = sum(w.len(), &|range| range.map(|i| share(i, w[i], inset[i])).sum());
+            let movable = sum(&self.share, w.len(), &|range| range.map(|i| share(i, w[i], inset[i])).sum());
             if movable == 0.0 {
                 break;
             }
@@ -260,7 +263,7 @@ impl Kinks {
                 [least.max(force[i] - self.most[i]), most.min(force[i])]
             })
         };
-        let [least, most] = reduce(force.len(), &ends, &|a: [f64; 2], b| [a[0].max(b[0]), a[1].min(b[1])]);
+        let [least, most] = reduce(&self.share, force.len(), &ends, &|a: [f64; 2], b| [a[0].max(b[0]), a[1].min(b[1])]);
         match wanted {
             Some(wanted) if wanted.is_finite() && least <= most => wanted.clamp(least, most),
             _ if least.is_finite() => 0.5 * (least + most),

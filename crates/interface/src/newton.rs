@@ -106,7 +106,8 @@ fn descend_with<M: Model>(
     let end = loop {
         watch.checkpoint(&mut |visitor| visit_all!(visitor));
         let residual = if descent.pieces.is_some() { descent.release_pieces() } else { descent.release() };
-        if watch.see(&Progress { iteration: iterations, residual }).is_break() {
+        let stop = watch.see(&Progress { iteration: iterations, residual }).is_break();
+        if descent.frame.share.any(stop) {
             break End::Finished(Ending::Interrupted);
         }
         if descent.is_apart() {

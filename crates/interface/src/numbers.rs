@@ -1,15 +1,45 @@
-//! Means and extremes of fields.
+//! Means and extremes of fields, over the points of all processes that share them. A whole share has all points of a
+//! vector, whatever its length.
 
-use gfmd_vector::{add, reduce, total};
+use std::ops::Range;
 
-/// Returns the mean of a field.
+use gfmd_vector::{Serialise, Share, add};
+use gfmd_vector::{dot as dot_alone, reduce as reduce_alone};
+
+/// Reduces a vector with `length` values on this process, as [`gfmd_vector::reduce`].
+pub(crate) fn reduce<R: Serialise>(
+    share: &Share,
+    length: usize,
+    leaf: &(impl Fn(Range<usize>) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    if share.is_whole() { reduce_alone(length, leaf, merge) } else { share.reduce(leaf, merge) }
+}
+
+/// Returns the sum over a vector with `length` values on this process; `leaf` returns the sum over a range.
+pub(crate) fn sum(share: &Share, length: usize, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
+    reduce(share, length, leaf, &|a, b| a + b)
+}
+
+/// Returns the sum of a vector.
+pub(crate) fn total(share: &Share, vector: &[f64]) -> f64 {
+    if share.is_whole() { gfmd_vector::total(vector) } else { share.total_of(vector) }
+}
+
+/// Returns the scalar product of two vectors.
+pub(crate) fn dot(share: &Share, a: &[f64], b: &[f64]) -> f64 {
+    if share.is_whole() { dot_alone(a, b) } else { share.dot(a, b) }
+}
+
+/// Returns the mean of a field of a single process.
 pub(crate) fn mean(field: &[f64]) -> f64 {
-    total(field) / field.len() as f64
+    gfmd_vector::total(field) / field.len() as f64
 }
 
 /// Returns the mean of a field over the points where `counts` is true; 0 if there are none.
-pub(crate) fn mean_where(field: &[f64], counts: impl Fn(usize) -> bool + Sync) -> f64 {
+pub(crate) fn mean_where(share: &Share, field: &[f64], counts: impl Fn(usize) -> bool + Sync) -> f64 {
     let [total, count] = reduce(
+        share,
         field.len(),
         &|range| range.filter(|i| counts(*i)).fold([0.0; 2], |sums, i| add(sums, [field[i], 1.0])),
         &add,

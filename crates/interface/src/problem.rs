@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, GreenError, Plate};
 use gfmd_law::{InUnits, Law};
 use gfmd_relax::Upper;
@@ -29,6 +29,8 @@ pub struct Trapping {
 pub struct Interface {
     /// Response of the body, law and rigid surface, in `units`.
     pub(crate) elastic: Elastic,
+    /// Rows of this process; all points in all components, on a patch and of a plate.
+    pub(crate) share: Share,
     pub(crate) law: Arc<dyn Law>,
     /// Largest pressure that the body feels at each inside point, in `units`.
     pub(crate) hardness: Option<Upper>,
@@ -55,6 +57,38 @@ impl Interface {
     /// Returns an error if the heights do not match the grid or are not finite.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, law: impl Law + 'static) -> Result<Self, Refusal> {
         Self::in_own_units(body, grid, heights, law, NormalResponse::new)
+    }
+
+    /// Creates an interface as [`new`](Self::new), solved by the processes of a `share`
+    /// ([`Contact::share`](gfmd_contact::Contact::share)). Each process gives and gets only its rows of all fields
+    /// (heights, hardness, states), and all make the same calls. Fields and numbers have the bits of a single process.
+    /// The solver is Newton's method.
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new), on all processes.
+    pub fn distributed(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::over(share, body, grid, heights, law, NormalResponse::distributed)
+    }
+
+    /// Creates an interface as [`held_sideways`](Self::held_sideways), solved by several processes as
+    /// [`distributed`](Self::distributed).
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new), on all processes.
+    pub fn held_sideways_over(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::over(share, body, grid, heights, law, NormalResponse::held_sideways_over)
     }
 
     /// Creates an interface as [`new`](Self::new), with the given boundary. With [`Boundary::Free`] an approach is
@@ -156,8 +190,8 @@ impl Interface {
         let surface = Arc::new(RigidSurface::new(elastic.grid(), heights)?);
         let (given, contact_modulus) = (Arc::clone(&surface), elastic.contact_modulus());
         let (law, patch, units) = (law.into_shared(), None, Units::ONE);
-        let (hardness, springs, sideways) = (None, None, None);
-        Ok(Self { elastic, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
+        let (hardness, springs, sideways, share) = (None, None, None, elastic.grid().whole());
+        Ok(Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
     }
 
     /// Returns this interface with `depth` `[x, y]`, in length, added to the clearance. The approach is still measured
@@ -236,6 +270,18 @@ impl Interface {
         Self::with_surface(body, given.into(), law, of_cell)
     }
 
+    fn over(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+        response: impl FnOnce(Grid, &Body, &Share) -> NormalResponse,
+    ) -> Result<Self, Refusal> {
+        let given = RigidSurface::distributed(share, grid, heights)?.into();
+        Self::with_surface(body, given, law, |surface, body| Ok((response(*surface.grid(), body, share).into(), None)))
+    }
+
     fn in_own_units<E: Into<Elastic>>(
         body: &Body,
         grid: &Grid,
@@ -260,7 +306,8 @@ impl Interface {
         let surface = units.surface(&given);
         let (elastic, patch) = response(&surface, &units.body(body))?;
         let (hardness, springs, sideways, contact_modulus) = (None, None, None, body.contact_modulus());
-        Ok(Self { elastic, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
+        let share = surface.share().clone();
+        Ok(Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
     }
 
     /// Returns the boundary of the surface.

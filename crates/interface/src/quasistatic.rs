@@ -19,6 +19,7 @@ use gfmd_contact::{
     Boundary, Contact, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface,
     SolveError, Solver, Units, Variables as _, Visit,
 };
+use gfmd_field::Share;
 use gfmd_law::{InUnits, Law};
 use gfmd_medium::Medium;
 use gfmd_relax::{Budget, Progress, Watch};
@@ -93,7 +94,9 @@ impl QuasistaticContact {
     pub fn new(parts: &Parts) -> Result<Self, Refusal> {
         let Parts { body, grid, heights, boundary, law, all_components, held, .. } = parts;
         let Parts { hardness, shear, wear, sideways, .. } = parts;
-        let surface = RigidSurface::new(grid, heights)?;
+        let share = &parts.share.cloned().unwrap_or_else(|| grid.whole());
+        parts.check_shared(share)?;
+        let surface = RigidSurface::distributed(share, grid, heights)?;
         let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
         let units = Units::of(body, &given)?;
         let wear = wear.map(Wear::check).transpose()?;
@@ -125,14 +128,20 @@ impl QuasistaticContact {
             (None, Some(Response::Periodic(full))) => {
                 Normal::Wall(Contact::with_response(NormalResponse::of_all_components(full), &heights)?)
             }
-            (None, _) if *held => Normal::Wall(Contact::held_sideways(body, grid, &heights)?),
+            (None, _) if *held => Normal::Wall(Contact::held_sideways_over(share, body, grid, &heights)?),
+            (None, _) if *boundary == Boundary::Periodic => {
+                Normal::Wall(Contact::distributed(share, body, grid, &heights)?)
+            }
             (None, _) => Normal::Wall(Contact::with_boundary(*boundary, body, grid, &heights)?),
             (Some(law), _) if *all_components => {
                 Normal::Law(Interface::in_all_components_with_boundary(*boundary, body, grid, &heights, law)?)
             }
-            (Some(law), _) if *held => Normal::Law(Interface::held_sideways(body, grid, &heights, law)?),
+            (Some(law), _) if *held => Normal::Law(Interface::held_sideways_over(share, body, grid, &heights, law)?),
             (Some(law), Some(Response::Periodic(full))) => {
                 Normal::Law(Interface::with_response(NormalResponse::of_all_components(full), &heights, law)?)
+            }
+            (Some(law), _) if *boundary == Boundary::Periodic => {
+                Normal::Law(Interface::distributed(share, body, grid, &heights, law)?)
             }
             (Some(law), _) => Normal::Law(Interface::with_boundary(*boundary, body, grid, &heights, law)?),
         };
@@ -156,7 +165,7 @@ impl QuasistaticContact {
         }
         Ok(Self {
             normal,
-            medium: parts.medium(grid, components)?,
+            medium: parts.medium(grid, share, components)?,
             hardness,
             shear,
             response,
@@ -216,9 +225,10 @@ impl QuasistaticContact {
         if names.is_empty() || fields.len() != names.len() {
             return Err(Refusal::Basis { found: fields.len(), expected: names.len() });
         }
-        let (points, shape) = (self.points(), self.normal.surface().grid().points());
-        if let Some(wrong) = fields.iter().find(|field| <[usize; 2]>::from(field.dim()) != shape) {
-            return Err(Refusal::Start { found: wrong.len(), expected: points });
+        let (points, shape) = (self.points(), self.normal.surface().shape());
+        let wrong = fields.iter().find(|field| <[usize; 2]>::from(field.dim()) != shape).map(|field| field.len());
+        if let Some(found) = self.share().first(wrong) {
+            return Err(Refusal::Start { found, expected: points });
         }
         drive.check()?;
         let (length, stress) = (self.units.length(), self.units.stress());
@@ -255,13 +265,23 @@ impl QuasistaticContact {
         Ok(self.given_units(start))
     }
 
-    /// Returns the number of points.
+    /// Returns the points of this process.
+    fn share(&self) -> &Share {
+        self.normal.surface().share()
+    }
+
+    /// Returns the number of points of all processes.
+    fn all_points(&self) -> f64 {
+        if self.share().is_whole() { self.points() as f64 } else { self.share().total() as f64 }
+    }
+
+    /// Returns the number of points of this process.
     fn points(&self) -> usize {
         self.normal.surface().clearance().len()
     }
 
     fn field(&self, values: Vec<f64>) -> Array2<f64> {
-        let shape = self.normal.surface().grid().points();
+        let shape = self.normal.surface().shape();
         Array2::from_shape_vec(shape, values).expect("every field has the size of the grid")
     }
 
@@ -375,7 +395,8 @@ impl Equilibrium for QuasistaticContact {
             return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
         }
         let expected = self.points();
-        if let Some(found) = start.map(|state| state.gap().len()).filter(|found| *found != expected) {
+        let found = start.map(|state| state.gap().len()).filter(|found| *found != expected);
+        if let Some(found) = self.share().first(found) {
             return Err(Refusal::Start { found, expected }.into());
         }
         if self.units.are_one() {

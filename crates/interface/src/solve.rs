@@ -14,14 +14,15 @@ use crate::{Interface, State, dynamics, newton};
 /// Solvers of an interface. Newton's method needs an energy; dynamics does not.
 const SOLVERS: [Solver; 4] = [Solver::Auto, Solver::Newton, Solver::Fire, Solver::Fire2];
 
-/// Solvers at a wall that gives way, and of a plate.
+/// Solvers at a wall that gives way, of a plate, and of several processes.
 const SMOOTH_SOLVERS: [Solver; 2] = [Solver::Auto, Solver::Newton];
 
 impl Equilibrium for Interface {
     type State = State;
 
     fn solvers(&self) -> &'static [Solver] {
-        if self.gives_way() || self.elastic.faces() == 2 { &SMOOTH_SOLVERS } else { &SOLVERS }
+        let needs_energy = self.gives_way() || self.elastic.faces() == 2 || !self.share.is_whole();
+        if needs_energy { &SMOOTH_SOLVERS } else { &SOLVERS }
     }
 
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
@@ -106,7 +107,8 @@ impl Interface {
     /// A load that is zero within rounding counts as zero.
     fn check_load(&self, state: &State, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
         let Load::MeanPressure(found) = drive.load else { return Ok(()) };
-        let traction = state.pressure().iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
+        let largest = state.pressure().iter().fold(0.0, |largest: f64, p| largest.max(p.abs()));
+        let traction = self.share.each(largest).into_iter().fold(0.0, f64::max);
         let (least, zero) = (tolerance * traction, ROUNDING_OF_MEAN * traction);
         let is_hidden = found.abs() > zero && found.abs() < least;
         if is_hidden { Err(Refusal::LoadBelowTractionRounding { found, least, traction }) } else { Ok(()) }
@@ -123,7 +125,8 @@ impl Interface {
     ) -> Result<State, SolveError<State>> {
         let frame = self.frame(drive)?;
         let expected = frame.components() * frame.inside();
-        if let Some(found) = start.map(|state| state.displacement.len()).filter(|found| *found != expected) {
+        let found = start.map(|state| state.displacement.len()).filter(|found| *found != expected);
+        if let Some(found) = self.share.first(found) {
             return Err(Refusal::Start { found, expected }.into());
         }
         let method = self.method(solver, &frame)?;
@@ -146,7 +149,7 @@ impl Interface {
                 Method::Dynamics(engine) => dynamics::relax_to_rest(self, &frame, engine, budget, start, watch)?,
             };
         let mut state = certify(self, &frame, &position, &inset);
-        if state.traction.iter().any(|t| !t.is_finite()) {
+        if self.share.any(state.traction.iter().any(|t| !t.is_finite())) {
             return Err(Refusal::Overflow.into());
         }
         state.effort.iterations = iterations;
@@ -229,7 +232,7 @@ impl Interface {
             return None;
         };
         // The search that follows finds and reports the same refusal or failure.
-        let clearance = ArrayView2::from_shape(self.surface.grid().points(), self.surface.clearance()).ok()?;
+        let clearance = ArrayView2::from_shape(self.surface.shape(), self.surface.clearance()).ok()?;
         let mut contact = Contact::with_response(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
         if let Some(hardness) = self.hardness_in(1.0) {
             contact = contact.with_hardness(hardness).ok()?;
@@ -238,6 +241,7 @@ impl Interface {
         let plastic = solution.plastic.as_ref().map(|plastic| &*plastic.depth);
         let mut state = self.certify_pressed_in(&solution.gap, &solution.pressure, plastic, drive).ok()?;
         state.effort.transform_pairs += solution.effort.transform_pairs;
+        state.is_pressed = true;
         state.wall_pressure = solution.pressure;
         Some(state)
     }

@@ -42,6 +42,8 @@ pub struct State {
     /// Lowest curvature, relative to the elastic curvature, found by conjugate gradients started from a force in all
     /// directions; positive in a stable state. 1 for a wall alone, NaN after dynamics.
     pub lowest_curvature: f64,
+    /// True if the wall presses at some point.
+    pub(crate) is_pressed: bool,
     /// Normal traction, in stress, that unbalanced forces or rounding errors can cause.
     pub(crate) noise: f64,
     pub(crate) surface: Arc<RigidSurface>,
@@ -126,7 +128,12 @@ impl Fields for State {
     /// Returns the repulsive pressure: the wall pressure or, if no wall presses, −t_z at points where it exceeds the
     /// unbalanced traction. Where a law vanishes, far from contact, rounding errors determine the sign of −t_z.
     fn repulsion(&self) -> CowArray<'_, f64, Ix2> {
-        if self.wall_pressure.iter().any(|p| *p > 0.0) {
+        // The rows of one process may be without pressure.
+        let is_pressed = match self.surface.share().is_whole() {
+            true => self.wall_pressure.iter().any(|p| *p > 0.0),
+            false => self.is_pressed,
+        };
+        if is_pressed {
             self.wall_pressure.view().into()
         } else {
             self.normal_traction().mapv(|t| if -t > self.noise { -t } else { 0.0 }).into()
@@ -165,9 +172,10 @@ impl Fields for State {
     /// area divided by pressure is then meaningless.
     fn summary_in(&self, scales: &Scales) -> Summary {
         let repulsion = self.repulsion();
-        let (displacement, gap, boundary) = (self.displacement_z(), self.gap(), self.surface.boundary());
-        let summary = Summary::of(repulsion.view(), displacement, gap, self.mean_pressure, scales, boundary);
-        let is_closed = self.wall_pressure.iter().all(|p| *p > 0.0);
+        let fields = [repulsion.view(), self.displacement_z(), self.gap()];
+        let (share, boundary) = (self.surface.share(), self.surface.boundary());
+        let summary = Summary::distributed(share, fields, self.mean_pressure, scales, boundary);
+        let is_closed = !share.any(self.wall_pressure.iter().any(|p| *p <= 0.0));
         let summary = if is_closed { summary.at_wall() } else { summary };
         let is_pressed = self.mean_pressure > LEAST_LOAD * summary.max_pressure;
         Summary {

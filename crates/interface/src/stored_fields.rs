@@ -1,10 +1,10 @@
 //! States from stored fields.
 
 use gfmd_contact::{Drive, Load, Refusal};
-use gfmd_vector::total;
 use ndarray::{Array2, ArrayRef2};
 
 use crate::certify::certify;
+use crate::numbers::total;
 use crate::{Interface, State};
 
 /// Fields of a state of u_z alone, as stored in a file. They determine the state.
@@ -34,23 +34,24 @@ impl Interface {
     /// Returns an error for an interface in all components, fields that do not match the grid, or values not finite.
     pub fn recall(&self, stored: StoredFields<'_>) -> Result<State, Refusal> {
         let StoredFields { pressure, displacement_z, gap, approach } = stored;
-        let [nx, ny] = self.surface.grid().points();
+        let [nx, ny] = self.surface.shape();
         let expected = nx * ny;
         let of_other_size = [pressure, displacement_z, gap].map(|field| (field.dim(), field.len()));
-        if let Some((_, found)) = of_other_size.into_iter().find(|(shape, _)| *shape != (nx, ny)) {
+        let other = of_other_size.into_iter().find(|(shape, _)| *shape != (nx, ny)).map(|(_, found)| found);
+        if let Some(found) = self.share.first(other) {
             return Err(Refusal::Start { found, expected });
         }
         if self.elastic.components() != 1 {
             return Err(Refusal::Start { found: expected, expected: expected * self.elastic.components() });
         }
-        let n = expected as f64;
         let pressures: Vec<f64> = pressure.iter().copied().collect();
-        let mean = total(&pressures) / n;
+        let n = if self.share.is_whole() { expected } else { self.share.total() } as f64;
+        let mean = total(&self.share, &pressures) / n;
         let frame = self.frame(Load::MeanPressure(mean).into())?;
         // In the frame of a load, the elastic surface moves instead of the rigid one.
         let inside: Vec<f64> = displacement_z.iter().map(|u| u + approach).collect();
-        if let Some(value) = inside.iter().find(|w| !w.is_finite()) {
-            return Err(Refusal::NotFinite { what: "displacement of the start", found: *value });
+        if let Some(found) = self.share.first(inside.iter().copied().find(|w| !w.is_finite())) {
+            return Err(Refusal::NotFinite { what: "displacement of the start", found });
         }
         let kinks = self.kinks(&frame);
         let insets = kinks.as_ref().map_or_else(Vec::new, |kinks| {
@@ -71,7 +72,8 @@ impl Interface {
         let wall_pressure = Array2::from_shape_fn((nx, ny), |at| self.wall_pressure(pressure[at], gap[at]));
         let alone = |field: &ArrayRef2<f64>| field.to_owned().insert_axis(ndarray::Axis(0));
         let (displacement, traction) = (alone(displacement_z), -alone(pressure));
-        Ok(State { displacement, traction, gap: gap.to_owned(), wall_pressure, approach, ..state })
+        let is_pressed = self.share.any(wall_pressure.iter().any(|p| *p > 0.0));
+        Ok(State { displacement, traction, gap: gap.to_owned(), wall_pressure, is_pressed, approach, ..state })
     }
     /// Returns the pressure of the wall at a point with this pressure and gap; 0 where it is open.
     pub(crate) fn wall_pressure(&self, pressure: f64, gap: f64) -> f64 {

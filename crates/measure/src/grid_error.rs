@@ -26,8 +26,6 @@ pub enum NoLimit {
     Area(f64),
     /// Conductivity so small that only an error of its logarithm is meaningful.
     NearClosing(f64),
-    /// Field shared by several processes; none has the whole field.
-    Shared,
     /// Conductance between electrodes at a finite depth.
     Electrodes,
     /// Patches, which join and separate from grid to grid.
@@ -68,7 +66,6 @@ impl fmt::Display for NoLimit {
             Self::Area(found) => {
                 write!(f, "the area fraction is {found:.2}; the grid error is known up to {MOST_AREA}")
             }
-            Self::Shared => f.write_str("several processes share the field; none has the whole field for the estimate"),
             Self::Electrodes => {
                 f.write_str("the grid error of a conductance was measured with electrodes infinitely far away")
             }

@@ -1,8 +1,11 @@
 //! Largest value of a field between its points.
 
 use std::array::from_fn;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
-use ndarray::ArrayView2;
+use gfmd_vector::{Share, contiguous};
+use ndarray::{Array1, ArrayView2, CowArray, Ix1};
 
 /// Largest value of a periodic field `[x, y]` between its points: the largest maximum of the quadratics through each
 /// high point and its eight neighbours.
@@ -20,28 +23,96 @@ pub struct Peak {
 impl Peak {
     /// Finds the peak of `field`; `None` without points.
     pub fn of(field: ArrayView2<f64>) -> Option<Self> {
-        let highest = field.iter().copied().max_by(f64::total_cmp)?;
-        let rises = maxima(field, 0.5 * highest).map(|([i, j], around)| {
-            let value = field[[i, j]];
+        Self::distributed(&whole(&field), field)
+    }
+
+    /// Finds the peak of a field from the rows of each process, on all processes, as [`of`](Self::of).
+    pub fn distributed(share: &Share, field: ArrayView2<f64>) -> Option<Self> {
+        let highest = share.each(field.iter().copied().max_by(f64::total_cmp).unwrap_or(f64::NEG_INFINITY));
+        let highest = highest.into_iter().max_by(f64::total_cmp).filter(|_| share.total() > 0)?;
+        let rows = Rows::of(share, field, 2);
+        let rises = rows.maxima(0.5 * highest).map(|(place, around)| {
+            let value = around[1][1];
             let [xx, yy] = second_differences(&around);
-            let skewness = third_differences(field, [i, j]).into_iter().fold(0.0, f64::max) / value;
+            let skewness = rows.third_differences(place).into_iter().fold(0.0, f64::max) / value;
             Self { value: value + rise(&around), sharpness: -xx.min(yy) / value, skewness }
         });
         let flat = Self { value: highest, sharpness: 0.0, skewness: 0.0 };
-        Some(rises.fold(flat, |most, peak| if peak.value >= most.value { peak } else { most }))
+        let higher = |most: Self, peak: Self| if peak.value >= most.value { peak } else { most };
+        let own = rises.reduce(higher).map(|Self { value, sharpness, skewness }| [value, sharpness, skewness]);
+        let found = share.each(own.unwrap_or([f64::NAN; 3]));
+        let found = found.into_iter().map(|[value, sharpness, skewness]| Self { value, sharpness, skewness });
+        Some(found.fold(flat, higher))
     }
 }
 
-/// Returns the local maxima of a periodic field with at least this value, with their 3 × 3 values.
-fn maxima(field: ArrayView2<f64>, least: f64) -> impl Iterator<Item = ([usize; 2], [[f64; 3]; 3])> {
-    let (nx, ny) = field.dim();
-    let has_one = move |i: &usize| field.row(*i).iter().any(|value| *value >= least);
-    let places = (0..nx).filter(has_one).flat_map(move |i| (0..ny).map(move |j| [i, j]));
-    places.filter(move |place| field[*place] >= least).filter_map(move |[i, j]| {
-        let around: [[f64; 3]; 3] = from_fn(|di| from_fn(|dj| field[[(i + nx + di - 1) % nx, (j + ny + dj - 1) % ny]]));
-        let is_highest = around.iter().flatten().all(|value| *value <= around[1][1]);
-        is_highest.then_some(([i, j], around))
-    })
+/// Returns a share that has all rows of a field.
+fn whole(field: &ArrayView2<f64>) -> Share {
+    Share::whole(field.nrows(), field.ncols())
+}
+
+/// Rows of a periodic field of one process, between rows of other processes.
+struct Rows<'a> {
+    own: ArrayView2<'a, f64>,
+    /// Rows before the own ones, from the nearest one; empty if all rows are own.
+    before: Vec<Vec<f64>>,
+    /// Rows after the own ones, from the nearest one.
+    after: Vec<Vec<f64>>,
+}
+
+impl<'a> Rows<'a> {
+    /// Exchanges `reach` rows on each side.
+    fn of(share: &Share, own: ArrayView2<'a, f64>, reach: usize) -> Self {
+        let mut rows = Self { own, before: Vec::new(), after: Vec::new() };
+        if !share.is_whole() {
+            let count = own.nrows() as isize;
+            for step in 0..reach as isize {
+                // A process with few rows passes on what it got in the last step.
+                let edges = [step, count - 1 - step].map(|i| (0..own.ncols()).map(|j| rows.at(i, j)).collect());
+                let [first, last]: [Vec<f64>; 2] = edges;
+                let [before, after] = share.beside(&first, &last);
+                rows.before.push(before);
+                rows.after.push(after);
+            }
+        }
+        rows
+    }
+
+    /// Returns a value; rows count from the first own one, columns around the cell.
+    fn at(&self, i: isize, j: usize) -> f64 {
+        let count = self.own.nrows() as isize;
+        if self.before.is_empty() {
+            return self.own[[i.rem_euclid(count) as usize, j]];
+        }
+        match i {
+            ..0 => self.before[(-1 - i) as usize][j],
+            i if i < count => self.own[[i as usize, j]],
+            i => self.after[(i - count) as usize][j],
+        }
+    }
+
+    /// Returns the own local maxima with at least this value, with their 3 × 3 values.
+    fn maxima(&self, least: f64) -> impl Iterator<Item = ([usize; 2], [[f64; 3]; 3])> {
+        let (nx, ny) = self.own.dim();
+        let has_one = move |i: &usize| self.own.row(*i).iter().any(|value| *value >= least);
+        let places = (0..nx).filter(has_one).flat_map(move |i| (0..ny).map(move |j| [i, j]));
+        places.filter(move |place| self.own[*place] >= least).filter_map(move |[i, j]| {
+            let value = |di: usize, dj: usize| self.at((i + di) as isize - 1, (j + ny + dj - 1) % ny);
+            let around: [[f64; 3]; 3] = from_fn(|di| from_fn(|dj| value(di, dj)));
+            let is_highest = around.iter().flatten().all(|value| *value <= around[1][1]);
+            is_highest.then_some(([i, j], around))
+        })
+    }
+
+    /// Returns the magnitudes of the third differences along x and y, from two points on each side.
+    fn third_differences(&self, [i, j]: [usize; 2]) -> [f64; 2] {
+        let ny = self.own.ncols();
+        let difference = |at: &dyn Fn(usize) -> f64| (0.5 * (at(4) - at(0)) - (at(3) - at(1))).abs();
+        [
+            difference(&|k| self.at((i + k) as isize - 2, j)),
+            difference(&|k| self.at(i as isize, (j + 2 * ny + k - 2) % ny)),
+        ]
+    }
 }
 
 /// Points on each side used to interpolate a field without waves shorter than four points: the error of a sinc under a
@@ -58,19 +129,60 @@ const CANDIDATES: usize = 8;
 /// the unit of the field: the quadratic through the largest point of an eight times finer grid around the highest
 /// maxima, to 3e-5 of the amplitude of the shortest waves. NaN without points.
 pub fn top(field: ArrayView2<f64>) -> f64 {
-    let highest = field.fold(f64::NEG_INFINITY, |most, value| most.max(*value));
+    top_of_shared(&whole(&field), field)
+}
+
+/// Returns the [`top`] of a field from the rows of each process, on all processes.
+pub fn top_of_shared(share: &Share, field: ArrayView2<f64>) -> f64 {
+    let highest = share.each(field.fold(f64::NEG_INFINITY, |most, value| most.max(*value)));
+    let highest = highest.into_iter().fold(f64::NEG_INFINITY, f64::max);
     if !highest.is_finite() {
         return f64::NAN;
     }
     // With four points per wave, a wave exceeds its points by at most 1/cos(π/4) along each axis.
-    let mean = field.sum() / field.len() as f64;
-    let high = maxima(field, highest - 0.5 * (highest - mean));
-    let mut maxima: Vec<(f64, [usize; 2])> =
-        high.map(|(place, around)| (field[place] + rise(&around), place)).collect();
+    let mean = share.total_of(&contiguous(&field)) / share.total() as f64;
+    let rows = Rows::of(share, field, 1);
+    let own = rows.maxima(highest - 0.5 * (highest - mean)).map(|([i, j], around)| {
+        let place = [share.rows().start + i, j];
+        (around[1][1] + rise(&around), place)
+    });
+    let own = highest_first(own.collect());
+    let counts = share.each(own.len());
+    let maxima = highest_first(share.collect(&own, &counts));
+    let reached = reached(share, field, &maxima);
+    let row = |i: usize| match &reached {
+        Some(reached) => CowArray::from(reached[&i].view()),
+        None => CowArray::from(field.row(i)),
+    };
+    let weights = weights();
+    let points = [if share.is_whole() { field.nrows() } else { share.total() / field.ncols() }, field.ncols()];
+    maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(row, points, *place, &weights)))
+}
+
+/// Height and place of a maximum.
+type Candidate = (f64, [usize; 2]);
+
+/// Returns the highest maxima in descending order, the first of equal ones first.
+fn highest_first(mut maxima: Vec<Candidate>) -> Vec<Candidate> {
     maxima.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     maxima.truncate(CANDIDATES);
-    let weights = weights();
-    maxima.iter().fold(highest, |top, (_, place)| top.max(zoomed(&field, *place, &weights)))
+    maxima
+}
+
+/// Gathers the rows within reach of the maxima, on all processes; `None` if all rows are own.
+fn reached(share: &Share, field: ArrayView2<f64>, maxima: &[Candidate]) -> Option<BTreeMap<usize, Array1<f64>>> {
+    if share.is_whole() {
+        return None;
+    }
+    let count = share.all_rows().last()?.end;
+    let around = |i: usize| (0..=2 * REACH).map(move |dx| (i + dx + REACH * count - REACH) % count);
+    let wanted: BTreeSet<usize> = maxima.iter().flat_map(|(_, [i, _])| around(*i)).collect();
+    let of = |rows: &Range<usize>| wanted.range(rows.clone()).copied().collect::<Vec<_>>();
+    let own = of(&share.rows()).into_iter().flat_map(|i| field.row(i - share.rows().start).to_vec());
+    let lengths: Vec<usize> = share.all_rows().iter().map(|rows| of(rows).len() * field.ncols()).collect();
+    let values = share.collect(&own.collect::<Vec<f64>>(), &lengths);
+    let rows = values.chunks_exact(field.ncols()).map(|row| Array1::from(row.to_vec()));
+    Some(wanted.into_iter().zip(rows).collect())
 }
 
 /// Returns the largest value between the points of a patch, which does not repeat, in the unit of the field: the
@@ -83,7 +195,8 @@ pub fn top_inside(field: ArrayView2<f64>) -> f64 {
     }
     let (nx, ny) = field.dim();
     let is_inner = |at: usize, points: usize| points == 1 || at > 0 && at + 1 < points;
-    let inner = maxima(field, f64::NEG_INFINITY).filter(|([i, j], _)| is_inner(*i, nx) && is_inner(*j, ny));
+    let rows = Rows::of(&whole(&field), field, 1);
+    let inner = rows.maxima(f64::NEG_INFINITY).filter(|([i, j], _)| is_inner(*i, nx) && is_inner(*j, ny));
     inner.fold(highest, |top, ([i, j], around)| top.max(field[[i, j]] + rise(&around)))
 }
 
@@ -104,14 +217,19 @@ fn weights() -> Weights {
     })
 }
 
-/// Returns the largest value around a point by interpolation.
-fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2], weights: &Weights) -> f64 {
-    let (nx, ny) = field.dim();
+/// Returns the largest value around a point of a field of `[nx, ny]` points by interpolation.
+fn zoomed<'a>(
+    row: impl Fn(usize) -> CowArray<'a, f64, Ix1>,
+    [nx, ny]: [usize; 2],
+    [i, j]: [usize; 2],
+    weights: &Weights,
+) -> f64 {
     let at = |middle: usize, point: usize, n: usize| (middle + point + REACH * n - REACH) % n;
+    let centre = row(i)[j];
     let along_y: Vec<[f64; SIDE]> = (0..=2 * REACH)
         .map(|dx| {
-            let row = field.row(at(i, dx, nx));
-            let rises: [f64; 2 * REACH + 1] = from_fn(|dy| row[at(j, dy, ny)] - field[[i, j]]);
+            let row = row(at(i, dx, nx));
+            let rises: [f64; 2 * REACH + 1] = from_fn(|dy| row[at(j, dy, ny)] - centre);
             from_fn(|fine| weights[fine].iter().zip(&rises).map(|(weight, rise)| weight * rise).sum())
         })
         .collect();
@@ -121,7 +239,7 @@ fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2], weights: &Weights) -> f64
     let highest = inside.max_by(|[x, y], [u, v]| values[*x][*y].total_cmp(&values[*u][*v]));
     highest.map_or(f64::NAN, |[x, y]| {
         let around = from_fn(|dx| from_fn(|dy| values[x + dx - 1][y + dy - 1]));
-        field[[i, j]] + around[1][1] + rise(&around)
+        centre + around[1][1] + rise(&around)
     })
 }
 
@@ -129,13 +247,6 @@ fn zoomed(field: &ArrayView2<f64>, [i, j]: [usize; 2], weights: &Weights) -> f64
 fn second_differences(at: &[[f64; 3]; 3]) -> [f64; 2] {
     let middle = at[1][1];
     [at[2][1] - 2.0 * middle + at[0][1], at[1][2] - 2.0 * middle + at[1][0]]
-}
-
-/// Returns the magnitudes of the third differences of a periodic field along x and y, from two points on each side.
-fn third_differences(field: ArrayView2<f64>, [i, j]: [usize; 2]) -> [f64; 2] {
-    let (nx, ny) = field.dim();
-    let difference = |at: &dyn Fn(usize) -> f64| (0.5 * (at(4) - at(0)) - (at(3) - at(1))).abs();
-    [difference(&|k| field[[(i + 2 * nx + k - 2) % nx, j]]), difference(&|k| field[[i, (j + 2 * ny + k - 2) % ny]])]
 }
 
 /// Returns the rise of the quadratic through 3 × 3 points above the centre, zero if it has no maximum.
@@ -157,7 +268,8 @@ fn rise(at: &[[f64; 3]; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ndarray::Array2;
+    use gfmd_vector::ThreadRanks;
+    use ndarray::{Array2, s};
 
     #[test]
     fn the_maximum_of_a_quadratic_is_exact_and_that_of_a_wave_much_nearer_than_its_points() {
@@ -181,6 +293,30 @@ mod tests {
             assert!((found.value - 4.0).abs() < 0.06 * (4.0 - most), "{at}: {most} {found:?}");
         }
         assert_eq!(Peak::of(Array2::<f64>::zeros((0, 3)).view()), None);
+    }
+
+    #[test]
+    fn peak_and_top_have_the_bits_of_one_process() {
+        for points in [[64, 64], [48, 128], [12, 2048], [5, 4096]] {
+            let [nx, ny] = points.map(|n| n as f64);
+            let wave =
+                |x: f64, y: f64, k: f64, phase: f64| (std::f64::consts::TAU * (k * x / nx + y / ny) + phase).cos();
+            for seed in 0..7 {
+                let field = Array2::from_shape_fn(points, |(i, j)| {
+                    let ([x, y], phase) = ([i as f64, j as f64], f64::from(seed));
+                    2.0 + wave(x, y, 1.0, phase) + wave(y, x, 2.0, phase * phase) + 0.1 * wave(x, 3.0 * y, 1.0, 0.7)
+                });
+                let alone = (Peak::of(field.view()), top(field.view()).to_bits());
+                for size in 2..=Share::most(points, 0).min(6) {
+                    let each = ThreadRanks::of(size, |ranks| {
+                        let share = Share::among(ranks, points, 0).unwrap();
+                        let own = field.slice(s![share.rows(), ..]);
+                        (Peak::distributed(&share, own), top_of_shared(&share, own).to_bits())
+                    });
+                    assert!(each.iter().all(|found| *found == alone), "{points:?} on {size}: {each:?} {alone:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use gfmd_field::{Grid, ShapeError, Transform};
 use gfmd_relax::Visit;
-use gfmd_vector::{add, for_each, pass, reduce};
+use gfmd_vector::{Share, add, for_each, reduce};
 use num_complex::Complex64;
 
 use crate::Branch;
@@ -39,9 +39,9 @@ pub struct Energies {
 }
 
 impl Memory {
-    /// Visits all values.
-    pub fn visit(&mut self, visitor: &mut dyn Visit) {
-        self.0.visit(visitor);
+    /// Visits all values; points are rows of this process, divided by `share`.
+    pub fn visit(&mut self, share: &Share, visitor: &mut dyn Visit) {
+        self.0.visit(share, visitor);
     }
 
     /// Multiplies all lengths and stresses by the given factors.
@@ -104,10 +104,10 @@ impl Fields {
     }
 
     /// Visits all values.
-    pub(crate) fn visit(&mut self, visitor: &mut dyn Visit) {
+    pub(crate) fn visit(&mut self, share: &Share, visitor: &mut dyn Visit) {
         match self {
             Self::Points { lengths, stresses } => {
-                lengths.iter_mut().chain(stresses).for_each(|field| visitor.field(field));
+                lengths.iter_mut().chain(stresses).for_each(|field| visitor.rows(share, field));
             }
             Self::Waves(fields) => {
                 for field in fields {
@@ -153,9 +153,10 @@ impl PointStep {
     }
 
     /// Computes the memory and energies at the end of a step that reaches `indentation`; `pressure` is the pressure
-    /// divided by the stiffening.
+    /// divided by the stiffening. Fields have the values of this process, whose points `share` divides.
     pub(crate) fn advance(
         &self,
+        share: &Share,
         (lengths, stresses): (&[Vec<f64>], &[Vec<f64>]),
         (indentation, pressure): (Vec<f64>, &[f64]),
     ) -> (Fields, Energies) {
@@ -166,18 +167,18 @@ impl PointStep {
                 *stress = self.residual_indentation(stresses, start + k) + pressure[start + k];
             }
         });
-        let half = |a: &[f64], b: &[f64]| 0.5 * gfmd_vector::dot(a, b);
+        let is_alone = share.is_whole();
+        let dot = |a: &[f64], b: &[f64]| if is_alone { gfmd_vector::dot(a, b) } else { share.dot(a, b) };
+        let half = |a: &[f64], b: &[f64]| 0.5 * dot(a, b);
         let moved = |i: usize| [indentation[i] - lengths[0][i], stress[i] - stresses[0][i]];
-        let moving = reduce(
-            points,
-            &|mut range| range.try_fold(0.0, |sum, i| Some(sum + moved(i).iter().product::<f64>())).unwrap_or(f64::NAN),
-            &|a, b| a + b,
-        );
+        let of_range = |range: Range<usize>| range.fold(0.0, |sum, i| sum + moved(i).iter().product::<f64>());
+        let moving =
+            if is_alone { reduce(points, &of_range, &|a, b| a + b) } else { share.reduce(&of_range, &|a, b| a + b) };
         let (mut stored, mut lost) = (half(&indentation, &stress), 0.0);
         let (mut new_lengths, mut new_stresses) = (Vec::new(), Vec::new());
         for (decay, (x, s)) in self.decays.iter().zip(lengths[1..].iter().zip(&stresses[1..])) {
             let (mut new_x, mut new_s) = (vec![0.0; points], vec![0.0; points]);
-            let [square, mixed, after] = pass(
+            let [square, mixed, after] = share.pass(
                 (&mut new_x[..], &mut new_s[..]),
                 &|start, (new_x, new_s)| {
                     let mut sums = [0.0; 3];
@@ -200,7 +201,7 @@ impl PointStep {
         }
         new_lengths.insert(0, indentation);
         new_stresses.insert(0, stress);
-        let area = points as f64;
+        let area = if is_alone { points } else { share.total() } as f64;
         let energies = Energies { stored: stored / area, lost: lost / area };
         (Fields::Points { lengths: new_lengths, stresses: new_stresses }, energies)
     }
@@ -334,7 +335,7 @@ mod tests {
                 step.fill(&lengths, &mut residual_indentation);
                 let pressure: Vec<f64> =
                     (0..n).map(|i| stiffness[i] * (reached[i] - residual_indentation[i])).collect();
-                let (after, energies) = step.advance((&lengths, &stresses), (reached, &pressure));
+                let (after, energies) = step.advance(&Share::whole(1, n), (&lengths, &stresses), (reached, &pressure));
                 let Fields::Points { lengths: after, .. } = after else { unreachable!("points stay points") };
                 let of = |i: usize| {
                     let at = |fields: &[Vec<f64>]| fields.iter().map(|field| field[i]).collect::<Vec<f64>>();

@@ -5,7 +5,7 @@ use gfmd_contact::{Boundary, Refusal};
 use gfmd_field::{Grid, Transform, Workspace};
 use gfmd_green::{Body, Plate};
 use gfmd_response::{PlateResponse, PlateTransforms};
-use gfmd_vector::{contiguous, dot};
+use gfmd_vector::{Share, contiguous, dot};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -24,6 +24,8 @@ pub struct Relaxing {
     /// True if the surface has no lateral displacement.
     held: bool,
     spectrum: Arc<Spectrum>,
+    /// Points of this process.
+    share: Share,
     /// Transforms, if each wave of the body has its own branches.
     transform: Option<Arc<(Transform, Mutex<Workspace>)>>,
 }
@@ -56,7 +58,27 @@ impl Relaxing {
                 Some(Arc::new((transform, workspace)))
             }
         };
-        Ok(Self { grid: *grid, boundary, components, held: false, spectrum: spectrum.into(), transform })
+        let share = grid.whole();
+        Ok(Self { grid: *grid, boundary, components, held: false, spectrum: spectrum.into(), share, transform })
+    }
+
+    /// Returns the medium with the points of this process, one of several that make the same calls.
+    ///
+    /// # Errors
+    /// Returns an error for several processes if there are several components, or if only the shear modulus relaxes,
+    /// each wave by branches of its own.
+    pub fn over(self, share: &Share) -> Result<Self, Refusal> {
+        let is_alone = share.is_whole();
+        match &*self.spectrum {
+            Spectrum::Waves(_) if !is_alone => Err(Refusal::Shared { part: "waves that relax by their own branches" }),
+            _ if !is_alone && self.components > 1 => Err(Refusal::Shared { part: "lateral displacement" }),
+            _ => Ok(Self { share: share.clone(), ..self }),
+        }
+    }
+
+    /// Returns the number of values of this process.
+    fn values(&self) -> usize {
+        if self.share.is_whole() { self.components * self.grid.len() } else { self.share.own().len() }
     }
 
     /// Returns the medium below a surface without lateral displacement.
@@ -215,7 +237,7 @@ impl Relaxing {
 impl Medium for Relaxing {
     fn rest(&self) -> Memory {
         Memory(match &*self.spectrum {
-            Spectrum::Common(branches) => Fields::at_rest(self.components * self.grid.len(), branches.len()),
+            Spectrum::Common(branches) => Fields::at_rest(self.values(), branches.len()),
             Spectrum::Waves(waves) => Fields::of_waves(waves.stiffness.len(), waves.count),
         })
     }
@@ -224,7 +246,7 @@ impl Medium for Relaxing {
         let (stiffening, residual_indentation) = match (&memory.0, &*self.spectrum) {
             (Fields::Points { lengths, .. }, Spectrum::Common(branches)) => {
                 let step = PointStep::new(branches, duration);
-                let mut residual_indentation = vec![0.0; self.components * self.grid.len()];
+                let mut residual_indentation = vec![0.0; self.values()];
                 step.fill(lengths, &mut residual_indentation);
                 (Stiffening::All(step.stiffening), residual_indentation)
             }
@@ -247,7 +269,7 @@ impl Medium for Relaxing {
         let (fields, energies) = match (&memory.0, &*self.spectrum) {
             (Fields::Points { lengths, stresses }, Spectrum::Common(branches)) => {
                 let point_step = PointStep::new(branches, step.duration);
-                let (fields, energies) = point_step.advance((lengths, stresses), (indentation, pressure));
+                let (fields, energies) = point_step.advance(&self.share, (lengths, stresses), (indentation, pressure));
                 // The means are over all values.
                 let components = self.components as f64;
                 (fields, Energies { stored: components * energies.stored, lost: components * energies.lost })

@@ -97,8 +97,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
 
 /// Builds the contact in u_z, unless a dynamic solver moves all components.
 fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, share: _, heights, lower, law, hardness, inelastic, dynamics, moves_all, .. } =
-        given;
+    let Given { facts, body, grid, share, heights, lower, law, hardness, inelastic, dynamics, moves_all, .. } = given;
     // All parts, so that none of them is left out of the contact.
     let Inelastic { plasticity, shear, relaxation, wear } = inelastic;
     for (part, is_fact, is_given) in [
@@ -116,6 +115,7 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
     let parts = || Parts {
         body,
         grid,
+        share: Some(share),
         heights,
         boundary: facts.boundary,
         // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
@@ -172,7 +172,8 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
     if facts.has_law() {
         let law = Arc::clone(law);
         let interface = match facts.unknown {
-            Unknown::Held => Interface::held_sideways(body, grid, heights, law)?,
+            Unknown::Held => Interface::held_sideways_over(share, body, grid, heights, law)?,
+            _ if facts.boundary == Boundary::Periodic => Interface::distributed(share, body, grid, heights, law)?,
             _ => Interface::with_boundary(facts.boundary, body, grid, heights, law)?,
         };
         return Ok(Posed::new(match hardness {

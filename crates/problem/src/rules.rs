@@ -380,7 +380,7 @@ const NOT_IMPLEMENTED: &str = "not implemented";
 /// Reason of the rules for a law that moves all components.
 const LAW_ALONE: &str = "without friction a law that shears moves all components, which have no such part";
 /// Reason of the rules for several processes.
-const ONLY_PERIODIC_WALLS_IN_PARALLEL: &str = "several processes support only periodic hard walls";
+const ONLY_PERIODIC_IN_PARALLEL: &str = "several processes support only periodic contacts in u_z";
 
 /// All rules, in the order of lists and messages.
 pub const RULES: &[Rule] = {
@@ -442,24 +442,24 @@ pub const RULES: &[Rule] = {
         rule(Table, Yield, "left out", "the strain below the surface needs moduli"),
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Flowing, Line, "left out", "a profile has no flow"),
-        rule(Refine, Several, "none or estimate", ONLY_PERIODIC_WALLS_IN_PARALLEL),
+        rule(Refine, Several, "none or estimate", ONLY_PERIODIC_IN_PARALLEL),
         rule(History, Resume, "left out", "it records a search from its beginning"),
-        rule(Law, Several, "hard-wall", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(Free, Several, "periodic", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(All, Several, "normal", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(FiniteSlope, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(Lower, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(Statistics, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(Flow, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(Gas, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(FlowThreshold, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(History, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
-        rule(Resume, Several, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
+        rule(Free, Several, "periodic", ONLY_PERIODIC_IN_PARALLEL),
+        rule(All, Several, "normal", ONLY_PERIODIC_IN_PARALLEL),
+        rule(FiniteSlope, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Rubbed, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Shear, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Yield, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Lower, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Statistics, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Flow, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Gas, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(FlowThreshold, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(History, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
         rule(FiniteSlope, Path, "left out", "points that move sideways would take their histories with them"),
         rule(All, Path, "normal", "lateral motion and friction make all components unknown"),
         rule(FlowThreshold, Path, "left out", "the load of a path may fall, and the gap close more than once"),
         rule(History, Path, "left out", "it records one search, and a step may take several"),
-        rule(Several, Path, "left out", ONLY_PERIODIC_WALLS_IN_PARALLEL),
     ]
 };
 

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use gfmd_contact::{Effort, Fields as _, Stiffness};
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_flow::{Flow, Fluid};
 use gfmd_interface::{Quasistatic as _, Reading, Step};
 use gfmd_measure::{GapGas, Patches, Peak, Scales, Summary};
@@ -34,6 +34,8 @@ pub struct StateContext<'a> {
     pub slopes: [f64; 2],
     /// Height of the surface's top above the highest grid point, length; `None` if unknown.
     pub rise: Option<f64>,
+    /// Rows of this process; `None` if it has all.
+    pub share: Option<Share>,
     /// Process zone of the law at a contact edge, divided by the zone needed to resolve this law; `None` without a
     /// process zone.
     pub process_zone: Option<f64>,
@@ -135,6 +137,7 @@ impl<'a> StateContext<'a> {
             waves: f64::NAN,
             slopes: [f64::NAN; 2],
             rise: None,
+            share: None,
             process_zone: None,
             finer: Vec::new(),
             peak: OnceCell::new(),
@@ -154,11 +157,14 @@ impl<'a> StateContext<'a> {
         }
     }
 
-    /// Returns the peak of the pressure; `None` without the whole field.
+    /// Returns the peak of the pressure; `None` without a state.
     pub(crate) fn peak(&self) -> Option<Peak> {
         *self.peak.get_or_init(|| {
             let pressure = self.rest?.pressure();
-            if pressure.len() == self.points { Peak::of(pressure.view()) } else { None }
+            match &self.share {
+                Some(share) => Peak::distributed(share, pressure.view()),
+                None => Peak::of(pressure.view()),
+            }
         })
     }
 

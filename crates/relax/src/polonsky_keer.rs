@@ -43,8 +43,8 @@ impl PolonskyKeer {
         macro_rules! visit_all {
             ($visitor:expr) => {{
                 let visitor: &mut dyn Visit = $visitor;
-                visitor.field(x);
-                visitor.field(&mut direction);
+                visitor.rows(share, x);
+                visitor.rows(share, &mut direction);
                 visitor.number(&mut residual_before);
                 visitor.flag(&mut conjugate);
                 visitor.count(&mut iteration);

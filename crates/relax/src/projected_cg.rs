@@ -41,9 +41,9 @@ impl ProjectedCg {
         macro_rules! visit_all {
             ($visitor:expr) => {{
                 let visitor: &mut dyn Visit = $visitor;
-                visitor.field(x);
-                visitor.field(&mut residual);
-                visitor.field(&mut direction);
+                visitor.rows(share, x);
+                visitor.rows(share, &mut residual);
+                visitor.rows(share, &mut direction);
                 visitor.number(&mut product_before);
                 visitor.count(&mut iteration);
                 problem.visit(visitor);

@@ -1,5 +1,10 @@
+use gfmd_vector::Share;
+
 /// Visitor of all variables of a search in a fixed order, which either copies or replaces them. One function thus
 /// serves to write a checkpoint and to resume from it, bit for bit.
+///
+/// Several processes visit in the same order. Numbers, counts and [`field`](Self::field) are alike on all of them;
+/// [`rows`](Self::rows) belong to one process.
 ///
 /// ```
 /// use gfmd_relax::Visit;
@@ -25,10 +30,22 @@ pub trait Visit {
     /// Visits a natural number.
     fn count(&mut self, n: &mut u64);
 
-    /// Visits an array of constant length.
+    /// Visits an array of constant length, alike on all processes.
     fn field(&mut self, x: &mut [f64]);
 
-    /// Visits an array in single precision.
+    /// Visits the rows of this process of a field divided by `share`. By default, the process is alone.
+    fn rows(&mut self, share: &Share, x: &mut [f64]) {
+        let _ = share;
+        self.field(x);
+    }
+
+    /// Visits rows in single precision, as [`rows`](Self::rows).
+    fn single_rows(&mut self, share: &Share, x: &mut [f32]) {
+        let _ = share;
+        self.single(x);
+    }
+
+    /// Visits an array in single precision, alike on all processes.
     fn single(&mut self, x: &mut [f32]) {
         for x in x {
             let mut number = f64::from(*x);

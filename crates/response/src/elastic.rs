@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Split, Transform};
+use gfmd_field::{Grid, Share, Split, Transform};
 
 use crate::{FullResponse, NormalResponse, PlateResponse, PlateTransforms, Workspace};
 
@@ -131,7 +131,7 @@ impl Transforms {
             Self::Normal(normal) => {
                 let response = Arc::clone(&normal.response);
                 normal.convolve(response.stiffness(), field, out);
-                add_uniform(field, uniform[0], out);
+                add_uniform(response.share(), field, uniform[0], out);
             }
             Self::Full(full) => {
                 full.stiffness(field, out);
@@ -147,7 +147,7 @@ impl Transforms {
             Self::Normal(normal) => {
                 let response = Arc::clone(&normal.response);
                 normal.convolve(response.compliance(), field, out);
-                add_uniform(field, uniform[0], out);
+                add_uniform(response.share(), field, uniform[0], out);
             }
             Self::Full(full) => {
                 full.compliance(field, out);
@@ -296,9 +296,10 @@ pub(crate) fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
 }
 
 /// Adds the uniform mode to the result of a table without it, which has zero mean.
-fn add_uniform(field: &[f64], uniform: f64, out: &mut [f64]) {
+fn add_uniform(share: &Share, field: &[f64], uniform: f64, out: &mut [f64]) {
     if uniform != 0.0 {
-        let change = uniform * mean(field);
+        let mean = if share.is_whole() { mean(field) } else { share.total_of(field) / share.total() as f64 };
+        let change = uniform * mean;
         gfmd_vector::for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change));
     }
 }

@@ -27,6 +27,8 @@ pub struct NormalResponse {
     rounded: OnceLock<Rounded>,
     /// True if waves of equal length have equal stiffness: isotropic body, modes not changed individually.
     is_isotropic: bool,
+    /// Compliances of springs that were added to each mode of the body, in this order.
+    added: Vec<f64>,
 }
 
 /// Smallest allowed compliance of a patch, relative to the largest.
@@ -141,6 +143,7 @@ impl NormalResponse {
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
             is_isotropic: body.is_isotropic(),
+            added: Vec::new(),
         }
     }
 
@@ -175,6 +178,7 @@ impl NormalResponse {
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
             is_isotropic: true,
+            added: Vec::new(),
         })
     }
 
@@ -207,13 +211,15 @@ impl NormalResponse {
     }
 
     /// Returns the response of the body below point springs with this `compliance` in length/stress, which is added to
-    /// the compliance of all modes, including the uniform one. All modes must belong to this process.
+    /// the compliance of all modes, including the uniform one.
     #[must_use]
     pub fn softened(&self, compliance: f64) -> Self {
         // The table has no uniform mode, which is identified by its index, the first.
-        let waves = self.compliance.iter().enumerate();
-        let table = waves.map(|(index, wave)| if index == 0 { 0.0 } else { wave + compliance }).collect();
-        self.changed(table, self.uniform_compliance + compliance, self.is_isotropic)
+        let (waves, has_uniform) = (self.compliance.iter().enumerate(), self.has_uniform());
+        let table =
+            waves.map(|(index, wave)| if index == 0 && has_uniform { 0.0 } else { wave + compliance }).collect();
+        let added = self.added.iter().copied().chain([compliance]).collect();
+        Self { added, ..self.changed(table, self.uniform_compliance + compliance, self.is_isotropic) }
     }
 
     /// Returns the response with other compliances.
@@ -230,19 +236,25 @@ impl NormalResponse {
         stiffness_of: StiffnessOf,
     ) -> Self {
         let TabulatedModes { compliance, uniform_compliance, is_isotropic } = modes;
-        let stiffness = compliance.iter().map(|compliance| 1.0 / compliance).collect();
-        let waves = || compliance[1.min(compliance.len())..].iter().copied();
+        let has_uniform = transform.lanes().contains(&0);
+        let stiffness: Vec<f64> = compliance.iter().map(|compliance| 1.0 / compliance).collect();
+        let waves = || compliance.iter().copied().skip(usize::from(has_uniform));
+        let own = [waves().fold(f64::INFINITY, f64::min), waves().fold(0.0, f64::max)];
+        let all = share.each(own).into_iter();
+        let [least, most] =
+            all.fold([f64::INFINITY, 0.0], |[least, most], [low, high]| [low.min(least), high.max(most)]);
         Self {
             transform,
             share,
-            stiffness_range: [1.0 / waves().fold(0.0, f64::max), 1.0 / waves().fold(f64::INFINITY, f64::min)],
+            stiffness_range: [1.0 / most, 1.0 / least],
             uniform_compliance,
-            stiffness: OnceLock::from(without_uniform(stiffness)),
+            stiffness: OnceLock::from(if has_uniform { without_uniform(stiffness) } else { stiffness }),
             stiffness_of,
             body: body.clone(),
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
             is_isotropic,
+            added: Vec::new(),
             compliance,
         }
     }
@@ -296,7 +308,8 @@ impl NormalResponse {
         let own = index.checked_sub(self.transform.lanes().start * positions);
         own.and_then(|own| self.compliance.get(own).copied()).unwrap_or_else(|| {
             let mode = self.grid().mode_at(index);
-            if mode.is_uniform() { 0.0 } else { 1.0 / stiffness_of_mode(&self.body, &mode, self.stiffness_of) }
+            let of_body = || 1.0 / stiffness_of_mode(&self.body, &mode, self.stiffness_of);
+            if mode.is_uniform() { 0.0 } else { self.added.iter().fold(of_body(), |wave, added| wave + added) }
         })
     }
 

@@ -264,7 +264,7 @@ impl Series<'_> {
                 let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, base) } else { Vec::new() };
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
                 let fields = fields.iter().map(|field| contiguous(field)).chain(further).collect();
-                kept.add(&FinishedStep { text, fields });
+                kept.add(&FinishedStep { text, fields })?;
                 kept.keep_state(|visitor| {
                     path.keep(visitor);
                     handler.keep(visitor);
@@ -290,10 +290,16 @@ impl Series<'_> {
     ) -> Result<Vec<Record>, Failure> {
         let mut records = Vec::new();
         for index in 0..kept.finished() {
-            let FinishedStep { text, fields } = kept.part(index)?;
+            let text = kept.text(index)?;
             let record = Record::from_line(&self.prepared.facts, &text);
             records.push(record.map_err(|error| kept.unusable(index, error.to_string()))?);
-            if let Some(place) = self.places.of(index) {
+            let place = self.places.of(index);
+            if let (Some(place), false) = (place, self.prepared.surface.share.is_whole()) {
+                self.session.agree(
+                    kept.pieces(index, |field, start, values| file.write_piece((place, field), start, values)),
+                )?;
+            } else if let Some(place) = place {
+                let FinishedStep { fields, .. } = kept.part(index)?;
                 handler.recall(&fields).map_err(|failure| match failure {
                     Failure::Input(reason) => kept.unusable(index, reason),
                     other => other,

@@ -59,12 +59,12 @@ impl Threshold {
 
     /// Adds the limits on infinitely fine grids from the thresholds on `finer` grids, with the heights of the tops of
     /// the surface above the highest points of both grids, from which approaches count.
-    fn refined(self, finer: &[(&Self, Option<[f64; 2]>)]) -> Self {
+    fn refined(self, finer: &[(&Self, [f64; 2])]) -> Self {
         let limit = |column: usize| {
             let each = finer.iter().map(|(fine, rises)| {
                 let ([value, _], [fine, width]) = (self.middle(column), fine.middle(column));
                 let is_approach = self.sides[column].0.name == "approach";
-                let [rise, other] = rises.filter(|_| is_approach).unwrap_or_default();
+                let [rise, other] = if is_approach { *rises } else { [0.0; 2] };
                 let found = GridLimit::of_two_grids(value + rise, fine + other);
                 GridLimit { half_width: found.half_width + width, ..found }
             });
@@ -237,9 +237,9 @@ impl Loads {
             Ok(sample)
         };
         let mut found = bisection.run(reach, warn)?;
-        let mut others: Vec<(Thresholds, Option<[f64; 2]>)> = Vec::new();
+        let mut others: Vec<(Thresholds, [f64; 2])> = Vec::new();
         for finer in finer {
-            let rises = self.prepared.rise.zip(finer.prepared.rise).map(|(rise, other)| [rise, other]);
+            let rises = [self.prepared.rise, finer.prepared.rise];
             let reach = |load: Load, watch: &mut dyn Watch| {
                 if facts.has_law() {
                     finer.forget();

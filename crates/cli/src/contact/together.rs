@@ -1,6 +1,7 @@
 //! Problem requested by the flags: facts that decide which options combine, and rules that need numbers.
 
 use gfmd_contact::{Contact, Solver};
+use gfmd_law::LawKind;
 use gfmd_problem::{Facts, key};
 
 use super::Args;
@@ -39,10 +40,14 @@ impl Args {
     /// Checks that several processes can share the solver.
     pub(super) fn check_solver_of_several(&self) -> Result<(), Failure> {
         let solver = self.problem.solver.solver;
-        if Contact::FREE_SOLVERS.contains(&solver) {
+        let allowed: &[Solver] = match self.problem.law.law {
+            LawKind::HardWall => &Contact::FREE_SOLVERS,
+            _ => &[Solver::Auto, Solver::Newton],
+        };
+        if allowed.contains(&solver) {
             return Ok(());
         }
-        let names: Vec<&str> = Contact::FREE_SOLVERS.iter().copied().map(Solver::name).collect();
+        let names: Vec<&str> = allowed.iter().copied().map(Solver::name).collect();
         Err(Failure::value(key("solver"), solver, format!("one of {} with several processes", names.join(", "))))
     }
 }

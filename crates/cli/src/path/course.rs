@@ -29,7 +29,10 @@ pub(super) struct PathInput {
     pub(super) conducting: Conducting,
     pub(super) drives: Vec<Drive>,
     pub(super) places: Places,
+    /// Output at the process that writes.
     pub(super) output: Option<Output>,
+    /// True if there is an output, maybe of another process.
+    pub(super) is_written: bool,
 }
 
 /// Settings for following a path.
@@ -71,20 +74,17 @@ impl PathInput {
         session: &Session,
         end: impl FnOnce(Followed) -> Result<Outcome<Report>, Failure>,
     ) -> Result<Outcome<Report>, Failure> {
-        let Self { prepared, drives, output, .. } = self;
+        let Self { prepared, drives, output, is_written, .. } = self;
         let (budget, option) = (settings.asked.budget, settings.option);
         let contact = prepared.pose_with_warnings(&settings.asked, session)?;
         prepared.check_drives(&contact, drives, option, budget.tolerance)?;
         prepared.warn_about_drives(drives, option, session);
-        let kept = match output {
-            Some(output) if !session.is_in_memory() => Some(UnfinishedRun::open(
-                output,
-                prepared.identity(&settings.config, session),
-                drives.len(),
-                settings.resume,
-                settings.checkpoint,
-            )?),
-            _ => None,
+        let kept = if *is_written && !session.is_in_memory() {
+            let place = (output.as_ref(), &prepared.surface.share);
+            let identity = prepared.identity(&settings.config, session);
+            Some(UnfinishedRun::open(place, identity, drives.len(), settings.resume, settings.checkpoint)?)
+        } else {
+            None
         };
         run_with_journal(
             kept,
@@ -101,7 +101,7 @@ impl PathInput {
         mut kept: Option<&mut UnfinishedRun>,
         session: &'a Session,
     ) -> Result<Followed<'a>, Failure> {
-        let Self { prepared, conducting, drives, places, output } = self;
+        let Self { prepared, conducting, drives, places, output, is_written } = self;
         let budget = asked.budget;
         let Budget { tolerance, .. } = budget;
         let mut path = Path::new(contact, budget, *refinement);
@@ -114,7 +114,7 @@ impl PathInput {
             chosen: Chosen::All,
             ends_with_file: true,
         };
-        let mut file = series.file(output.as_ref(), config.clone(), output.is_some())?;
+        let mut file = series.file(output.as_ref(), config.clone(), *is_written)?;
         if let Some(file) = &mut file {
             strain::define_waypoints(file, prepared, places.count(drives.len()))?;
         }
@@ -311,7 +311,7 @@ impl StateHandler for Log<'_> {
     }
 
     fn resume(&mut self, last: usize, visitor: &mut dyn Visit) -> Result<(), Refusal> {
-        self.widest = Some((f64::NAN, SceneFields::zeros(self.prepared.surface.grid.len())));
+        self.widest = Some((f64::NAN, SceneFields::zeros(self.prepared.surface.heights.len())));
         self.visit_widest(visitor);
         let drive = self.drives[last];
         self.finer.iter_mut().try_for_each(|finer| finer.resume(drive, visitor))
@@ -322,8 +322,9 @@ impl Log<'_> {
     /// Visits the largest contact area and its fields; before the first step there are none.
     fn visit_widest(&mut self, visitor: &mut dyn Visit) {
         if let Some((area, shown)) = &mut self.widest {
+            let share = &self.prepared.surface.share;
             visitor.number(area);
-            shown.fields_mut().into_iter().for_each(|field| visitor.field(field));
+            shown.fields_mut().into_iter().for_each(|field| visitor.rows(share, field));
         }
     }
 }

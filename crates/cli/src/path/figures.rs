@@ -7,7 +7,7 @@ use gfmd_input::source::Surface;
 use gfmd_plasticity::PlasticState;
 use gfmd_plot::Chart;
 use gfmd_run::series::Places;
-use ndarray::Array2;
+use ndarray::ArrayView2;
 
 use super::Report;
 use gfmd_input::failure::Failure;
@@ -23,7 +23,7 @@ pub(super) fn draw(
     report: &Report,
     places: &Places,
     scene: &Scene,
-    (surface, depth, strained): (&Surface, Option<&Array2<f64>>, Option<&PlasticState>),
+    (surface, depth, strained): (&Surface, Option<ArrayView2<f64>>, Option<&PlasticState>),
 ) -> Result<Vec<PathBuf>, Failure> {
     let unit = surface.unit();
     let mut files = scene.draw(prefix)?;
@@ -55,7 +55,7 @@ pub(super) fn draw(
         files.extend(drawn.transpose()?.into_iter().flatten());
     }
     let Some(depth) = depth else { return Ok(files) };
-    let (heights, depth) = (contiguous(&surface.heights), contiguous(depth));
+    let (heights, depth) = (contiguous(&surface.heights), contiguous(&depth));
     if let Some(chart) = profile(&surface.grid, [&heights, &depth], unit) {
         files.extend(chart.save(&named(prefix, "profile"))?);
     }

@@ -5,6 +5,7 @@ use gfmd_contact::{Contact, Load, Refusal};
 use gfmd_files::{Archive, Dimension, Reader, Variable, axes, contiguous};
 use gfmd_green::Plate;
 use gfmd_input::failure::Failure;
+use gfmd_input::rows;
 use gfmd_input::source::Surface;
 use gfmd_interface::QuasistaticState;
 use gfmd_medium::{Medium as _, Relaxing};
@@ -29,15 +30,20 @@ const ROUNDING_OF_DISPLACEMENT: f64 = 1e-9;
 
 /// Writes the memory of the last state.
 pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &AnyState) -> Result<(), Failure> {
-    let Some(archive) = file.archive() else { return Ok(()) };
+    let share = &surface.share;
     for (face, state) in FACES.into_iter().zip([state.on_path(), state.lower_on_path()]) {
         let Some(memory) = state.and_then(QuasistaticState::memory) else { continue };
         let Some((indentation, branches)) = memory.split_first() else { continue };
-        define(archive, surface, face, branches.len())?;
-        archive.write_rows(&displacement(face), None, 0, &contiguous(indentation))?;
-        for (index, field) in branches.iter().enumerate() {
-            archive.write_slab(&branch(face), index, &contiguous(field))?;
+        let mut archive = file.archive();
+        let mut written = archive.as_mut().map_or(Ok(()), |archive| define(archive, surface, face, branches.len()));
+        let places = std::iter::once((displacement(face), None, indentation))
+            .chain(branches.iter().enumerate().map(|(index, field)| (branch(face), Some(index), field)));
+        for (path, index, field) in places {
+            let archive = archive.as_mut().filter(|_| written.is_ok()).map(|archive| &mut **archive);
+            let done = rows::write(share, field.view(), archive, (&path, index), |_| {});
+            written = written.and(done);
         }
+        written?;
     }
     Ok(())
 }

@@ -1,12 +1,9 @@
 //! Springs between the surfaces: limits, comparison with dense matrices, and bad input.
 
-use std::sync::Arc;
-
 use gfmd_contact::{Boundary, Contact, Cotangents, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Springs};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_surface::{Discretisation, SelfAffine};
-use gfmd_vector::ThreadRanks;
 use ndarray::{Array2, Axis};
 
 const LOADS: [Load; 2] = [Load::MeanPressure(0.02), Load::Approach(0.015)];
@@ -219,13 +216,4 @@ fn what_cannot_be_done_is_refused() {
     let deep = Load::Approach(2.0 * bare.surface().mean_clearance());
     assert!(bare.press(deep).solve().is_err());
     assert!(solve(&soft, deep).pressure.iter().all(|p| *p > 0.0));
-    let grid = Grid::square(256, 1.0).unwrap();
-    let shared = ThreadRanks::of(2, |ranks: Arc<_>| {
-        let share = Contact::share(ranks, &grid).unwrap();
-        let heights = rough([256, 256]);
-        let rows = heights.slice(ndarray::s![share.rows(), ..]);
-        let contact = Contact::distributed(&share, &bodies()[0], &grid, &rows.to_owned()).unwrap();
-        matches!(contact.softened(0.1), Err(Refusal::SpringsShared))
-    });
-    assert_eq!(shared, [true, true]);
 }

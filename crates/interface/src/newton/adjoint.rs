@@ -1,6 +1,6 @@
 //! Linear problem of small changes of an equilibrium state, (K + J) v + μ = b on the points not held by the wall.
 
-use gfmd_vector::{dot, for_each};
+use gfmd_vector::for_each;
 
 use super::all_components::AllComponents;
 use super::reaction::Reaction;
@@ -8,6 +8,7 @@ use super::trust_region::{Model, TrustRegion};
 use super::weight_of;
 use crate::Interface;
 use crate::frame::Frame;
+use crate::numbers::{dot, total};
 
 /// Best accuracy of one search; the next one starts with the residual from fresh transforms.
 const ACCURACY: f64 = 1e-9;
@@ -87,7 +88,7 @@ impl<'a> Linear<'a> {
             Bond::Spring(compliance) => free / (1.0 + (compliance * reference).recip()),
             _ => *free,
         };
-        if (0..points).any(|i| matches!(bond(i), Bond::Spring(_))) {
+        if frame.share.any((0..points).any(|i| matches!(bond(i), Bond::Spring(_)))) {
             model.restore_mean_by(free.iter().enumerate().map(share).collect());
         }
         Self { model, frame, reaction, free }
@@ -135,13 +136,13 @@ impl<'a> Linear<'a> {
     pub(crate) fn solve(&mut self, source: &[f64], sum: f64, tolerance: f64) -> Adjoint {
         let accuracy = (OF_TOLERANCE * tolerance).max(ACCURACY);
         let share = self.model.share().unwrap_or(&self.free);
-        let count = share.iter().sum::<f64>();
+        let count = total(self.frame.share, share);
         let start = if self.frame.held[0] && count > 0.0 { sum / count } else { 0.0 };
         let mut values: Vec<f64> = share.iter().map(|share| start * share).collect();
         let mut region = TrustRegion::new(values.len());
         let mut residual = vec![0.0; values.len()];
         let mut level = self.residual(source, &values, &mut residual);
-        let first = dot(&residual, &residual).sqrt();
+        let first = dot(self.frame.share, &residual, &residual).sqrt();
         let (mut error, mut searches, mut lowest) = (if first > 0.0 { 1.0 } else { 0.0 }, 0, f64::INFINITY);
         while error > tolerance && searches < SEARCHES {
             region.vectors.residual.copy_from_slice(&residual);
@@ -155,7 +156,7 @@ impl<'a> Linear<'a> {
                 values.iter_mut().zip(&step.1[start..]).for_each(|(v, d)| *v += step.0 * d);
             });
             level = self.residual(source, &values, &mut residual);
-            let now = dot(&residual, &residual).sqrt() / first;
+            let now = dot(self.frame.share, &residual, &residual).sqrt() / first;
             // Only rounding errors remain.
             let has_ended = now >= 0.5 * error;
             error = now;

@@ -2,12 +2,12 @@
 
 use gfmd_relax::Visit;
 use gfmd_response::Transforms;
-use gfmd_vector::{dot, for_each, total};
+use gfmd_vector::for_each;
 
 use super::reaction::Reaction;
 use super::trust_region::{Model, Vectors};
 use crate::frame::Frame;
-use crate::numbers::mean_where;
+use crate::numbers::{dot, mean_where, total};
 
 /// Matrix K + J on the points not held by the wall.
 pub(super) struct AllComponents<'a> {
@@ -41,8 +41,8 @@ impl<'a> AllComponents<'a> {
     pub(super) fn mean_of(&self, c: usize, field: &[f64]) -> f64 {
         let weight = &self.weight[c * field.len()..][..field.len()];
         match self.share.is_empty() {
-            true => mean_where(field, |i| weight[i] > 0.0),
-            false => dot(&self.share, field) / total(&self.share),
+            true => mean_where(self.frame.share, field, |i| weight[i] > 0.0),
+            false => dot(self.frame.share, &self.share, field) / total(self.frame.share, &self.share),
         }
     }
 
@@ -61,7 +61,7 @@ impl<'a> AllComponents<'a> {
             return self.project(out);
         }
         // The transpose of the projection, which keeps the preconditioner symmetric.
-        let shift = total(out) / total(&self.share);
+        let shift = total(self.frame.share, out) / total(self.frame.share, &self.share);
         for_each([out], &|start, [out]| {
             out.iter_mut().zip(&self.share[start..]).for_each(|(out, share)| *out -= shift * share);
         });
@@ -103,7 +103,7 @@ impl Model for AllComponents<'_> {
         for_each([&mut direction[..], &mut residual[..]], &add);
         self.project(residual);
         self.precondition(residual, image, preconditioned);
-        dot(residual, preconditioned)
+        dot(self.frame.share, residual, preconditioned)
     }
 
     fn turn(&mut self, vectors: &mut Vectors<f64>, reaction: &Reaction, turn: f64) -> f64 {
@@ -114,7 +114,7 @@ impl Model for AllComponents<'_> {
         for_each([&mut conjugate[..]], &add_turned);
         self.transforms.stiffness(conjugate, &self.frame.uniform_stiffness, image);
         reaction.add_product(conjugate, image);
-        dot(conjugate, image)
+        dot(self.frame.share, conjugate, image)
     }
 
     fn weight(&mut self) -> &mut [f64] {

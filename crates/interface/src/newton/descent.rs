@@ -1,6 +1,6 @@
 use gfmd_relax::{Variables, Visit};
 use gfmd_response::power_of_two;
-use gfmd_vector::{add, for_each, pass, reduce, sum};
+use gfmd_vector::{add, for_each};
 
 use super::pieces::Pieces;
 use super::reaction::Reaction;
@@ -8,7 +8,7 @@ use super::trust_region::{Model, Number, TrustRegion, Vectors};
 use super::wall::Wall;
 use super::weight_of;
 use crate::frame::Frame;
-use crate::numbers::{higher, higher_each, mean_where};
+use crate::numbers::{higher, higher_each, mean_where, reduce, sum};
 use crate::{Interface, State};
 
 /// Maximum number of halvings of a step.
@@ -197,7 +197,7 @@ impl<'a, M: Model> Descent<'a, M> {
             let (traction, curvature) = (reaction.traction(c), reaction.diagonal(c));
             let bound = wall.bound(c);
             let touches = |i: usize| bound.is_some_and(|bound| w[i] >= bound[i]);
-            let multiplier = if frame.held[c] { mean_where(force, |i| !touches(i)) } else { 0.0 };
+            let multiplier = if frame.held[c] { mean_where(frame.share, force, |i| !touches(i)) } else { 0.0 };
             *subtracted = multiplier;
             let weigh = |start: usize, (force, weight): (&mut [f64], &mut [M::Value])| {
                 let mut worst = [0.0_f64; 2];
@@ -211,7 +211,7 @@ impl<'a, M: Model> Descent<'a, M> {
                 }
                 worst
             };
-            let [free, stress] = pass((force, &mut model.weight()[range]), &weigh, &higher_each);
+            let [free, stress] = frame.share.pass((force, &mut model.weight()[range]), &weigh, &higher_each);
             unbalanced = higher(unbalanced, free);
             largest = higher(largest, stress);
         }
@@ -223,8 +223,9 @@ impl<'a, M: Model> Descent<'a, M> {
         let Self { interface, frame, model, here: Placed { reaction, .. }, .. } = self;
         let (traction, weight) = (reaction.traction(frame.z()), &model.weight()[frame.z() * frame.points()..]);
         let apart = |i: usize| weight[i].into() > 0.0 && traction[i].abs() < 1e-3 * frame.push.abs();
-        let all =
-            |start: usize, count: usize| reduce(count, &|range| range.map(|i| start + i).all(apart), &|a, b| a && b);
+        let all = |start: usize, count: usize| {
+            reduce(frame.share, count, &|range| range.map(|i| start + i).all(apart), &|a, b| a && b)
+        };
         let face = frame.points() / interface.elastic.faces();
         frame.push < 0.0 && (0..interface.elastic.faces()).any(|index| all(index * face, face))
     }
@@ -241,7 +242,7 @@ impl<'a, M: Model> Descent<'a, M> {
     fn hand_over_force(&mut self) -> f64 {
         let force = &self.force;
         let largest = |range: std::ops::Range<usize>| force[range].iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-        let stress = power_of_two(reduce(force.len(), &largest, &f64::max));
+        let stress = power_of_two(reduce(self.frame.share, force.len(), &largest, &f64::max));
         let scaled = |start: usize, [residual]: [&mut [M::Value]; 1]| {
             residual.iter_mut().zip(&force[start..]).for_each(|(r, f)| *r = M::Value::of(f / stress));
         };
@@ -312,6 +313,7 @@ impl<'a, M: Model> Descent<'a, M> {
         let points = frame.points();
         let traction = trial.reaction.tractions();
         let [change, promised, ahead, size] = reduce(
+            frame.share,
             here.w.len(),
             &|range| {
                 range.fold([0.0; 4], |sums, k| {
@@ -325,6 +327,7 @@ impl<'a, M: Model> Descent<'a, M> {
             &add,
         );
         let [law, law_size] = reduce(
+            frame.share,
             points,
             &|range| {
                 let both = here.energy[range.clone()].iter().zip(&trial.energy[range]);
@@ -341,19 +344,19 @@ impl<'a, M: Model> Descent<'a, M> {
         let along = |range: std::ops::Range<usize>| {
             direction[range.clone()].iter().zip(&force[range]).map(|(d, f)| (*d).into() * f).sum()
         };
-        -self.region.unit * sum(force.len(), &along)
+        -self.region.unit * sum(self.frame.share, force.len(), &along)
     }
 }
 
 /// The other fields follow from these or are overwritten in each iteration.
 impl<M: Model> Variables for Descent<'_, M> {
     fn visit(&mut self, visitor: &mut dyn Visit) {
-        let Self { here, region, lowest, met_negative, model, .. } = self;
-        visitor.field(&mut here.w);
+        let Self { here, region, lowest, met_negative, model, frame, .. } = self;
+        visitor.rows(frame.share, &mut here.w);
         if !here.inset.is_empty() {
-            visitor.field(&mut here.inset);
+            visitor.rows(frame.share, &mut here.inset);
         }
-        visitor.field(&mut here.elastic);
+        visitor.rows(frame.share, &mut here.elastic);
         visitor.number(&mut region.radius);
         visitor.number(&mut region.length);
         visitor.number(lowest);

@@ -1,17 +1,19 @@
 //! Model of u_z alone. Steps are in single precision; sums and products are computed in the row loops of the
 //! transforms.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use gfmd_field::Rows;
 use gfmd_relax::Visit;
 use gfmd_response::{NormalResponse, RoundedTransforms, Transforms};
-use gfmd_vector::{add, add_times, for_each, reduce};
+use gfmd_vector::{add, add_times, for_each};
 use multiversion::multiversion;
 
 use super::reaction::Reaction;
 use super::trust_region::{Model, Vectors};
 use crate::frame::Frame;
+use crate::numbers::reduce;
 
 /// Matrix K + J on the points not held by the wall.
 pub(super) struct OneComponent<'a> {
@@ -31,7 +33,7 @@ pub(super) struct OneComponent<'a> {
     /// vanishes; and from A p at all free points, so that its mean over the points that restore the mean vanishes.
     of_preconditioned: f32,
     of_image: f32,
-    /// Two sums per row.
+    /// Two sums per row of this process.
     sums: Vec<[f64; 2]>,
 }
 
@@ -42,7 +44,7 @@ impl<'a> OneComponent<'a> {
         frame: &'a Frame<'a>,
         uniform_compliance: f64,
     ) -> Self {
-        let [rows, row] = response.grid().rows();
+        let row = response.grid().rows()[1];
         Self {
             transforms,
             rounded: RoundedTransforms::of(response, Some([uniform_compliance, frame.uniform_stiffness[0]])),
@@ -53,7 +55,7 @@ impl<'a> OneComponent<'a> {
             free: 0.0,
             of_preconditioned: 0.0,
             of_image: 0.0,
-            sums: vec![[0.0; 2]; rows],
+            sums: vec![[0.0; 2]; frame.points() / row],
         }
     }
 
@@ -62,8 +64,16 @@ impl<'a> OneComponent<'a> {
         if self.frame.held[0] && self.free > 0.0 { (sum / self.free) as f32 } else { 0.0 }
     }
 
+    /// Returns the sums over the rows of all processes.
     fn total(&self) -> [f64; 2] {
-        reduce(self.sums.len(), &|range| self.sums[range].iter().copied().fold([0.0; 2], add), &add)
+        let share = self.frame.share;
+        let all = if share.is_whole() {
+            Cow::from(&self.sums)
+        } else {
+            let lengths: Vec<usize> = share.all_rows().iter().map(|rows| rows.len()).collect();
+            share.collect(&self.sums, &lengths).into()
+        };
+        gfmd_vector::reduce(all.len(), &|range| all[range].iter().copied().fold([0.0; 2], add), &add)
     }
 }
 
@@ -83,7 +93,7 @@ impl Model for OneComponent<'_> {
                 let free = weight[range.clone()].iter().filter(|w| **w > soft).count() as f64;
                 [sum_above(soft, &vector[range.clone()], &weight[range]), free]
             };
-            let [sum, free] = reduce(vector.len(), &of, &add);
+            let [sum, free] = reduce(self.frame.share, vector.len(), &of, &add);
             self.free = free;
             mean = self.mean(sum);
         }
@@ -146,7 +156,8 @@ impl Model for OneComponent<'_> {
     }
 
     fn hold_mean_above(&mut self, least: f64) {
-        let is_above = self.frame.held[0] && self.weight.iter().any(|weight| f64::from(*weight) > least);
+        let is_above =
+            self.frame.held[0] && self.frame.share.any(self.weight.iter().any(|weight| f64::from(*weight) > least));
         self.soft = if is_above { least as f32 } else { 0.0 };
     }
 

@@ -3,13 +3,14 @@
 //! bounds (Bertsekas 1982), and steps along the projected gradient lower the energy.
 
 use gfmd_law::Law;
-use gfmd_vector::{for_each, total};
+use gfmd_vector::for_each;
 
 use super::reaction::Reaction;
 use super::trust_region::Number;
 use crate::State;
 use crate::frame::Frame;
 use crate::kinks::{Kinks, Piece};
+use crate::numbers::total;
 
 /// Pieces of all points.
 pub(super) struct Pieces {
@@ -31,7 +32,7 @@ impl Pieces {
             let Self { kinks, of, length_scale } = self;
             // If the other points cannot restore the mean, points that touch go the way that does.
             for go in [false, true] {
-                let excess = total(w);
+                let excess = total(frame.share, w);
                 let touch = |i: usize, w: &[f64]| insets[i] == 0.0 && kinks.touches(i, w[i]);
                 for (i, piece) in of.iter_mut().enumerate().filter(|(i, _)| touch(*i, w)) {
                     *piece = match () {

@@ -1,13 +1,13 @@
 //! Choice of the pieces on which the points move in the next step, at a wall that gives way.
 
-use gfmd_vector::{for_each, pass, reduce};
+use gfmd_vector::{Share, for_each};
 
 use super::descent::{Descent, Placed};
 use super::pieces::Pieces;
 use super::trust_region::{Model, Number};
 use super::weight_of;
 use crate::kinks::{Kinks, Piece};
-use crate::numbers::{higher, higher_each, mean_where};
+use crate::numbers::{higher, higher_each, mean_where, reduce};
 
 /// Least share in a shift of all points with which a point restores a held mean: at stiffer springs, points hardly
 /// move. A share is the square of a weight in the preconditioner.
@@ -30,7 +30,7 @@ impl<M: Model> Descent<'_, M> {
                 *force = kinks.touch.traction - kinks.repulsion(i, inset[i]) - elastic[i] + push;
             }
         });
-        let multiplier = if frame.held[0] { held_level(kinks, force, [w, inset]) } else { 0.0 };
+        let multiplier = if frame.held[0] { held_level(frame.share, kinks, force, [w, inset]) } else { 0.0 };
         multipliers[0] = multiplier;
         let [traction, slope] = reaction.normal_mut();
         let choose = |start: usize, ([force, traction, slope], pieces, weight): Chosen<'_, M::Value>| {
@@ -54,7 +54,7 @@ impl<M: Model> Descent<'_, M> {
             worst
         };
         let [unbalanced, stress] =
-            pass(([&mut force[..], traction, slope], &mut of[..], model.weight()), &choose, &higher_each);
+            frame.share.pass(([&mut force[..], traction, slope], &mut of[..], model.weight()), &choose, &higher_each);
         model.hold_mean_above(SOFT.sqrt());
         let largest = higher(interface.stress_scale(frame.drive.load), stress);
         unbalanced / largest.max(f64::MIN_POSITIVE)
@@ -65,14 +65,15 @@ type Chosen<'a, T> = ([&'a mut [f64]; 3], &'a mut [Piece], &'a mut [T]);
 
 /// Returns the mean force of the points that are not at a kink, without stiff springs unless there are only these; if
 /// all points are at kinks, the force that a held mean balances.
-fn held_level(kinks: &Kinks, force: &[f64], [w, inset]: [&[f64]; 2]) -> f64 {
+fn held_level(share: &Share, kinks: &Kinks, force: &[f64], [w, inset]: [&[f64]; 2]) -> f64 {
     let is_free = |i: usize| !kinks.is_at_kink(i, w[i], inset[i]);
     let is_soft = |i: usize| is_free(i) && kinks.share(i, kinks.piece(i, inset[i])) > SOFT;
-    let any = |is: &(dyn Fn(usize) -> bool + Sync)| reduce(force.len(), &|mut range| range.any(is), &|a, b| a || b);
+    let any =
+        |is: &(dyn Fn(usize) -> bool + Sync)| reduce(share, force.len(), &|mut range| range.any(is), &|a, b| a || b);
     if any(&is_soft) {
-        mean_where(force, is_soft)
+        mean_where(share, force, is_soft)
     } else if any(&is_free) {
-        mean_where(force, is_free)
+        mean_where(share, force, is_free)
     } else {
         kinks.level(force, None)
     }

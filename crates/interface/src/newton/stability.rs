@@ -21,10 +21,13 @@ impl<M: Model> Descent<'_, M> {
             self.lowest = 1.0;
             return false;
         }
+        // Points count from the first one of all processes.
+        let before = if self.frame.share.is_whole() { 0 } else { self.frame.share.own().start };
         let noise = |start: usize, [noise]: [&mut [M::Value]; 1]| {
             for (k, noise) in noise.iter_mut().enumerate() {
                 // Multiples of the golden ratio are spread evenly and favour no wave.
-                let spread = 0.618_033_988_749_895 * (start + k + 1) as f64 * ((start + k) % 7 + 1) as f64;
+                let i = before + start + k;
+                let spread = 0.618_033_988_749_895 * (i + 1) as f64 * (i % 7 + 1) as f64;
                 *noise = M::Value::of(spread.fract() - 0.5);
             }
         };
@@ -36,7 +39,7 @@ impl<M: Model> Descent<'_, M> {
 
     /// Steps away from a saddle along the direction, just far enough for an energy decrease beyond rounding errors.
     pub(super) fn leave(&mut self) -> bool {
-        let longest = self.region.longest();
+        let longest = self.region.longest(self.frame.share);
         let downhill = if self.slope() > 0.0 { -1.0 } else { 1.0 };
         let mut share = downhill * FIRST_SHIFT * self.interface.length_scale() / longest;
         for _ in 0..DOUBLINGS {

@@ -1,9 +1,10 @@
 //! Conjugate gradients that stop at the edge of a trust region or at a negative curvature (Steihaug 1983).
 
 use gfmd_relax::Visit;
-use gfmd_vector::{for_each, reduce};
+use gfmd_vector::{Share, for_each};
 
 use super::reaction::Reaction;
+use crate::numbers::reduce;
 
 /// Number type of a search, in double or single precision.
 pub(crate) trait Number: Copy + Default + Send + Sync + Into<f64> {
@@ -184,12 +185,12 @@ impl<T: Number> TrustRegion<T> {
     }
 
     /// Returns the largest magnitude in the direction, length.
-    pub(crate) fn longest(&self) -> f64 {
+    pub(crate) fn longest(&self, share: &Share) -> f64 {
         let direction = &self.vectors.direction;
         let longest = |range: std::ops::Range<usize>| {
             direction[range].iter().fold(0.0, |longest: f64, d| longest.max((*d).into().abs()))
         };
-        self.unit * reduce(direction.len(), &longest, &f64::max)
+        self.unit * reduce(share, direction.len(), &longest, &f64::max)
     }
 }
 

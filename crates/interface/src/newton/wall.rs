@@ -1,6 +1,7 @@
-use gfmd_vector::{add, for_each, reduce};
+use gfmd_vector::{Share, add, for_each};
 
 use crate::frame::Frame;
+use crate::numbers::reduce;
 
 /// Allowed displacements: w_z not above the hard wall, and mean 0 in components with a held mean.
 pub(crate) struct Wall {
@@ -8,6 +9,7 @@ pub(crate) struct Wall {
     bound: Option<Vec<f64>>,
     held: Vec<bool>,
     points: usize,
+    share: Share,
     /// Means below this length times ε count as 0.
     length_scale: f64,
 }
@@ -18,7 +20,7 @@ const ROUNDS: usize = 50;
 impl Wall {
     pub(crate) fn new(frame: &Frame, is_hard: bool, length_scale: f64) -> Self {
         let bound = is_hard.then(|| frame.wall().collect());
-        Self { bound, held: frame.held.clone(), points: frame.points(), length_scale }
+        Self { bound, held: frame.held.clone(), points: frame.points(), share: frame.share.clone(), length_scale }
     }
 
     /// Returns the upper bounds of component `c`, if any.
@@ -44,8 +46,10 @@ impl Wall {
     /// Shifts the free points until the mean is 0. A shift may push more points to the wall; it is repeated until none
     /// is.
     fn restore_mean(&self, bound: Option<&[f64]>, field: &mut [f64]) {
+        let points = if self.share.is_whole() { field.len() } else { self.share.total() } as f64;
         for _ in 0..ROUNDS {
             let [total, free] = reduce(
+                &self.share,
                 field.len(),
                 &|range| {
                     range.fold([0.0; 2], |sums, i| {
@@ -54,7 +58,7 @@ impl Wall {
                 },
                 &add,
             );
-            if free == 0.0 || total.abs() / field.len() as f64 <= f64::EPSILON * self.length_scale {
+            if free == 0.0 || total.abs() / points <= f64::EPSILON * self.length_scale {
                 break;
             }
             let shift = -total / free;

@@ -1,8 +1,9 @@
 //! State at the end of a step: histories, energies and losses.
 
 use gfmd_contact::{Fields as _, Hardness, Load, Refusal, Solution};
+use gfmd_field::Share;
 use gfmd_medium::Energies;
-use gfmd_vector::{contiguous, dot, total};
+use gfmd_vector::contiguous;
 use ndarray::Array2;
 
 use super::QuasistaticContact;
@@ -10,7 +11,7 @@ use super::normal::{Normal, NormalState};
 use super::shear::Sheared;
 use super::state::{Losses, QuasistaticState, ShearFields};
 use super::step::{Reached, Step};
-use crate::numbers::mean;
+use crate::numbers::{dot, mean, total};
 
 /// Error of a pressure divided by the pressure that would close the largest gap left in contact; the depth contains the
 /// gaps of earlier states.
@@ -25,6 +26,7 @@ impl QuasistaticContact {
     pub(super) fn end(&self, step: &Step, reached: Reached) -> Result<QuasistaticState, Refusal> {
         let Reached { normal, touch, unpressed, sheared, worn } = reached;
         let (factor, points) = (step.affine.factor(), self.points());
+        let (share, all) = (self.share(), self.all_points());
         let (memory, energies) = match (&self.medium, &step.memory) {
             (Some(medium), Some(memory)) => {
                 let mut indentation: Vec<f64> =
@@ -54,9 +56,10 @@ impl QuasistaticContact {
         let stored = match (energies, &sheared) {
             (Some(Energies { stored, .. }), _) => stored,
             (None, Some(sheared)) => {
-                let lateral = dot(&sheared.traction, &sheared.displacement);
-                let pressed = dot(&contiguous(&normal.pressure()), &contiguous(&normal.fields().displacement_z()));
-                0.5 * (lateral - pressed) / points as f64
+                let lateral = dot(share, &sheared.traction, &sheared.displacement);
+                let pressed =
+                    dot(share, &contiguous(&normal.pressure()), &contiguous(&normal.fields().displacement_z()));
+                0.5 * (lateral - pressed) / all
             }
             (None, None) => normal.fields().summary_in(&normal.fields().scales()).elastic_energy,
         };
@@ -66,14 +69,13 @@ impl QuasistaticContact {
         };
         let pressure = normal.pressure();
         let worn = worn.map(|worn| {
-            losses.wear = dot(&contiguous(&pressure), &contiguous(&worn)) / points as f64;
+            losses.wear = dot(share, &contiguous(&pressure), &contiguous(&worn)) / all;
             before(QuasistaticState::wear_depth) + worn
         });
         let pressed_in = self.hardness.as_ref().map(|_| {
             let mut depth = before(QuasistaticState::plastic_depth);
             if let Some(growth) = normal.pressed_in() {
-                // A field has points, and therefore a mean.
-                losses.plastic = (&pressure * growth).mean().unwrap_or(0.0);
+                losses.plastic = dot(share, &contiguous(&pressure), &contiguous(growth)) / all;
                 depth += growth;
             }
             depth
@@ -182,7 +184,8 @@ impl QuasistaticContact {
         let accuracy = match state {
             NormalState::Wall(Solution { pressure, gap, .. }) => {
                 let touching = pressure.iter().zip(gap).filter(|(p, _)| **p > 0.0);
-                OF_A_GAP * stiffest * touching.fold(0.0, |most: f64, (_, gap)| most.max(gap.abs()))
+                let largest = touching.fold(0.0, |most: f64, (_, gap)| most.max(gap.abs()));
+                OF_A_GAP * stiffest * self.share().each(largest).into_iter().fold(0.0, f64::max)
             }
             NormalState::Law(_) => f64::INFINITY,
         };
@@ -192,7 +195,7 @@ impl QuasistaticContact {
             Hardness::Uniform(hardness) => pressure.iter().filter(|p| has(**p, *hardness)).count(),
             Hardness::Field(field) => pressure.iter().zip(field).filter(|(p, hardness)| has(**p, **hardness)).count(),
         };
-        count as f64 / pressure.len() as f64
+        self.share().each(count).into_iter().sum::<usize>() as f64 / self.all_points()
     }
 }
 
@@ -206,13 +209,27 @@ impl QuasistaticState {
     /// Returns the mean depth worn off so far over the whole surface, and the largest depth, length.
     pub fn wear_volume_and_depth(&self) -> Option<(f64, f64)> {
         let depth = self.wear_depth()?;
-        let values = &*contiguous(depth);
-        let deepest = values.iter().fold(0.0, |most: f64, w| most.max(*w));
-        Some((total(values) / values.len() as f64, deepest))
+        let deepest = depth.iter().fold(0.0, |most: f64, w| most.max(*w));
+        let deepest = self.share().each(deepest).into_iter().fold(0.0, f64::max);
+        Some((self.mean_of(depth), deepest))
     }
 
     /// Returns the mean depth pressed in so far over the whole surface, length.
     pub fn plastic_volume(&self) -> Option<f64> {
-        self.plastic_depth().map(|depth| depth.mean().unwrap_or(0.0))
+        self.plastic_depth().map(|depth| self.mean_of(depth))
+    }
+
+    /// Returns the points of this process.
+    pub(super) fn share(&self) -> &Share {
+        match &self.normal {
+            NormalState::Wall(solution) => solution.share(),
+            NormalState::Law(state) => state.surface.share(),
+        }
+    }
+
+    /// Returns the mean of a field over all processes.
+    fn mean_of(&self, field: &Array2<f64>) -> f64 {
+        let points = if self.share().is_whole() { field.len() } else { self.share().total() };
+        total(self.share(), &contiguous(field)) / points as f64
     }
 }

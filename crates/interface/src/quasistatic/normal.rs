@@ -171,7 +171,7 @@ impl Normal {
 
     /// Returns the state without pressure under `load` of surfaces that are apart.
     pub(super) fn unloaded(&self, load: Load) -> Result<NormalState, Refusal> {
-        let none = Array2::zeros(self.surface().grid().points());
+        let none = Array2::zeros(self.surface().shape());
         match self {
             Self::Wall(contact) => contact.certify(&none, load).map(NormalState::Wall),
             Self::Law(interface) => interface.blank(load.into()).map(NormalState::Law),

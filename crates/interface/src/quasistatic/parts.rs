@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Hardness, Refusal};
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_medium::{Medium, Prony, Relaxes, Relaxing};
@@ -15,6 +15,9 @@ pub struct Parts<'a> {
     pub body: &'a Body,
     /// Grid of the surface.
     pub grid: &'a Grid,
+    /// Rows of this process, one of several that make the same calls with their rows of all fields; `None` if it is
+    /// alone. Several processes share periodic contacts in u_z, with the bits of one.
+    pub share: Option<&'a Share>,
     /// Rigid profile on the grid, in length, with peaks towards the body. A constant has no effect.
     pub heights: &'a ArrayRef2<f64>,
     /// Boundary of the surface.
@@ -45,6 +48,7 @@ impl<'a> Parts<'a> {
         Self {
             body,
             grid,
+            share: None,
             heights,
             boundary: Boundary::Periodic,
             law: None,
@@ -62,10 +66,26 @@ impl<'a> Parts<'a> {
 impl Parts<'_> {
     /// Returns the body with a memory, for this number of displacement components on the `grid`; `None` for an elastic
     /// body.
-    pub(super) fn medium(&self, grid: &Grid, components: usize) -> Result<Option<Arc<dyn Medium>>, Refusal> {
+    pub(super) fn medium(
+        &self,
+        grid: &Grid,
+        share: &Share,
+        components: usize,
+    ) -> Result<Option<Arc<dyn Medium>>, Refusal> {
         let Some((prony, relaxes)) = self.relaxation else { return Ok(None) };
-        let medium = Relaxing::new(self.body, grid, self.boundary, components, prony, relaxes)?;
+        let medium = Relaxing::new(self.body, grid, self.boundary, components, prony, relaxes)?.over(share)?;
         Ok(Some(Arc::new(if self.held { medium.held_sideways()? } else { medium })))
+    }
+
+    /// Checks that several processes can share all parts.
+    pub(super) fn check_shared(&self, share: &Share) -> Result<(), Refusal> {
+        let others = [
+            (self.boundary == Boundary::Free, "free boundaries"),
+            (self.all_components, "a law that moves all components"),
+            (self.shear.is_some(), "a limit of the shear"),
+        ];
+        let alone = others.into_iter().find(|(is_given, _)| !share.is_whole() && *is_given);
+        alone.map_or(Ok(()), |(_, part)| Err(Refusal::Shared { part }))
     }
 
     /// Checks that no other part moves a surface that is held sideways.

@@ -197,7 +197,7 @@ impl QuasistaticContact {
     pub(super) fn blank(&self) -> Result<QuasistaticState, Refusal> {
         let points = self.points();
         let lateral = self.response.as_ref().map(|response| (response.components().len() - 1) * points);
-        let zeros = || Array2::zeros(self.normal.surface().grid().points());
+        let zeros = || Array2::zeros(self.normal.surface().shape());
         Ok(QuasistaticState {
             normal: self.normal.blank()?,
             sheared: lateral.map(|lateral| ShearFields {
@@ -225,6 +225,7 @@ impl QuasistaticContact {
 
 impl Variables for QuasistaticState {
     fn visit(&mut self, visitor: &mut dyn Visit) {
+        let share = &self.share().clone();
         let Self { normal, sheared, memory, worn, pressed_in, .. } = self;
         normal.visit(visitor);
         if let Some(ShearFields { displacement, traction, slip, stick_fraction, friction, excess }) = sheared {
@@ -232,10 +233,10 @@ impl Variables for QuasistaticState {
             visitor.numbers(&mut [stick_fraction, friction, excess]);
         }
         for field in worn.iter_mut().chain(pressed_in) {
-            with_contiguous(field, |field| visitor.field(field));
+            with_contiguous(field, |field| visitor.rows(share, field));
         }
         if let Some(memory) = memory {
-            memory.visit(visitor);
+            memory.visit(share, visitor);
         }
         let Self { mean_shear: [shear_x, shear_y], lateral: [x, y], time, distance, .. } = self;
         visitor.numbers(&mut [shear_x, shear_y, x, y, time, distance]);

@@ -5,12 +5,13 @@
 use gfmd_contact::{Drive, Effort, Fields as _, Load, Refusal, SolveError, Solver, Springs, judge};
 use gfmd_medium::{Affine, Memory, Stiffening};
 use gfmd_relax::{Budget, Ending, Progress, Watch, Why};
-use gfmd_vector::{contiguous, lower, reduce};
+use gfmd_vector::{contiguous, lower};
 use ndarray::Array2;
 
 use super::normal::{Normal, NormalState};
 use super::shear::{Effect, ShearStep, Sheared};
 use super::{QuasistaticContact, QuasistaticState, check_order};
+use crate::numbers::reduce;
 
 /// Relative rounding error below which an approach counts as zero.
 const ROUNDING_OF_APPROACH: f64 = 8.0 * f64::EPSILON;
@@ -164,7 +165,7 @@ impl<'a> Step<'a> {
         let lowest = |range: std::ops::Range<usize>| {
             range.fold(f64::INFINITY, |least, i| lower(least, clearance[i] + values[i]))
         };
-        let touch = reduce(values.len(), &lowest, &lower);
+        let touch = reduce(self.contact.share(), values.len(), &lowest, &lower);
         // Without the subtraction, endless wear would leave no digits of the roughness.
         Ok((contact.with_depth(&depth.mapv(|depth| depth - touch), is_worn)?, touch))
     }

@@ -73,9 +73,10 @@ impl QuasistaticContact {
         if self.shear.is_some() || self.all_components {
             return Err(StiffnessError::Sheared);
         }
-        let shape = self.normal.surface().grid().points();
-        if let Some(wrong) = [pressure, gap].into_iter().find(|field| <[usize; 2]>::from(field.dim()) != shape) {
-            return Err(Refusal::Start { found: wrong.len(), expected: self.points() }.into());
+        let shape = self.normal.surface().shape();
+        let wrong = [pressure, gap].into_iter().find(|field| <[usize; 2]>::from(field.dim()) != shape);
+        if let Some(found) = self.share().first(wrong.map(|field| field.len())) {
+            return Err(Refusal::Start { found, expected: self.points() }.into());
         }
         let (length, stress) = (self.units.length(), self.units.stress());
         let (pressure, gap) = (pressure.mapv(|p| p / stress), gap.mapv(|gap| gap / length));

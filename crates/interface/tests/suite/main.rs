@@ -13,6 +13,7 @@ mod gradient;
 mod kinks;
 mod path;
 mod plastic;
+mod ranks;
 mod relaxing;
 mod small_loads;
 mod squeezed;

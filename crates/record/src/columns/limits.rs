@@ -340,7 +340,7 @@ fn two_grids(_: &GridLimits, _: &StateContext, _: f64) -> Result<GridLimit, NoLi
 fn pressure_of_approach(limits: &GridLimits, at: &StateContext, value: f64) -> Result<GridLimit, NoLimit> {
     let known = at.stiffness.as_ref().ok().map(|stiffness| stiffness.value).filter(|stiffness| stiffness.is_finite());
     let stiffness = known.ok_or(NoLimit::OneGrid)?;
-    let GridLimit { limit, half_width } = limits.approach(0.0, at.rise.ok_or(NoLimit::Shared)?);
+    let GridLimit { limit, half_width } = limits.approach(0.0, at.rise.ok_or(NoLimit::OneGrid)?);
     Ok(GridLimit { limit: value - stiffness * limit, half_width: stiffness * half_width })
 }
 
@@ -358,7 +358,7 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
     limits!("mean_shear_x", ["mean_shear", ".0"], "stress", sheared, None, two_grids),
     limits!("mean_shear_y", ["mean_shear", ".1"], "stress", sheared, None, two_grids),
     limits!("approach", ["approach", ""], "length", load_given, Some(2.7), |limits, at, value| {
-        at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::Shared)
+        at.rise.map(|rise| limits.approach(value, rise)).ok_or(NoLimit::OneGrid)
     }),
     limits!("area_fraction", "1", Some(1.6), |limits, _, _| Ok(limits.area_fraction())),
     limits!("kappa", ["kappa", ""], "1", loads, Some(1.6), |limits, _, _| Ok(limits.kappa())),
@@ -373,7 +373,7 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
     ),
     limits!("mean_gap", "length", Some(2.7), |limits, _, _| Ok(limits.mean_gap())),
     limits!("max_pressure", ["max_pressure", ""], "stress", loads, Some(3.0), |limits, at, _| {
-        at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::Shared)
+        at.peak().map(|peak| limits.max_pressure(&peak)).ok_or(NoLimit::OneGrid)
     }),
     limits!(
         "mean_pressure_in_contact",

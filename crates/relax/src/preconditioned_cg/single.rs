@@ -127,9 +127,10 @@ impl<P: Preconditioned> Vectors for Single<'_, P> {
     }
 
     fn visit(&mut self, course: &mut Course, visitor: &mut dyn Visit) {
-        visitor.field(self.x);
+        let share = &self.problem.share();
+        visitor.rows(share, self.x);
         for field in [&mut self.gradient, &mut self.last_step, &mut self.image] {
-            visitor.single(field);
+            visitor.single_rows(share, field);
         }
         visitor.numbers(&mut [&mut self.level, &mut self.multiplier]);
         course.visit(visitor);

@@ -271,6 +271,17 @@ impl<'a> StateFile<'a> {
         Ok(())
     }
 
+    /// Writes rows of a field of one state, from its value number `start`; `place` is the number of the state, and the
+    /// number of the field among the chosen ones.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be written.
+    pub fn write_piece(&mut self, (index, field): (usize, usize), start: usize, values: &[f64]) -> Result<(), Failure> {
+        let path = self.chosen.of(&self.facts).nth(field).map(path_of);
+        let (Some(archive), Some(path)) = (&mut self.archive, path) else { return Ok(()) };
+        Ok(archive.write_rows(&path, Some(index), start / self.share.columns(), values)?)
+    }
+
     /// Writes the chosen fields of one state, in file order.
     ///
     /// # Errors

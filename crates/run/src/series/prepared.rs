@@ -5,12 +5,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Budget, Drive, Dynamics, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solver};
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_files::Reader;
 use gfmd_flow::Fluid;
 use gfmd_green::Body;
 use gfmd_law::Law;
-use gfmd_measure::{GapGas, Scales, top, top_inside};
+use gfmd_measure::{GapGas, Scales, top_inside, top_of_shared};
 use gfmd_plasticity::Cell;
 use gfmd_problem::{AnyState, Facts, Given, Inelastic, KeptStrain, Posed, Unknown, Words, key, pose, setting, words};
 use gfmd_record::StateContext;
@@ -94,8 +94,8 @@ pub struct Prepared {
     dynamics: Dynamics,
     /// True if a dynamic solver moves all components.
     moves_all: bool,
-    /// Height of the surface's top above the highest grid point, if this process has the whole surface.
-    pub rise: Option<f64>,
+    /// Height of the surface's top above the highest grid point, length.
+    pub rise: f64,
     /// Numbers of the attraction, if there is one.
     pub adhesion: Option<Adhesion>,
     /// Spectral moments of the surface; under a window for a patch, which is not periodic.
@@ -152,10 +152,9 @@ impl Prepared {
         };
         check_wavenumbers(&body, &surface.grid)?;
         asked.body.check_on(&surface.grid, body.contact_modulus() * surface.rms_gradient())?;
-        let rise = surface.share.is_whole().then(|| {
-            let upper = rise_of(&MovedBase::under(base.as_ref(), &surface.heights), surface.boundary);
-            upper + lower.as_ref().map_or(0.0, |lower| rise_of(&lower.heights, lower.boundary))
-        });
+        let heights = MovedBase::under(base.as_ref(), &surface.heights);
+        let rise = rise_of(&surface.share, &heights, surface.boundary)
+            + lower.as_ref().map_or(0.0, |lower| rise_of(&lower.share, &lower.heights, lower.boundary));
         let moments = match surface.boundary {
             Boundary::Free if surface.share.is_whole() => {
                 let windowed =
@@ -236,7 +235,8 @@ impl Prepared {
             short_waves: self.short_waves(),
             waves: self.waves(),
             slopes,
-            rise: self.rise,
+            rise: Some(self.rise),
+            share: Some(self.surface.share.clone()),
             fluid: self.fluid,
             conductivity: self.conductivity,
             gas: self.gas,
@@ -426,14 +426,16 @@ impl Prepared {
         Ok(())
     }
 
-    /// Returns the text that identifies the run of a configuration with this input.
+    /// Returns the text that identifies the run of a configuration with this input; with several processes, only the
+    /// first one gets it.
     pub fn identity(&self, config: &str, session: &Session) -> String {
+        let share = &self.surface.share;
         let base = self.base.as_ref().map_or_else(String::new, |base| format!("\nbase {}", base.checksum()));
         let lower = self.lower.as_ref().map_or_else(String::new, |lower| format!("\nlower {}", lower.checksum()));
         session.identity(config, &self.surface.checksum())
             + &base
             + &lower
-            + &hardness::identity(self.hardness.as_ref())
+            + &hardness::identity(self.hardness.as_ref(), share)
     }
 }
 
@@ -459,12 +461,12 @@ pub fn unit_of_load(control: &str, grid: &Grid, unit: f64) -> Result<f64, Failur
 }
 
 /// Returns the height of a surface's top above its highest grid point, length.
-fn rise_of(heights: &Array2<f64>, boundary: Boundary) -> f64 {
+fn rise_of(share: &Share, heights: &Array2<f64>, boundary: Boundary) -> f64 {
     let top = match boundary {
-        Boundary::Periodic => top(heights.view()),
+        Boundary::Periodic => top_of_shared(share, heights.view()),
         Boundary::Free => top_inside(heights.view()),
     };
-    top - highest(heights)
+    top - share.each(highest(heights)).into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Returns the highest point of a grid, length.

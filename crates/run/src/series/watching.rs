@@ -63,8 +63,11 @@ impl Watch for Watching<'_, '_> {
     }
 
     fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
-        let Some(kept) = self.kept.as_deref_mut().filter(|kept| self.closing || kept.is_due()) else { return };
-        self.failed = kept.checkpoint(variables).err();
+        if let Some(kept) = self.kept.as_deref_mut()
+            && kept.is_due(self.closing)
+        {
+            self.failed = kept.checkpoint(variables).err();
+        }
     }
 
     fn recall(&mut self) -> Option<&mut dyn Visit> {

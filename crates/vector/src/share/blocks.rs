@@ -38,35 +38,42 @@ impl Share {
         }
     }
 
-    /// Distributes a field of the first rank and returns the rows of this rank, of `columns` values each. Rows are sent
-    /// in blocks of `height`. Only the first rank's `whole` is used.
+    /// Distributes a field of the first rank: each rank gets its `own` rows, of `columns` values each. On the first
+    /// rank, `give` fills blocks of `height` rows in order, with their row numbers. The other ranks only receive.
     ///
     /// # Panics
-    /// If the first rank's field does not have all rows, or if `height` is zero.
-    pub fn from_first(&self, whole: &[f64], columns: usize, height: usize) -> Vec<f64> {
+    /// If `own` does not have the rows of this rank, or if `height` is zero.
+    pub fn from_first(
+        &self,
+        own: &mut [f64],
+        columns: usize,
+        height: usize,
+        mut give: impl FnMut(Range<usize>, &mut [f64]),
+    ) {
         let (rows, is_first) = (self.rows(), self.ranks.rank() == 0);
-        let all = self.rows.last().map_or(0, |rows| rows.end);
-        assert!(!is_first || whole.len() == all * columns, "the first rank has all rows");
-        if self.is_whole() {
-            return whole.to_vec();
-        }
-        let mut own = Vec::with_capacity(rows.len() * columns);
+        assert_eq!(own.len(), rows.len() * columns, "a field has the own rows");
         let mut messages = Messages::default();
+        let (mut start, mut sent) = (0, Vec::new());
         for block in self.blocks(height) {
-            let sent = if is_first { &whole[block.start * columns..block.end * columns] } else { &[] };
+            if self.is_whole() {
+                give(block.clone(), &mut own[block.start * columns..block.end * columns]);
+                continue;
+            }
+            if is_first {
+                sent.resize(block.len() * columns, 0.0);
+                give(block.clone(), &mut sent);
+            }
             messages.out.resize(sent.len(), 0);
-            f64::pack(sent, &mut messages.out);
+            f64::pack(&sent, &mut messages.out);
             messages.out_lengths =
                 self.words_of(|rank| if is_first { overlap(&block, &self.rows[rank]).len() * columns } else { 0 });
             let mine = overlap(&block, &rows).len() * columns;
             messages.into_lengths = self.words_of(|rank| if rank == 0 { mine } else { 0 });
             messages.into.resize(mine, 0);
             messages = self.ranks.post(messages).wait();
-            let start = own.len();
-            own.resize(start + mine, 0.0);
-            f64::unpack(&messages.into, &mut own[start..]);
+            f64::unpack(&messages.into, &mut own[start..start + mine]);
+            start += mine;
         }
-        own
     }
 
     /// Returns the first value in rank order, on all ranks.

@@ -10,16 +10,16 @@ use gfmd_report::figures::SceneFields;
 use gfmd_run::series::{Field, Prepared};
 
 /// Whole fields of a contact for figures and VTK files, gathered on the first of several processes.
-pub(super) struct Whole<'a> {
-    pub(super) surface: Cow<'a, Surface>,
-    pub(super) hardness: Option<Cow<'a, Hardness>>,
-    pub(super) shown: SceneFields,
-    pub(super) fields: Vec<Field<'a>>,
+pub(crate) struct Whole<'a> {
+    pub(crate) surface: Cow<'a, Surface>,
+    pub(crate) hardness: Option<Cow<'a, Hardness>>,
+    pub(crate) shown: SceneFields,
+    pub(crate) fields: Vec<Field<'a>>,
 }
 
 impl<'a> Whole<'a> {
     /// Gathers the fields; `None` on all processes but the first. All processes must call it.
-    pub(super) fn of(prepared: &'a Prepared, shown: SceneFields, fields: Vec<Field<'a>>) -> Option<Self> {
+    pub(crate) fn of(prepared: &'a Prepared, shown: SceneFields, fields: Vec<Field<'a>>) -> Option<Self> {
         let Prepared { surface, hardness, .. } = prepared;
         let share = &surface.share;
         if share.is_whole() {
