@@ -1,28 +1,65 @@
 //! `deviations`: deviations of the numbers of `gfmd estimate` from solved contacts.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args as ClapArgs, Parser};
-use gfmd_cli::estimate::{Deviations, NAMES, numbers, of, shape};
+use gfmd_cli::estimate::{Deviations, Group, NAMES, numbers, of, shape};
 use gfmd_cli::progress::Progress;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::options::BodyArgs;
+use gfmd_problem::options::given::ArrayOption;
+use ndarray::Array2;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::finite;
-use crate::solved::{contact, loads, number};
+use crate::solved::{contact_of, loads, number};
 
 const HURST: [f64; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];
 
-/// Longest waves along the cell, 1/ε_f, points on the shortest wave, first wave of the power law (as a part of the
-/// cell), and number of surfaces.
-const LEVELS: [(usize, usize, usize, Option<f64>, u64); 4] =
-    [(2, 8, 16, None, 8), (2, 32, 8, None, 4), (2, 128, 4, None, 2), (1, 64, 8, Some(0.25), 2)];
+/// Spectrum of surfaces of one kind.
+#[derive(Clone, Copy, Debug)]
+#[expect(missing_docs, reason = "docs/estimate.md")]
+pub struct Spectrum {
+    pub eps_t_inv: usize,
+    pub eps_f_inv: usize,
+    /// Points on the shortest wave.
+    pub eps_c_inv: usize,
+    /// First wave of the power law, divided by the cell.
+    pub roll_off: Option<f64>,
+}
+
+const SPECTRA: [Spectrum; 4] = [
+    Spectrum { eps_t_inv: 2, eps_f_inv: 8, eps_c_inv: 16, roll_off: None },
+    Spectrum { eps_t_inv: 2, eps_f_inv: 32, eps_c_inv: 8, roll_off: None },
+    Spectrum { eps_t_inv: 2, eps_f_inv: 128, eps_c_inv: 4, roll_off: None },
+    Spectrum { eps_t_inv: 1, eps_f_inv: 64, eps_c_inv: 8, roll_off: Some(0.25) },
+];
+
+/// Surfaces whose errors are measured together.
+#[derive(Clone, Copy)]
+struct Surfaces {
+    name: &'static str,
+    /// Number of surfaces of each spectrum, Hurst exponent, lay and distribution of heights.
+    count: [u64; 4],
+    /// Lengths of waves along the lay divided by their lengths across.
+    aspects: &'static [f64],
+    /// s of the heights (e^{s h/σ} − 1)/s, which makes their skewness; 0 for Gaussian ones.
+    bends: &'static [f64],
+}
+
+const GROUPS: [Surfaces; 6] = [
+    Surfaces { name: "isotropic Gaussian surfaces", count: [8, 4, 2, 2], aspects: &[1.0], bends: &[0.0] },
+    Surfaces { name: "surfaces with a lay", count: [4, 2, 1, 0], aspects: &[2.0, 4.0], bends: &[0.0] },
+    Surfaces { name: "surfaces with valleys", count: [4, 2, 1, 1], aspects: &[1.0, 4.0], bends: &[-0.17] },
+    Surfaces { name: "surfaces with peaks", count: [4, 2, 1, 1], aspects: &[1.0, 4.0], bends: &[0.17] },
+    Surfaces { name: "surfaces with deep valleys", count: [2, 1, 1, 1], aspects: &[1.0, 4.0], bends: &[-0.35] },
+    Surfaces { name: "surfaces with high peaks", count: [2, 1, 1, 1], aspects: &[1.0, 4.0], bends: &[0.35] },
+];
 
 /// Reduced pressures p/(E* ḡ).
 const REDUCED: [f64; 9] = [0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
@@ -51,22 +88,34 @@ pub struct Report {
     pub first_seed: u64,
     #[serde(flatten)]
     pub deviations: Deviations,
+    /// By kind of surface, for the printed tables.
+    #[serde(skip)]
     pub kinds: Vec<SurfaceKind>,
 }
 
-/// Surfaces of one Hurst exponent and spectrum.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// Surfaces of one Hurst exponent, spectrum, lay and distribution of heights.
+#[derive(Clone, Debug)]
 #[expect(missing_docs, reason = "docs/estimate.md")]
 pub struct SurfaceKind {
+    pub group: String,
     pub hurst: f64,
-    pub eps_t_inv: usize,
-    pub eps_f_inv: usize,
-    pub eps_c_inv: usize,
-    pub roll_off: Option<f64>,
-    pub surfaces: u64,
-    /// By the name of a number, for each load: mean and rms of the estimate divided by the solution, minus one; `None`
-    /// without an estimate.
-    pub deviation: BTreeMap<String, Vec<Option<[f64; 2]>>>,
+    pub spectrum: Spectrum,
+    /// Length of waves along the lay divided by their length across.
+    pub aspect: f64,
+    /// s of the heights (e^{s h/σ} − 1)/s; 0 for Gaussian ones.
+    pub bend: f64,
+    /// Number of surfaces with an estimate.
+    pub surfaces: usize,
+    pub deviations: Vec<DeviationOfNumber>,
+}
+
+/// Deviations of one number of the surfaces of a kind.
+#[derive(Clone, Debug)]
+#[expect(missing_docs, reason = "docs/estimate.md")]
+pub struct DeviationOfNumber {
+    pub name: String,
+    /// For each load mean and rms of the estimate divided by the solution, minus one; `None` without an estimate.
+    pub loads: Vec<Option<[f64; 2]>>,
 }
 
 #[derive(Parser)]
@@ -91,15 +140,30 @@ fn solved(load: &Value) -> Option<[f64; 5]> {
     Some([best("area_fraction")?, best("mean_gap")?, best("stiffness")?, rms, best("max_pressure")?])
 }
 
-/// Computes the deviations of a surface.
-fn found(surface: &str) -> Result<Found, Failure> {
-    let words = std::iter::once("estimate").chain(surface.split_whitespace());
-    let words = Words::try_parse_from(words).map_err(|error| Failure::refused(error.to_string()))?;
-    let made = words.source.surface(&Session::silent())?;
+/// Returns heights with another distribution: a lognormal one that reaches far up or, with a negative s, far down.
+fn bent(heights: &Array2<f64>, s: f64) -> Array2<f64> {
+    let deviation = heights.std(0.0);
+    heights.mapv(|h| deviation * (s * h / deviation).exp_m1() / s)
+}
+
+/// Computes the deviations of a surface; `None` if its spectrum is unlike all with an estimate.
+fn found(surface: &str, bend: f64) -> Result<Option<Found>, Failure> {
+    let parsed = |surface: &str| {
+        let words = std::iter::once("estimate").chain(surface.split_whitespace());
+        Words::try_parse_from(words).map_err(|error| Failure::refused(error.to_string()))
+    };
+    let session = Session::silent();
+    let Words { mut source, body } = parsed(surface)?;
+    if bend != 0.0 {
+        let gaussian = source.surface(&session)?;
+        source = parsed("--size 1")?.source;
+        source.surface = Some(ArrayOption::Array(Arc::new(bent(&gaussian.heights, bend).into_dyn())));
+    }
+    let made = source.surface(&session)?;
     let unknown = |what: &str| Failure::computation(format!("{surface}: no {what}"));
-    let estimate = of(&made, &words.source, &words.body)?.0.ok_or_else(|| unknown("estimate"))?;
+    let Some(estimate) = of(&made, &source, &body)?.0 else { return Ok(None) };
     let list = REDUCED.map(|load| load.to_string()).join(",");
-    let report = contact(&format!("{surface} --statistics --p-star {list}"))?;
+    let report = contact_of(source, &format!("--statistics --p-star {list}"))?;
     let deviations = |load: &Value| {
         let p = number(load, "mean_pressure").ok_or_else(|| unknown("pressure"))?;
         let solved = solved(load).ok_or_else(|| unknown("number of a load"))?;
@@ -110,7 +174,7 @@ fn found(surface: &str) -> Result<Found, Failure> {
     let band = estimate.band();
     let [ssk, sku, anisotropy] = shape(&made)?;
     let loads = loads(&report).iter().map(deviations).collect::<Result<_, Failure>>()?;
-    Ok(Found { ranges: [band.hurst, band.eps_f_inv, ssk, sku, anisotropy], loads })
+    Ok(Some(Found { ranges: [band.hurst, band.eps_f_inv, ssk, sku, anisotropy], loads }))
 }
 
 /// Returns the deviations of one number at one load; surfaces without an estimate are left out.
@@ -118,19 +182,93 @@ fn all(found: &[Found], load: usize, which: usize) -> Vec<f64> {
     found.iter().map(|found| found.loads[load][which]).filter(|deviation| deviation.is_finite()).collect()
 }
 
-/// Returns mean and rms of the deviations of one kind.
-fn kind((hurst, level): (f64, (usize, usize, usize, Option<f64>, u64)), found: &[Found]) -> SurfaceKind {
-    let (eps_t_inv, eps_f_inv, eps_c_inv, roll_off, surfaces) = level;
-    let of = |which: usize, load: usize| {
-        let all = all(found, load, which);
-        let count = all.len() as f64;
-        let mean = |sum: f64| sum / count;
-        let square = all.iter().map(|deviation| deviation * deviation).sum();
-        (!all.is_empty()).then(|| [mean(all.iter().sum()), mean(square).sqrt()])
+/// Kind of surfaces: group, Hurst exponent, spectrum with its number of surfaces, lay, distribution of heights.
+#[derive(Clone, Copy)]
+struct Kind {
+    group: &'static str,
+    hurst: f64,
+    spectrum: Spectrum,
+    surfaces: u64,
+    aspect: f64,
+    bend: f64,
+}
+
+impl Kind {
+    /// Returns all kinds.
+    fn all() -> Vec<Self> {
+        let mut kinds = Vec::new();
+        for Surfaces { name: group, count, aspects, bends } in GROUPS {
+            let spectra = || SPECTRA.into_iter().zip(count);
+            for (hurst, (spectrum, surfaces)) in
+                HURST.into_iter().flat_map(|hurst| spectra().map(move |of| (hurst, of)))
+            {
+                for (aspect, bend) in aspects.iter().flat_map(|aspect| bends.iter().map(move |bend| (*aspect, *bend))) {
+                    // Waves along the lay must fit into the cell.
+                    if aspect == 1.0 || spectrum.eps_t_inv > 1 {
+                        kinds.push(Self { group, hurst, spectrum, surfaces, aspect, bend });
+                    }
+                }
+            }
+        }
+        kinds
+    }
+
+    /// Computes the deviations of a surface of this kind.
+    fn found(&self, seed: u64) -> Result<Option<Found>, Failure> {
+        let Self { hurst, spectrum: Spectrum { eps_t_inv, eps_f_inv, eps_c_inv, roll_off }, aspect, bend, .. } = *self;
+        let n = eps_c_inv * eps_t_inv * eps_f_inv;
+        let rolled = roll_off.map_or_else(String::new, |length| format!(" --roll-off {length}"));
+        // The lay is not along an axis.
+        let lay = if aspect == 1.0 { String::new() } else { format!(" --aspect {aspect} --lay 30") };
+        let surface = format!("--n {n} --eps-t-inv {eps_t_inv} --eps-f-inv {eps_f_inv} --hurst {hurst} --seed {seed}");
+        found(&format!("{surface}{rolled}{lay}"), bend)
+    }
+
+    /// Returns mean and rms of the deviations of the surfaces.
+    fn summary(&self, found: &[Found]) -> SurfaceKind {
+        let Self { group, hurst, spectrum, aspect, bend, .. } = *self;
+        let of = |which: usize, load: usize| {
+            let all = all(found, load, which);
+            let count = all.len() as f64;
+            let mean = |sum: f64| sum / count;
+            let square = all.iter().map(|deviation| deviation * deviation).sum();
+            (!all.is_empty()).then(|| [mean(all.iter().sum()), mean(square).sqrt()])
+        };
+        let loads = |which: usize| (0..REDUCED.len()).map(|load| of(which, load)).collect();
+        let of_number = |(which, name): (usize, &&str)| DeviationOfNumber { name: (*name).into(), loads: loads(which) };
+        let deviations = NAMES.iter().enumerate().map(of_number).collect();
+        SurfaceKind { group: group.into(), hurst, spectrum, aspect, bend, surfaces: found.len(), deviations }
+    }
+}
+
+/// Returns the errors of a group of surfaces, and the ranges that they span.
+fn group(name: &str, every: &[&Found]) -> Group {
+    let error = |which: usize| {
+        let of_load = |load: usize| every.iter().map(move |found| found.loads[load][which]).filter(|x| x.is_finite());
+        (0..REDUCED.len()).map(|load| covering(of_load(load).collect())).collect()
     };
-    let loads = |which: usize| (0..REDUCED.len()).map(|load| of(which, load)).collect();
-    let deviation = NAMES.iter().enumerate().map(|(which, name)| ((*name).to_owned(), loads(which))).collect();
-    SurfaceKind { hurst, eps_t_inv, eps_f_inv, eps_c_inv, roll_off, surfaces, deviation }
+    let range = |which: usize| {
+        let values = || every.iter().map(|found| found.ranges[which]);
+        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    // Gaussian heights of either sign are equally probable, and the others lie on one side of them.
+    let skewness = range(2);
+    let largest = skewness[0].abs().max(skewness[1].abs());
+    let ssk = match skewness.map(|end| end > 0.0) {
+        [false, true] => [-largest, largest],
+        [false, false] => [skewness[0], 0.0],
+        _ => [0.0, skewness[1]],
+    };
+    Group {
+        name: name.into(),
+        error: NAMES.iter().enumerate().map(|(which, name)| ((*name).to_owned(), error(which))).collect(),
+        contacts: every.len(),
+        hurst: range(0),
+        eps_f_inv: range(1),
+        ssk,
+        sku: range(3),
+        anisotropy: range(4),
+    }
 }
 
 /// Returns the deviation that a part of the contacts do not exceed.
@@ -161,44 +299,30 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         .map_err(|error| Failure::refused(format!("data/results/finite.json: {error}")))?;
     let of_finite: finite::Report =
         serde_json::from_str(&text).map_err(|error| Failure::refused(format!("data/results/finite.json: {error}")))?;
-    let kinds = || HURST.into_iter().flat_map(|hurst| LEVELS.map(|level| (hurst, level)));
-    let progress = Progress::new(session, "surfaces", kinds().map(|(_, level)| level.4 as f64).sum());
-    let of_kind = |(hurst, level): (f64, (usize, usize, usize, Option<f64>, u64))| {
-        let (eps_t_inv, eps_f_inv, points, roll_off, surfaces) = level;
-        let n = points * eps_t_inv * eps_f_inv;
-        let rolled = roll_off.map_or_else(String::new, |length| format!(" --roll-off {length}"));
+    let kinds = Kind::all();
+    let progress = Progress::new(session, "surfaces", kinds.iter().map(|kind| kind.surfaces as f64).sum());
+    let of_kind = |kind: &Kind| {
         let of_seed = |seed: u64| {
-            let found = found(&format!(
-                "--n {n} --eps-t-inv {eps_t_inv} --eps-f-inv {eps_f_inv} --hurst {hurst} --seed {seed}{rolled}"
-            ));
-            progress.advance(1.0, &format!("H = {hurst}, 1/eps_f = {eps_f_inv}"));
+            let found = kind.found(seed);
+            progress.advance(1.0, &format!("H = {}, 1/eps_f = {}", kind.hurst, kind.spectrum.eps_f_inv));
             found
         };
-        (args.first_seed..args.first_seed + surfaces).into_par_iter().map(of_seed).collect::<Result<Vec<_>, Failure>>()
+        let seeds = args.first_seed..args.first_seed + kind.surfaces;
+        seeds.into_par_iter().filter_map(|seed| of_seed(seed).transpose()).collect::<Result<Vec<_>, Failure>>()
     };
-    let found = kinds().map(of_kind).collect::<Result<Vec<_>, Failure>>()?;
+    let found = kinds.par_iter().map(of_kind).collect::<Result<Vec<_>, Failure>>()?;
     progress.finish();
-    let of_kinds = kinds().zip(&found).map(|(of, found)| kind(of, found)).collect();
-    let every: Vec<Found> = found.into_iter().flatten().collect();
-    let error = |which: usize| (0..REDUCED.len()).map(|load| covering(all(&every, load, which))).collect();
-    let range = |which: usize| {
-        let values = || every.iter().map(|found| found.ranges[which]);
-        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+    let of_group = |name: &str| {
+        let of_kinds = kinds.iter().zip(&found).filter(|(kind, _)| kind.group == name);
+        group(name, &of_kinds.flat_map(|(_, found)| found).collect::<Vec<_>>())
     };
-    // Heights of either sign are equally probable.
-    let skewest = every.iter().map(|found| found.ranges[2].abs()).fold(0.0, f64::max);
     let deviations = Deviations {
         p_star: REDUCED.to_vec(),
-        error: NAMES.iter().enumerate().map(|(which, name)| ((*name).to_owned(), error(which))).collect(),
-        contacts: every.len(),
-        hurst: range(0),
-        eps_f_inv: range(1),
-        ssk: [-skewest, skewest],
-        sku: range(3),
-        anisotropy: range(4),
+        groups: GROUPS.iter().map(|surfaces| of_group(surfaces.name)).collect(),
         percolation: percolation(&of_finite.kinds),
     };
-    let report = Report { first_seed: args.first_seed, deviations, kinds: of_kinds };
+    let kinds = kinds.iter().zip(&found).map(|(kind, found)| kind.summary(found)).collect();
+    let report = Report { first_seed: args.first_seed, deviations, kinds };
     let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::computation(error.to_string()))?;
     gfmd_files::replace(&args.out, |file| std::io::Write::write_all(file, (text + "\n").as_bytes()))?;
     Ok(report)
@@ -207,21 +331,24 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "deviation in %, mean and rms, at p* = {REDUCED:?}")?;
-        for SurfaceKind { hurst, eps_f_inv, roll_off, deviation, .. } in &self.kinds {
-            writeln!(f, "H = {hurst}, 1/eps_f = {eps_f_inv}, roll-off {roll_off:?}")?;
-            for (name, loads) in deviation {
+        for SurfaceKind { group, hurst, spectrum, aspect, bend, deviations, .. } in &self.kinds {
+            let Spectrum { eps_f_inv, roll_off, .. } = spectrum;
+            writeln!(f, "{group}: H = {hurst}, 1/eps_f = {eps_f_inv}, roll-off {roll_off:?}, {aspect}, {bend}")?;
+            for DeviationOfNumber { name, loads } in deviations {
                 let cell = |[mean, rms]: [f64; 2]| format!("{:6.1} {:5.1}", 100.0 * mean, 100.0 * rms);
                 let cells = loads.iter().map(|known| known.map_or_else(|| format!("{:>12}", "-"), cell));
                 writeln!(f, "{name:>16} {}", cells.collect::<Vec<_>>().join("  "))?;
             }
         }
-        let Deviations { error, contacts, hurst, eps_f_inv, percolation, .. } = &self.deviations;
-        writeln!(f, "95 % of {contacts} surfaces")?;
-        for (name, errors) in error {
-            let cells = errors.iter().map(|error| format!("{:6.1}", 100.0 * error));
-            writeln!(f, "{name:>16} {}", cells.collect::<Vec<_>>().join("  "))?;
+        let Deviations { groups, percolation: [area, spread], .. } = &self.deviations;
+        for Group { name, error, contacts, hurst, eps_f_inv, ssk, sku, anisotropy } in groups {
+            writeln!(f, "95 % of {contacts} {name}")?;
+            for (name, errors) in error {
+                let cells = errors.iter().map(|error| format!("{:6.1}", 100.0 * error));
+                writeln!(f, "{name:>16} {}", cells.collect::<Vec<_>>().join("  "))?;
+            }
+            writeln!(f, "H {hurst:?}, 1/eps_f {eps_f_inv:?}, Ssk {ssk:?}, Sku {sku:?}, anisotropy {anisotropy:?}")?;
         }
-        let [area, spread] = percolation;
-        writeln!(f, "H {hurst:?}, 1/eps_f {eps_f_inv:?}, percolation at {area:.4} ± {spread:.4}")
+        writeln!(f, "percolation at {area:.4} ± {spread:.4}")
     }
 }

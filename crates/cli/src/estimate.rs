@@ -22,7 +22,7 @@ use gfmd_input::source::{SourceArgs, Surface};
 use gfmd_problem::options::BodyArgs;
 use gfmd_problem::options::{Kinds, Options};
 
-pub use deviations::Deviations;
+pub use deviations::{Deviations, Errors, Group};
 
 /// Flags of `estimate`.
 #[derive(ClapArgs, Options, Clone, Debug, Deserialize)]
@@ -75,6 +75,9 @@ pub struct Report {
     pub plasticity_index: Option<f64>,
     pub percolation_area_fraction: f64,
     pub percolation_area_fraction_error: f64,
+    /// Measured surfaces from which the errors are known; absent if none are like this surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<&'static str>,
     pub loads: Vec<Load>,
 }
 
@@ -140,6 +143,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let band = estimate.as_ref().map(Estimate::band);
     let known = known(estimate.as_ref(), &surface, measured)?;
     Ok(Report {
+        measured: known.as_ref().ok().map(|(_, errors)| errors.group.name.as_str()),
         n: grid.points(),
         size: grid.lengths(),
         unit: surface.unit.clone(),
@@ -212,12 +216,12 @@ fn seam_share(surface: &Surface) -> f64 {
     excess / (excess + inside)
 }
 
-/// Returns the estimate of a surface that is like the measured ones, or the reason why it is not.
+/// Returns the estimate of a surface that is like the measured ones with its errors, or the reason why it is not.
 fn known<'a>(
     estimate: Option<&'a Estimate>,
     surface: &Surface,
-    measured: &Deviations,
-) -> Result<Result<&'a Estimate, String>, Failure> {
+    measured: &'static Deviations,
+) -> Result<Result<(&'a Estimate, Errors<'static>), String>, Failure> {
     let (heights, seam) = (shape(surface)?, seam_share(surface));
     Ok(match estimate {
         None => Err(UNLIKE.to_owned()),
@@ -226,18 +230,18 @@ fn known<'a>(
              surfaces that repeat",
             100.0 * seam
         )),
-        Some(estimate) => measured.beyond(estimate.band(), heights).map_or(Ok(estimate), Err),
+        Some(estimate) => measured.like(estimate.band(), heights).map(|errors| (estimate, errors)),
     })
 }
 
 /// Returns the numbers of a load; `unit` is the unit of reduced pressures.
-fn at(known: &Result<&Estimate, String>, measured: &Deviations, p_star: f64, unit: f64) -> Load {
+fn at(known: &Result<(&Estimate, Errors), String>, measured: &Deviations, p_star: f64, unit: f64) -> Load {
     let mean_pressure = p_star * unit;
-    let known = known.clone().map(|estimate| numbers(&estimate.at(mean_pressure)));
+    let known = known.clone().map(|(estimate, errors)| (numbers(&estimate.at(mean_pressure)), errors));
     let mut undefined: BTreeMap<String, Vec<_>> = BTreeMap::new();
     let mut number = |which: usize| {
-        let found = known.clone().and_then(|numbers| {
-            let error = measured.error(NAMES[which], p_star)?;
+        let found = known.clone().and_then(|(numbers, errors)| {
+            let error = errors.of(NAMES[which], p_star)?;
             let value = numbers[which].ok_or(NO_PEAK)?;
             Ok([value, error * value])
         });
@@ -331,9 +335,13 @@ impl fmt::Display for Report {
         for (reason, names) in reasons {
             print_note(f, &format!("no {}: {reason}", names.join(", ")))?;
         }
+        let like = self.measured.map_or_else(String::new, |name| format!(" of {name}"));
         print_note(
             f,
-            "±: 95 % of solved contacts deviate by less (docs/estimate.md); elastic contact, no friction or adhesion",
+            &format!(
+                "±: 95 % of solved contacts{like} deviate by less (docs/estimate.md); elastic contact, no friction or \
+                 adhesion"
+            ),
         )
     }
 }

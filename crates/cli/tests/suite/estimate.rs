@@ -152,35 +152,39 @@ fn unusable_input_is_one_clear_line() {
 fn the_page_has_the_measured_errors() {
     let measured: Value = serde_json::from_str(MEASURED).unwrap();
     let loads: Vec<f64> = measured["p_star"].as_array().unwrap().iter().map(number).collect();
-    let mut table = format!(
-        "| error, % | {} |\n|---|{}\n",
-        loads.iter().map(|load| format!("p\\* = {load}")).collect::<Vec<_>>().join(" | "),
-        "---|".repeat(loads.len())
-    );
-    for (name, title) in [
-        ("area_fraction", "contact area fraction"),
-        ("mean_gap", "mean gap"),
-        ("stiffness", "stiffness"),
-        ("rms_pressure", "rms pressure"),
-        ("max_pressure", "largest pressure"),
-    ] {
-        let errors = measured["error"][name].as_array().unwrap().iter().map(|error| 100.0 * number(error));
-        let cells: Vec<String> = errors.map(|error| format!("{error:.1}")).collect();
-        table += &format!("| {title} | {} |\n", cells.join(" | "));
+    let mut table = String::new();
+    for group in measured["groups"].as_array().unwrap() {
+        let [hurst, ratio, skewness, kurtosis, anisotropy] =
+            ["hurst", "eps_f_inv", "ssk", "sku", "anisotropy"].map(|name| {
+                let ends = group[name].as_array().unwrap();
+                format!("{:.2} to {:.2}", number(&ends[0]), number(&ends[1]))
+            });
+        table += &format!(
+            "\n{} {}: equivalent spectra with H from {hurst} and 1/ε_f from {ratio}, heights with the skewness\n\
+             {skewness} and the kurtosis {kurtosis}, mean square slopes with the anisotropy {anisotropy}.\n\n",
+            group["contacts"],
+            group["name"].as_str().unwrap()
+        );
+        table += &format!(
+            "| error, % | {} |\n|---|{}\n",
+            loads.iter().map(|load| format!("p\\* = {load}")).collect::<Vec<_>>().join(" | "),
+            "---|".repeat(loads.len())
+        );
+        for (name, title) in [
+            ("area_fraction", "contact area fraction"),
+            ("mean_gap", "mean gap"),
+            ("stiffness", "stiffness"),
+            ("rms_pressure", "rms pressure"),
+            ("max_pressure", "largest pressure"),
+        ] {
+            let errors = group["error"][name].as_array().unwrap().iter().map(|error| 100.0 * number(error));
+            let cells: Vec<String> = errors.map(|error| format!("{error:.1}")).collect();
+            table += &format!("| {title} | {} |\n", cells.join(" | "));
+        }
     }
-    let [hurst, ratio, skewness, kurtosis, anisotropy] =
-        ["hurst", "eps_f_inv", "ssk", "sku", "anisotropy"].map(|name| {
-            let ends = measured[name].as_array().unwrap();
-            format!("{:.2} to {:.2}", number(&ends[0]), number(&ends[1]))
-        });
     let of_area = measured["percolation"].as_array().unwrap();
     let [area, spread] = [0, 1].map(|k| number(&of_area[k]));
-    table += &format!(
-        "\n{} surfaces; their equivalent spectra have H from {hurst} and 1/ε_f from {ratio}.\nTheir heights have \
-         the skewness {skewness} and the kurtosis {kurtosis}; their mean square slopes have the anisotropy \
-         {anisotropy}. Contacts percolate at the area fraction {area:.3} ± {spread:.3}.\n",
-        measured["contacts"]
-    );
+    table += &format!("\nContacts percolate at the area fraction {area:.3} ± {spread:.3}.\n");
     let file = format!("{}/../../docs/estimate.md", env!("CARGO_MANIFEST_DIR"));
     let page = std::fs::read_to_string(&file).unwrap();
     let (before, rest) = page.split_once("<!-- deviations -->\n").unwrap();

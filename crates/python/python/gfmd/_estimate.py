@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, Quantity, frozen, quantities, quantity
+from ._check import Array, Quantity, frozen, quantities, quantity, shown
 from ._errors import InputError
 from ._hints import hinted
 from ._load import LOADS
@@ -32,6 +32,7 @@ class Estimate(Record):
         max_pressure, max_pressure_error: largest pressure [load], stress.
         percolation_distance, percolation_distance_error: area fraction of percolation less the area fraction [load].
         percolation_area_fraction, percolation_area_fraction_error: area fraction at which contacts percolate.
+        measured: surfaces whose computed contacts give the errors; missing if none are like this surface.
         plasticity_index: E* times the rms gradient, divided by the hardness; with `hardness` only.
         hurst, eps_f_inv: Hurst exponent and ratio of the wavelengths of the self-affine spectrum most like the one of
             the surface; NaN if there is none.
@@ -62,6 +63,7 @@ class Estimate(Record):
     percolation_distance_error: Array
     percolation_area_fraction: float
     percolation_area_fraction_error: float
+    measured: str
     plasticity_index: float
     hurst: float
     eps_f_inv: float
@@ -77,6 +79,25 @@ class Estimate(Record):
     def units(self) -> Units:
         """The length unit and the stress unit of all numbers, None where unknown."""
         return self.get("unit"), self.get("stress_unit")
+
+    def reason(self, name: str) -> Optional[str]:
+        """Returns the reason why a number of a load is NaN, of the last of several such loads; None if it has values.
+
+        Args:
+            name: the name of a number.
+
+        Raises:
+            InputError: no such number.
+
+        Example:
+            >>> e = gfmd.estimate(gfmd.self_affine(n=64, hurst=0.8), gfmd.Body(), p_star=[0.1, 9.0])
+            >>> e.reason("area_fraction"), e.reason("p_star")
+            ('the errors are known from p* = 0.0001 to 1', None)
+        """
+        if name not in self:
+            raise InputError(f"name is {shown(name)}; it must be one of {', '.join(self)}")
+        found: Optional[str] = self.get("undefined", {}).get(name)
+        return found
 
     def __repr__(self) -> str:
         names = ("p_star", "mean_pressure", "area_fraction", "mean_gap", "stiffness", "rms_pressure", "max_pressure")
