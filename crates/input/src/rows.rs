@@ -78,7 +78,7 @@ pub fn write(
 ) -> Result<(), Failure> {
     let (columns, own) = (own.ncols(), contiguous(&own));
     if share.is_whole() {
-        // The rows of a profile are not those of its share.
+        // A profile has one column, its share one row.
         see(&own);
         let Some(archive) = archive else { return Ok(()) };
         return Ok(match index {

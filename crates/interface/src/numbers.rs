@@ -4,7 +4,6 @@
 use std::ops::Range;
 
 use gfmd_vector::{Serialise, Share, add};
-use gfmd_vector::{dot as dot_alone, reduce as reduce_alone};
 
 /// Reduces a vector with `length` values on this process, as [`gfmd_vector::reduce`].
 pub(crate) fn reduce<R: Serialise>(
@@ -13,7 +12,7 @@ pub(crate) fn reduce<R: Serialise>(
     leaf: &(impl Fn(Range<usize>) -> R + Sync),
     merge: &(impl Fn(R, R) -> R + Sync),
 ) -> R {
-    if share.is_whole() { reduce_alone(length, leaf, merge) } else { share.reduce(leaf, merge) }
+    if share.is_whole() { gfmd_vector::reduce(length, leaf, merge) } else { share.reduce(leaf, merge) }
 }
 
 /// Returns the sum over a vector with `length` values on this process; `leaf` returns the sum over a range.
@@ -28,7 +27,7 @@ pub(crate) fn total(share: &Share, vector: &[f64]) -> f64 {
 
 /// Returns the scalar product of two vectors.
 pub(crate) fn dot(share: &Share, a: &[f64], b: &[f64]) -> f64 {
-    if share.is_whole() { dot_alone(a, b) } else { share.dot(a, b) }
+    if share.is_whole() { gfmd_vector::dot(a, b) } else { share.dot(a, b) }
 }
 
 /// Returns the mean of a field of a single process.

@@ -20,7 +20,7 @@ pub struct Deviations {
 /// Measured surfaces of one kind, with the ranges that they span.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Group {
-    /// What the surfaces are.
+    /// Words for the surfaces.
     pub name: String,
     /// By the name of a number, the relative deviation that 95 % of the contacts at each reduced pressure do not
     /// exceed.

@@ -17,7 +17,7 @@ from ._check import Array, Quantity, array, frozen, in_units, number, shown, wor
 from ._columns import Fields, LowerFace, Numbers, Patches
 from ._errors import InputError
 from ._load import Residual, of_load, residual_of_all
-from ._record import LINES, Measured, Record, json_of, same, table, without_null
+from ._record import LINES, Measured, Record, json_of, reason_of, same, table, without_null
 from ._result import Result
 from ._surface import Surface
 from ._units import Units, known, label, metre
@@ -284,10 +284,7 @@ class Contact(Result, Numbers, Fields):
             >>> gfmd.contact(s, gfmd.Body(), p_star=10.0).reason("stiffness")[:8]
             'infinite'
         """
-        if name not in self:
-            raise InputError(f"name is {shown(name)}; it must be one of {', '.join(self)}")
-        found: Optional[str] = self.get("undefined", {}).get(name)
-        return found
+        return reason_of(self, name)
 
     def _title(self) -> str:
         law = "" if self.law.name == "hard-wall" else f", law {self.law.name}"

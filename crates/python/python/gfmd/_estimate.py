@@ -9,11 +9,11 @@ import numpy.typing as npt
 
 from . import _command
 from ._body import Body, as_body
-from ._check import Array, Quantity, frozen, quantities, quantity, shown
+from ._check import Array, Quantity, frozen, quantities, quantity
 from ._errors import InputError
 from ._hints import hinted
 from ._load import LOADS
-from ._record import LINES, Record, table
+from ._record import LINES, Record, reason_of, table
 from ._surface import Surface, as_surface
 from ._units import Units
 
@@ -94,10 +94,7 @@ class Estimate(Record):
             >>> e.reason("area_fraction"), e.reason("p_star")
             ('the errors are known from p* = 0.0001 to 1', None)
         """
-        if name not in self:
-            raise InputError(f"name is {shown(name)}; it must be one of {', '.join(self)}")
-        found: Optional[str] = self.get("undefined", {}).get(name)
-        return found
+        return reason_of(self, name)
 
     def __repr__(self) -> str:
         names = ("p_star", "mean_pressure", "area_fraction", "mean_gap", "stiffness", "rms_pressure", "max_pressure")

@@ -6,11 +6,13 @@ import html
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 
 from . import _hints, _units
+from ._check import shown
+from ._errors import InputError
 from ._units import Units
 
 # Size of the largest array shown in full, number of lines of a representation, and largest length of a line.
@@ -212,6 +214,14 @@ def parsed(text: str) -> dict[str, Any]:
 def by_name(reasons: Mapping[str, list[str]]) -> dict[str, str]:
     """Returns the reasons for missing values by name; JSON has a list of names for each reason."""
     return {name: reason for reason, names in reasons.items() for name in names}
+
+
+def reason_of(values: Mapping[str, Any], name: str) -> Optional[str]:
+    """Returns the reason why a number of a result is NaN; None if it has a value."""
+    if name not in values:
+        raise InputError(f"name is {shown(name)}; it must be one of {', '.join(values)}")
+    found: Optional[str] = values.get("undefined", {}).get(name)
+    return found
 
 
 def without_null(values: Mapping[str, Any]) -> dict[str, Any]:
