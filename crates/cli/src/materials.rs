@@ -67,9 +67,10 @@ fn print_beside(f: &mut fmt::Formatter<'_>, values: &str, text: &str) -> fmt::Re
 
 /// Returns the values of a material that have no column.
 fn further(material: &Material) -> Vec<String> {
-    let Material { conductivity, prony, relaxes, .. } = material;
+    let Material { hardness, conductivity, prony, relaxes, .. } = material;
+    let hardness = hardness.as_ref().map(|value| format!("--hardness {value}"));
     let conductivity = conductivity.as_ref().map(|value| format!("conductivity {value}"));
     let branches: Vec<String> = prony.iter().map(|(time, fraction)| format!("{time}:{fraction}")).collect();
     let series = relaxes.as_ref().map(|relaxes| format!("--prony {} --relaxes {relaxes}", branches.join(",")));
-    conductivity.into_iter().chain(series).collect()
+    hardness.into_iter().chain(conductivity).chain(series).collect()
 }

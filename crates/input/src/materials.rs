@@ -19,6 +19,9 @@ pub struct Material {
     /// Yield stress with its unit, if the source has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub yield_stress: Option<String>,
+    /// Hardness with its unit, mean pressure on the projected area of an indentation, if the source has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hardness: Option<String>,
     /// Thermal conductivity with its unit, if the source has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conductivity: Option<String>,
@@ -67,6 +70,9 @@ mod tests {
             assert!((1e5..1e12).contains(&young) && (0.0..0.5).contains(&material.poisson), "{name}");
             // Polymers yield at strains of some percent.
             assert!(material.yield_stress.as_ref().is_none_or(|text| stress(text) < 0.05 * young), "{name}");
+            // A plastic indentation has about three times the yield stress of the strained material.
+            let bounds = material.yield_stress.as_ref().map_or(0.0, |text| 2.0 * stress(text))..0.1 * young;
+            assert!(material.hardness.as_ref().is_none_or(|text| bounds.contains(&stress(text))), "{name}");
             let conductivity = material.conductivity.as_ref().map(|text| {
                 let quantity = Quantity::parse(text).unwrap().unwrap();
                 units.value(&quantity, "stress*length^2/time*temperature").unwrap()
@@ -76,6 +82,16 @@ mod tests {
             assert!(parts < 1.0 && material.prony.is_empty() == material.relaxes.is_none(), "{name}");
             assert!(material.source.chars().any(|c| c.is_ascii_digit()) && !name.ends_with(')'), "{name}");
         }
+    }
+
+    #[test]
+    fn hardness_is_the_vickers_number_of_its_source_on_the_projected_area() {
+        let projected = 9.80665 / 68.0_f64.to_radians().sin();
+        for (name, number, digits) in [("steel-100cr6", 746.0, 2), ("copper-hard", 106.0, 3)] {
+            let expected = format!("{:.digits$}GPa", number * projected / 1e3);
+            assert_eq!(materials()[name].hardness.as_ref(), Some(&expected));
+        }
+        assert_eq!(materials()["copper-annealed"].hardness, Some(format!("{:.0}MPa", 51.0 * projected)));
     }
 
     #[test]
