@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use clap::Args as ClapArgs;
-use gfmd_measure::theory::{Estimate, Estimated, Persson};
+use gfmd_measure::theory::{Estimate, Estimated, Persson, Summits};
 use gfmd_problem::{key, words};
 use gfmd_record::{Importance, Printed, Sheet};
 use gfmd_surface::{Areal, Direction, PowerSpectrum, SurfaceError};
@@ -190,7 +190,9 @@ pub fn of(surface: &Surface, source: &SourceArgs, body: &BodyArgs) -> Result<(Op
     let waves = waves.map(|(mode, power)| (mode.wavenumber(), mode.weight * power));
     let flat = || Failure::refused(format!("{} is flat; it must be rough for an estimate", source.name()));
     let persson = Persson::new(waves, |q| elastic.normal_stiffness(q)).ok_or_else(flat)?;
-    Ok((Estimate::new(persson, grid.lengths().iter().product()), e_star))
+    let summits = Summits::of(surface.heights.view(), grid.spacing()).ok_or_else(flat)?;
+    let estimate = Estimate::new(persson, grid.lengths().iter().product());
+    Ok((estimate.map(|estimate| estimate.with_summits(summits)), e_star))
 }
 
 /// Returns skewness and kurtosis of the heights, and the anisotropy of their mean square slopes.

@@ -6,6 +6,7 @@ mod elastoplastic;
 mod estimate;
 mod persson;
 mod quadrature;
+mod summits;
 #[cfg(test)]
 mod tests;
 
@@ -15,6 +16,7 @@ pub use asperities::{Asperities, AsperityContact, AsperityTheory};
 pub use elastoplastic::ElastoplasticArea;
 pub use estimate::{EquivalentBand, Estimate, Estimated, HURST_MARGIN};
 pub use persson::{ENERGY_FACTOR, Persson};
+pub use summits::Summits;
 
 use crate::GapGas;
 

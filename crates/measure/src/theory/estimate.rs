@@ -4,7 +4,7 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use super::quadrature::gauss_legendre;
-use super::{ENERGY_FACTOR, Persson};
+use super::{ENERGY_FACTOR, Persson, Summits};
 use crate::SelfAffineArea;
 
 /// Self-affine band-limited spectrum that spreads its mean square gradient over the wavenumbers as a surface does: the
@@ -66,17 +66,23 @@ impl EquivalentBand {
 
 /// Estimate of the contacts of a surface with a half-space, without a solution: no friction, no adhesion.
 ///
-/// The area is [`SelfAffineArea::of_band`] of the equivalent band. Mean gap and stiffness are of Persson's theory.
-/// Pressures have Persson's distribution, with the variance W with which its area is this area (theory.md, section 11):
-/// on the points in contact the mean square is M₂/a, with M₂ = (p̄² + W) a + 2 p̄ √(W/2π) e^{−p̄²/2W}. The largest
-/// pressure is the level that one patch of the cell exceeds on average: of a Gaussian field they are A ⟨q²⟩/(4π) z² P
-/// for high levels, z the level above the mean in standard deviations, P the area fraction above it, and ⟨q²⟩ the mean
-/// square wavenumber of the pressure (Adler 1981).
+/// The area is [`SelfAffineArea::of_band`] of the equivalent band, with the slopes of the points that touch: a contact
+/// of area fraction a has points among the highest f = 1 − (1 − a)² of the surface, as a truncation of light contacts
+/// has twice their area. With s the rms slope there divided by the rms slope of all points ([`Summits`]), the reduced
+/// pressure is p/s. Mean gap and stiffness are of Persson's theory, moved by the height that f exceeds, in place of the
+/// one of a Gaussian surface: w (h(f) + s (u − σ z(f))) + (1 − w) u with w = (1 − a)², u the gap of the theory at p/s, σ
+/// the rms height and z the Gaussian quantile. Pressures have Persson's distribution, with the variance W with which its
+/// area is this area (theory.md, section 11): on the points in contact the mean square is M₂/a, with M₂ = (p̄² + W) a +
+/// 2 p̄ √(W/2π) e^{−p̄²/2W}. The largest pressure is the level that one patch of the cell exceeds on average: of a
+/// Gaussian field they are A ⟨q²⟩/(4π) z² P for high levels, z the level above the mean in standard deviations, P the
+/// area fraction above it, and ⟨q²⟩ the mean square wavenumber of the pressure (Adler 1981).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     persson: Persson,
     band: EquivalentBand,
     formula: SelfAffineArea,
+    /// Heights and slopes of the highest points; those of a Gaussian surface without.
+    summits: Option<Summits>,
     /// Variance of the pressure in full contact, stress².
     variance: f64,
     /// Area of the cell times its mean square wavenumber of the pressure in full contact, divided by 4π.
@@ -90,7 +96,7 @@ pub struct Estimated {
     pub area_fraction: f64,
     /// Mean gap, length.
     pub mean_gap: f64,
-    /// Slope of the mean pressure against the approach, stress/length.
+    /// Slope of the mean pressure against the approach, between loads 10 % lower and higher, stress/length.
     pub stiffness: f64,
     /// Rms pressure on the points in contact, stress.
     pub rms_pressure: f64,
@@ -114,7 +120,14 @@ impl Estimate {
         let variance = persson.variance(f64::INFINITY);
         let square: f64 = persson.variances().map(|(q, part)| q * q * part).sum();
         let patches = cell * square / variance / (2.0 * TAU);
-        Some(Self { band, formula: SelfAffineArea::new(hurst)?, variance, patches, persson })
+        Some(Self { band, formula: SelfAffineArea::new(hurst)?, summits: None, variance, patches, persson })
+    }
+
+    /// Takes the heights and slopes of the surface's highest points, in place of the ones of a Gaussian surface.
+    #[must_use]
+    pub fn with_summits(mut self, summits: Summits) -> Self {
+        self.summits = Some(summits);
+        self
     }
 
     /// Returns the equivalent band.
@@ -129,19 +142,48 @@ impl Estimate {
 
     /// Returns the numbers at a positive mean pressure, stress.
     pub fn at(&self, mean_pressure: f64) -> Estimated {
-        let p_star = mean_pressure / self.unit_pressure();
-        let factor = self.formula.factor(1.0 / self.band.eps_f_inv, p_star);
-        let area = libm::erf(SQRT_2 * factor * p_star);
-        let deviation = self.variance.sqrt() / factor;
+        let touching = self.touching(mean_pressure);
+        let Touching { area, slope, factor } = touching;
+        let deviation = self.variance.sqrt() * slope / factor;
         let z = mean_pressure / deviation;
         let square = deviation * deviation * ((1.0 + z * z) * area + 2.0 * z * (-0.5 * z * z).exp() / TAU.sqrt());
+        let gap = |pressure| self.mean_gap(pressure, self.touching(pressure));
+        let [low, high] = [1.0 - STIFFNESS_STEP, 1.0 + STIFFNESS_STEP].map(|part| part * mean_pressure);
         Estimated {
             area_fraction: area,
-            mean_gap: self.persson.mean_gap(mean_pressure, ENERGY_FACTOR),
-            stiffness: self.persson.stiffness(mean_pressure, ENERGY_FACTOR),
+            mean_gap: self.mean_gap(mean_pressure, touching),
+            stiffness: (high - low) / (gap(low) - gap(high)),
             rms_pressure: (square / area).sqrt(),
             max_pressure: self.highest(z).map(|level| mean_pressure + level * deviation),
         }
+    }
+
+    /// Returns the points in contact at a mean pressure, stress.
+    fn touching(&self, mean_pressure: f64) -> Touching {
+        let with = |slope: f64| {
+            let p_star = mean_pressure / (self.unit_pressure() * slope);
+            let factor = self.formula.factor(1.0 / self.band.eps_f_inv, p_star);
+            Touching { area: libm::erf(SQRT_2 * factor * p_star), slope, factor }
+        };
+        let Some(summits) = &self.summits else { return with(1.0) };
+        let with_area = |area: f64| with(summits.slope(highest_fraction(area)).sqrt());
+        // The contact area at the slopes of an assumed area is larger than a too small one, and smaller than 1.
+        let [mut low, mut high] = [0.0, 1.0];
+        for _ in 0..HALVINGS {
+            let area = 0.5 * (low + high);
+            if with_area(area).area > area { low = area } else { high = area }
+        }
+        with_area(0.5 * (low + high))
+    }
+
+    /// Returns the mean gap at a mean pressure, length.
+    fn mean_gap(&self, mean_pressure: f64, Touching { area, slope, .. }: Touching) -> f64 {
+        let gap = self.persson.mean_gap(mean_pressure / slope, ENERGY_FACTOR);
+        let Some(summits) = &self.summits else { return gap };
+        let fraction = highest_fraction(area);
+        let gaussian = summits.rms_height() * exceeded(fraction);
+        let weight = 1.0 - fraction;
+        weight * (summits.height(fraction) + slope * (gap - gaussian)) + (1.0 - weight) * gap
     }
 
     /// Returns the level above the mean pressure, in standard deviations, that one patch of the cell exceeds; `mean` is
@@ -161,6 +203,35 @@ impl Estimate {
         }
         Some(0.5 * (low + high))
     }
+}
+
+/// Part of the load by which the loads that give the stiffness are lower and higher.
+const STIFFNESS_STEP: f64 = 0.1;
+
+/// Points in contact.
+#[derive(Clone, Copy, Debug)]
+struct Touching {
+    /// Area fraction.
+    area: f64,
+    /// Rms slope there, divided by the rms slope of all points.
+    slope: f64,
+    /// κ/√(8/π) of the formula at the reduced pressure divided by the slope.
+    factor: f64,
+}
+
+/// Returns the area fraction of the highest points, among which are the points in contact.
+fn highest_fraction(area: f64) -> f64 {
+    1.0 - (1.0 - area).powi(2)
+}
+
+/// Returns the value that a standard normal number exceeds with this probability.
+fn exceeded(probability: f64) -> f64 {
+    let [mut low, mut high] = [-FARTHEST, FARTHEST];
+    for _ in 0..HALVINGS {
+        let z = 0.5 * (low + high);
+        if 0.5 * libm::erfc(z / SQRT_2) > probability { low = z } else { high = z }
+    }
+    0.5 * (low + high)
 }
 
 /// Standard deviations that no pressure of a cell exceeds.
@@ -227,7 +298,7 @@ mod tests {
         let estimate = Estimate::new(band(0.5, 0.5, 0.02), 1.0).unwrap();
         for p_star in [1e-6, 0.01, 0.3, 1.5] {
             let p = p_star * estimate.unit_pressure();
-            let [low, high] = [-1e-4_f64, 1e-4].map(|step| p * step.exp());
+            let [low, high] = [0.9, 1.1].map(|part| p * part);
             let slope = (high - low) / (estimate.at(low).mean_gap - estimate.at(high).mean_gap);
             let found = estimate.at(p).stiffness;
             assert!((found / slope - 1.0).abs() < 1e-5, "{p_star}: {found} {slope}");
@@ -254,6 +325,37 @@ mod tests {
             (a.max_pressure.unwrap(), b.max_pressure.unwrap(), 6.0),
         ] {
             assert!((b / a / factor - 1.0).abs() < 1e-6, "{a} {b} {factor}");
+        }
+    }
+
+    /// Heights e^{s h}: where a contact is light, it has the area of a Gaussian surface with the slopes of its summits,
+    /// and lies at the height of its summits.
+    #[test]
+    fn summits_with_other_slopes_move_area_and_gap() {
+        let n = 400;
+        let field = |s: f64| {
+            ndarray::Array2::from_shape_fn((n, n), |(x, y)| {
+                let [x, y] = [x, y].map(|k| TAU * k as f64 / n as f64);
+                let sum: f64 = (1..9).map(|k: i32| (f64::from(k) * (x + 0.7 * f64::from(k * k)) + y).cos()).sum();
+                if s == 0.0 { sum } else { (s * sum).exp_m1() / s }
+            })
+        };
+        let of = |s: f64| Summits::of(field(s).view(), [1.0 / n as f64; 2]).unwrap();
+        let plain = Estimate::new(band(0.8, 0.5, 0.02), 1.0).unwrap();
+        let p = 0.01 * plain.unit_pressure();
+        let [valleys, peaks] = [-0.2, 0.2].map(|s| (of(s), plain.clone().with_summits(of(s)).at(p)));
+        assert!(valleys.1.area_fraction > 1.3 * plain.at(p).area_fraction, "{valleys:?}");
+        assert!(peaks.1.area_fraction < 0.8 * plain.at(p).area_fraction, "{peaks:?}");
+        for (summits, found) in [valleys, peaks] {
+            let slope = summits.slope(highest_fraction(found.area_fraction)).sqrt();
+            assert!((found.area_fraction / plain.at(p / slope).area_fraction - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_exceeded_value_is_the_normal_quantile() {
+        for (probability, z) in [(0.5, 0.0), (0.158_655_253_931_457, 1.0), (0.977_249_868_051_821, -2.0)] {
+            assert!((exceeded(probability) - z).abs() < 1e-12, "{probability}");
         }
     }
 
