@@ -36,7 +36,7 @@ impl GridError {
             Self::None => "not at all",
             Self::Estimate => "from the solution alone, at no cost: hard walls on periodic half-spaces",
             Self::Refine => {
-                "from a second solution on a grid of twice as many points along each side, at five times the cost"
+                "from a second solution with twice as many points along each side, at five times the cost"
             }
         }
     }

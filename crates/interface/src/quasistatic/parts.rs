@@ -136,7 +136,7 @@ impl LimitingPressure {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Repulsion => {
-                "the repulsion of the points that touch, without the attraction: friction without a load"
+                "the repulsion of touching points, without the attraction: friction even at zero load"
             }
             Self::Net => "the net pressure, where it is positive",
         }
