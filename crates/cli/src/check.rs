@@ -29,11 +29,10 @@ pub struct Args {
     /// Result of contact, path, slide, punch, body, kappa-sweep or study
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
-    /// Run the stored configuration again, and compare every number
+    /// Run the stored configuration again and compare every number
     #[arg(long)]
     rerun: bool,
-    /// With --rerun, number of the runs of a sweep, or members of a study, that are computed again, spread evenly;
-    /// default: all
+    /// With --rerun, number of sweep runs or study members to recompute, evenly spread; default: all
     #[arg(long, requires = "rerun", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     sample: Option<u64>,
 }

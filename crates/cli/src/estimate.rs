@@ -41,7 +41,7 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     loads: PressingArgs,
-    /// Largest pressure that the surfaces carry, stress, for the plasticity index
+    /// Hardness: largest pressure that the surfaces carry, stress, for the plasticity index
     #[arg(long, value_name = "P", allow_negative_numbers = true, help_heading = "Contact")]
     #[option(kinds = Kinds::HARDNESS)]
     hardness: Option<f64>,
