@@ -28,11 +28,9 @@ impl BaseKind {
         match self {
             Self::Bonded => ("bonded", "bonded to a rigid base", Some(Ground::BONDED)),
             Self::Sliding => ("sliding", "on a frictionless rigid base", Some(Ground::SLIDING)),
-            Self::Free => (
-                "free",
-                "plate, balanced by an opposite mean traction on its lower face",
-                Some(Ground::NONE),
-            ),
+            Self::Free => {
+                ("free", "plate, balanced by an opposite mean traction on its lower face", Some(Ground::NONE))
+            }
             Self::HalfSpace => ("half-space", "bonded to an elastic half-space: a coating", None),
         }
     }
