@@ -445,8 +445,8 @@ impl Args {
             (None, []) => {
                 // Waves need no warning: they are prescribed.
                 if self.surface.is_some() && interior.body().level_compliance().contains(&0.0) {
-                    let text = "the displacement of this body does not say the mean traction on it, which is taken as \
-                                0 where it does not; --mean-traction gives it";
+                    let text = "the displacement does not determine the mean traction on this body, which is taken as \
+                                0 where undetermined; --mean-traction sets it";
                     session.warn("mean-traction", text);
                 }
                 Ok(interior)

@@ -105,11 +105,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let input_of = |name| input(&reader, kind, name);
     let (input, second_input) = (input_of("file")?, input_of("second_file")?);
     for Input { file, .. } in input.iter().chain(&second_input).filter(|input| input.state == InputState::Changed) {
-        comparison.differ("input", format!("{} has another checksum than the input of the run", printable(file)));
+        comparison.differ("input", format!("the checksum of {} differs from the input of the run", printable(file)));
     }
     match intact {
         Some(true) => {}
-        Some(false) => comparison.differ("content_sha256", "the content is not that which was written".into()),
+        Some(false) => comparison.differ("content_sha256", "the content differs from what was written".into()),
         None => comparison.differ("content_sha256", "it is missing; every version writes it".into()),
     }
     let recomputed = recompute(args, kind, &reader, &mut comparison, session);

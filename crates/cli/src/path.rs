@@ -375,7 +375,7 @@ fn warn_of_yield_stress(args: &Args, session: &Session) {
 fn warn_of_strain(state: &PlasticState, prepared: &Prepared, session: &Session) {
     let most = state.max_plastic_strain();
     if most > LARGEST_PLASTIC_STRAIN {
-        let text = format!("the plastic strain is {most:.2} at most; the theory is one of small strain");
+        let text = format!("the plastic strain reaches {most:.2}; the theory assumes small strains");
         session.warn("large-plastic-strain", text);
     }
     if state.yields_at_bottom() {
@@ -407,7 +407,7 @@ fn warn_unsettled_steps(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &
             setting("energy_tolerance", energy_tolerance),
             " with more increments; ",
             setting("energy_solves", energy_solves),
-            format!(" did not suffice: about {settling} should, or take more "),
+            format!(" did not suffice: try about {settling}, or more "),
             key("steps"),
         ],
     );

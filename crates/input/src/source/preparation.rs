@@ -213,7 +213,7 @@ impl<'a> Preparing<'a> {
                 *height = if *is_invalid { f64::NAN } else { *height };
             });
             if heights.iter().all(|height| height.is_nan()) {
-                return Err(Failure::value(key("invalid"), "every point", "points of which some stay"));
+                return Err(Failure::value(key("invalid"), "every point", "only some of the points"));
             }
             let count = invalid.iter().filter(|is_invalid| **is_invalid).count();
             let named: Vec<String> = args.invalid.iter().map(ToString::to_string).collect();
@@ -263,9 +263,8 @@ impl<'a> Preparing<'a> {
             let words = format!("levelled by {level}");
             self.replace("level", json!({"how": level.to_string()}), heights, &words);
             let axis = if rows == Rows::Rows { "y" } else { "x" };
-            self.notes.push(format!(
-                "levelling took waves along {axis} alone out of the spectrum: the surface looks more aligned than it is"
-            ));
+            self.notes
+                .push(format!("levelling removed waves along {axis} alone: the surface looks more aligned than it is"));
         }
         Ok(())
     }
