@@ -79,7 +79,7 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave", help_heading = "Surface")]
     #[serde(deserialize_with = "up_to::<2, _, _>")]
     n: Vec<usize>,
-    /// Load of a contact file, numbered from 0; default: the last
+    /// Load of a contact file, or waypoint of a path file, numbered from 0; default: the last
     #[arg(long, value_name = "K", help_heading = "Surface")]
     load: Option<usize>,
     /// Mean surface traction x, y, z (x, z of a line; z is negative under pressure) for an array whose mean

@@ -65,7 +65,7 @@ pub enum Command {
     Serve(Box<serve::Args>),
     /// List the materials of --material and the fluids of --fluid with their values and sources
     Materials(materials::Args),
-    /// Print a shell script that completes commands and flags
+    /// Print a shell completion script for commands and flags
     Completions(completions::Args),
 }
 

@@ -43,7 +43,7 @@ pub struct ResumeArgs {
 #[derive(Args, Options, Clone, Copy, Debug)]
 #[command(next_help_heading = "Long runs")]
 pub struct CheckpointArgs {
-    /// Checkpoint interval of the running solve, s; checkpoints lie beside --out; 0 for none
+    /// Checkpoint interval of the running solve, s; 0 for none. Checkpoints are kept beside --out
     #[arg(long, default_value_t = EVERY.as_secs_f64(), value_name = "SECONDS", allow_negative_numbers = true)]
     checkpoint: f64,
 }

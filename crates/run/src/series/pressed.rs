@@ -97,7 +97,8 @@ pub struct ContactArgs {
     #[arg(long, value_name = "E", conflicts_with = "grid_error", help_heading = "Accuracy")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
-    /// Solve the first load first with 8, 4 and 2 times the range of the law and the same work, in turn
+    /// Solve the first load with 8, 4 and 2 times the range of the law and the same work, in turn, before the law
+    /// itself
     #[arg(long, help_heading = "Solver")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub range_continuation: bool,
