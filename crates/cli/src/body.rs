@@ -59,9 +59,8 @@ use volume::{Planes, Volume};
 --draw uy,uz,eyz --plots wave
   gfmd body --surface punch.h5 --levels 65 --slice y=0.635 --compare elements.npy --plots both")]
 pub struct Args {
-    /// Displacement of the surface: FILE.npy of the shape [nx, ny, 3] (or [n, 2] of a line: x, z), or
-    /// FILE.h5[:/dataset] of this shape; to /fields/displacement_z of a contact, the lateral displacement without
-    /// friction is added
+    /// Surface displacement: FILE.npy of shape [nx, ny, 3] (or [n, 2] of a line: x, z), or FILE.h5[:/dataset] of this
+    /// shape; the frictionless lateral displacement is added to /fields/displacement_z of a contact
     #[arg(
         long,
         value_name = "FILE",
@@ -71,20 +70,20 @@ pub struct Args {
     )]
     #[option(array)]
     surface: Option<ArrayOption>,
-    /// In place of a file: the component x, y or z of the surface is displaced by A cos 2pi(M x/Lx + N y/Ly); waves
-    /// that are given add up, other components are zero
+    /// In place of a file: displacement A cos 2pi(M x/Lx + N y/Ly) of component x, y or z; repeated waves add up, other
+    /// components are zero
     #[arg(long, value_name = "M,N,COMPONENT,A", allow_hyphen_values = true, help_heading = "Surface")]
     #[option(kinds = Kinds::list(&[&["1", "1", "1", "length"]]))]
     wave: Vec<Wave>,
-    /// Points of the grid of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
+    /// Grid points of --wave: N or NX,NY; NY = 1 is a line in plane strain [default: 64]
     #[arg(long, value_delimiter = ',', value_name = "N", num_args = 1..=2, requires = "wave", help_heading = "Surface")]
     #[serde(deserialize_with = "up_to::<2, _, _>")]
     n: Vec<usize>,
-    /// Number of the load in the file of a contact, from 0; default: the last one
+    /// Load of a contact file, or waypoint of a path file, numbered from 0; default: the last
     #[arg(long, value_name = "K", help_heading = "Surface")]
     load: Option<usize>,
-    /// Mean traction x, y, z on the surface (x, z of a line; z is less than 0 under pressure), of an array on a body
-    /// whose mean displacement does not say it: a half-space, or incompressible layers; default: 0
+    /// Mean surface traction x, y, z (x, z of a line; z is negative under pressure) for an array whose mean
+    /// displacement does not determine it: on a half-space, or on incompressible layers; default: 0
     #[arg(
         long,
         value_delimiter = ',',
@@ -120,8 +119,8 @@ pub struct Args {
     #[arg(long, value_name = "D", conflicts_with = "depths", allow_negative_numbers = true, help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     deepest: Option<f64>,
-    /// Compute only the row of points nearest to this position, a y-z or x-z slice, or, in place of depths, the plane
-    /// at this height above the base (of a half-space: above its surface)
+    /// Compute only a slice: the row of points nearest to this position (y-z or x-z) or, in place of depths, the plane
+    /// at this height above the base (half-space: above its surface)
     #[arg(long, value_name = "x=X|y=Y|z=Z", help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     slice: Option<Slice>,
@@ -135,22 +134,22 @@ pub struct Args {
         help_heading = "Places"
     )]
     quantities: Vec<Quantity>,
-    /// Write the fields: FILE.h5, or FILE.vti for ParaView (with --levels)
+    /// Write the fields to FILE.h5, or to FILE.vti for ParaView (with --levels)
     #[arg(long, value_name = "FILE.h5|FILE.vti", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Compare what is drawn with another run of this command, FILE.h5, or with FILE.npy: [level, point, component]
-    /// from the surface downwards, [x, y, component] of a plane, with the components of displacement, of stress, or of
-    /// both
+    /// Compare the drawn components with another run of this command, FILE.h5, or with FILE.npy: [level, point,
+    /// component] from the surface down, or [x, y, component] of a plane, with the components of displacement, stress
+    /// or both
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     #[serde(skip)]
     compare: Option<String>,
-    /// Draw maps of the slice, or of the middle row without --slice: PREFIX-*.svg, .png (with --levels or --slice z=Z);
-    /// with --compare also of the reference and of the difference
+    /// Draw maps of the slice, or without --slice of the middle row: PREFIX-*.svg, .png (with --levels or --slice z=Z);
+    /// with --compare also of the reference and the difference
     #[arg(long, value_name = "PREFIX", conflicts_with = "depths", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
-    /// Components to draw and to compare; default: the components of --quantities in the plane of the slice
+    /// Components to draw and compare; default: the components of --quantities in the plane of the slice
     #[arg(
         long,
         value_delimiter = ',',
@@ -172,7 +171,7 @@ struct PlaceArgs {
     #[arg(long, value_delimiter = ',', value_name = "D1,D2,..", allow_negative_numbers = true)]
     #[option(kinds = Kinds::LENGTH)]
     depths: Vec<f64>,
-    /// Number of depths at equal distances, from the surface to the base (or to --deepest)
+    /// Number of evenly spaced depths from the surface to the base (or to --deepest)
     #[arg(long, value_name = "N")]
     levels: Option<usize>,
 }
@@ -446,8 +445,8 @@ impl Args {
             (None, []) => {
                 // Waves need no warning: they are prescribed.
                 if self.surface.is_some() && interior.body().level_compliance().contains(&0.0) {
-                    let text = "the displacement of this body does not say the mean traction on it, which is taken as \
-                                0 where it does not; --mean-traction gives it";
+                    let text = "the displacement does not determine the mean traction on this body, which is taken as \
+                                0 where undetermined; --mean-traction sets it";
                     session.warn("mean-traction", text);
                 }
                 Ok(interior)

@@ -29,11 +29,10 @@ pub struct Args {
     /// Result of contact, path, slide, punch, body, kappa-sweep or study
     #[arg(value_name = "FILE.h5")]
     file: PathBuf,
-    /// Run the stored configuration again, and compare every number
+    /// Run the stored configuration again and compare every number
     #[arg(long)]
     rerun: bool,
-    /// With --rerun, number of the runs of a sweep, or members of a study, that are computed again, spread evenly;
-    /// default: all
+    /// With --rerun, number of sweep runs or study members to recompute, evenly spread; default: all
     #[arg(long, requires = "rerun", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     sample: Option<u64>,
 }
@@ -106,11 +105,11 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     let input_of = |name| input(&reader, kind, name);
     let (input, second_input) = (input_of("file")?, input_of("second_file")?);
     for Input { file, .. } in input.iter().chain(&second_input).filter(|input| input.state == InputState::Changed) {
-        comparison.differ("input", format!("{} has another checksum than the input of the run", printable(file)));
+        comparison.differ("input", format!("the checksum of {} differs from the input of the run", printable(file)));
     }
     match intact {
         Some(true) => {}
-        Some(false) => comparison.differ("content_sha256", "the content is not that which was written".into()),
+        Some(false) => comparison.differ("content_sha256", "the content differs from what was written".into()),
         None => comparison.differ("content_sha256", "it is missing; every version writes it".into()),
     }
     let recomputed = recompute(args, kind, &reader, &mut comparison, session);

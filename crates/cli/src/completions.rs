@@ -10,7 +10,7 @@ use clap_complete::{Shell, generate};
   gfmd completions zsh > ~/.zfunc/_gfmd
   gfmd completions fish > ~/.config/fish/completions/gfmd.fish")]
 pub struct Args {
-    /// Shell that reads the script
+    /// Shell to generate the script for
     #[arg(value_enum)]
     shell: Shell,
 }

@@ -81,7 +81,7 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     measure: MeasureArgs,
-    /// Find the loads between the lowest and the highest one at which the gap closes for a flow along x and along y
+    /// Find the loads, between the lowest and the highest, at which the gap closes to flow along x and along y
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     flow_threshold: bool,
@@ -101,17 +101,17 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Write the surface of the last load to this file of VTK, for ParaView: .vti the points of the undeformed surface,
-    /// .vtp the deformed surface, both with all fields, the heights and the points in contact
+    /// Write the surface under the last load to this VTK file, for ParaView: undeformed (.vti) or deformed (.vtp), both
+    /// with all fields, the heights and the points in contact
     #[arg(long, value_name = "FILE.vti|FILE.vtp", help_heading = "Output")]
     #[serde(skip)]
     vtk: Option<PathBuf>,
     #[command(flatten)]
     #[serde(skip)]
     law_file: LawFileArgs,
-    /// Draw the last load, and area against pressure: PREFIX-map.svg, .png (pressure), PREFIX-gap, PREFIX-section (both
-    /// surfaces and the pressure along x), with an attraction PREFIX-traction, PREFIX-area; with a lower surface also
-    /// PREFIX-lower-map and so on, with the statistics also patches, distributions and spectrum, with the flow its flux
+    /// Draw the last load: PREFIX-map.svg, .png (pressure), -gap, -section (both surfaces and the pressure along x)
+    /// and, with attraction, -traction; area against pressure: -area; with a lower surface also -lower-map etc., with
+    /// --statistics patches, distributions and spectrum, with --flow the flux
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -119,7 +119,7 @@ pub struct Args {
 
 fn help_of_fields() -> String {
     let fields = Chosen::listed(", ");
-    format!("Fields of each load that go into --out: some of {fields}, or none; default: all")
+    format!("Fields of each load to write to --out: some of {fields}, or none; default: all")
 }
 
 /// Runs the command.

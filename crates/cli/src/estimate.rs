@@ -41,7 +41,7 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     loads: PressingArgs,
-    /// Largest pressure that the surfaces carry, stress, for the plasticity index
+    /// Hardness: largest pressure that the surfaces carry, stress, for the plasticity index
     #[arg(long, value_name = "P", allow_negative_numbers = true, help_heading = "Contact")]
     #[option(kinds = Kinds::HARDNESS)]
     hardness: Option<f64>,
@@ -115,7 +115,7 @@ pub fn numbers(estimated: &Estimated) -> [Option<f64>; 5] {
 }
 
 /// Reason for surfaces with spectra unlike all that were measured.
-const UNLIKE: &str = "the spectrum is unlike all self-affine ones, from which the formula is known";
+const UNLIKE: &str = "the spectrum is unlike any self-affine one, and the formula is known for these";
 
 /// Largest part of the mean square slope at the seam; half of it is the relative error of the area.
 const SEAM: f64 = 0.05;

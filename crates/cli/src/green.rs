@@ -31,11 +31,11 @@ pub struct Args {
     )]
     #[serde(deserialize_with = "within::<2, 3, _, _>")]
     dim: u8,
-    /// Wave vector along x, rad/length; fields go like exp(+i q r)
+    /// Wave vector component qx, rad/length; fields vary as exp(+i q r)
     #[arg(long, value_name = "QX", allow_negative_numbers = true, help_heading = "Wave")]
     #[option(kinds = Kinds::WAVENUMBER, default = f64::NAN)]
     qx: f64,
-    /// Wave vector along y, rad/length; 0 in 2-D
+    /// Wave vector component qy, rad/length; 0 in 2-D
     #[arg(long, default_value_t = 0.0, value_name = "QY", allow_negative_numbers = true, help_heading = "Wave")]
     #[option(kinds = Kinds::WAVENUMBER)]
     qy: f64,
@@ -55,17 +55,17 @@ pub struct Args {
     #[arg(long, default_value_t = 1.0, value_name = "E", allow_negative_numbers = true, help_heading = "Body")]
     #[option(kinds = Kinds::STRESS)]
     young: f64,
-    /// Poisson's ratio, above -1 and up to 0.5
+    /// Poisson's ratio, above -1 and at most 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true, help_heading = "Body")]
     poisson: f64,
     #[command(flatten)]
     #[serde(flatten)]
     others: OtherArgs,
-    /// Compute displacement and stress, too, at this height above the base of the slab
+    /// Also compute displacement and stress at this height above the base of the slab
     #[arg(long, value_name = "Z", allow_negative_numbers = true, conflicts_with = "depth", help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     z: Option<f64>,
-    /// Compute displacement and stress, too, at this depth below the surface
+    /// Also compute displacement and stress at this depth below the surface
     #[arg(long, value_name = "D", allow_negative_numbers = true, help_heading = "Places")]
     #[option(kinds = Kinds::LENGTH)]
     depth: Option<f64>,

@@ -215,7 +215,7 @@ fn alone(
         (Some(arg), Some(value)) if is_number && !is_file(word) => {
             let flag = arg.get_long().unwrap_or_default();
             let value = value.strip_prefix(&format!("--{flag}=")).unwrap_or(value);
-            format!("unexpected argument '{word}' found; several values have commas between: --{flag} {value},{word}")
+            format!("unexpected argument '{word}' found; separate values by commas: --{flag} {value},{word}")
         }
         (Some(arg), Some(value)) if !is_like_file && kinds().contains_key(arg.get_id().as_str()) => {
             let flag = arg.get_long().unwrap_or_default();

@@ -49,7 +49,7 @@ type Finished = parts::Finished<Vec<Pressed>>;
   gfmd kappa-sweep --config sweep.toml --out sweep.h5 --resume --shard 3/64
   gfmd kappa-sweep --config sweep.toml --out sweep.h5 --merge")]
 pub struct Args {
-    /// Sweep to compute, by name
+    /// Named sweep to compute
     #[arg(
         long,
         default_value_t = Preset::Default,
@@ -58,29 +58,29 @@ pub struct Args {
     )]
     #[serde(with = "named")]
     pub preset: Preset,
-    /// Configuration of a sweep in TOML (docs/interface.md); missing fields come from the preset "default"
+    /// Sweep configuration in TOML (docs/interface.md); missing fields come from the preset "default"
     #[arg(long, value_name = "FILE.toml")]
     pub config: Option<Configured>,
     /// Write the results to this file, and plots beside it
     #[arg(long, default_value = "kappa.h5", value_name = "FILE.h5")]
     #[option(default = "kappa.h5".into())]
     pub out: PathBuf,
-    /// Continue a sweep that was interrupted or killed
+    /// Continue an interrupted or killed sweep
     #[arg(long)]
     pub resume: bool,
-    /// Take the contacts from this result, whose configuration may differ in the fit only, and analyse them anew
+    /// Reanalyse the contacts of this result, whose configuration may differ only in the fit
     #[arg(long, value_name = "FILE.h5", conflicts_with = "resume")]
     pub runs_of: Option<PathBuf>,
-    /// Compute the K-th (from 0) of M shards of the runs, of about equal work, into a journal beside --out, and no
-    /// result: any scheduler can start them (docs/cluster.md)
+    /// Compute only shard K (from 0) of M, of about equal work, into a journal beside --out, without a result: any
+    /// scheduler can start shards (docs/cluster.md)
     #[arg(long, value_name = "K/M", conflicts_with_all = ["runs_of", "merge", "show_config"])]
     #[serde(deserialize_with = "parsed")]
     pub shard: Option<Shard>,
-    /// Take the runs from all journals of this sweep beside --out, compute those that are missing, and write the result
+    /// Merge all journals of this sweep beside --out, compute missing runs, and write the result
     #[arg(long, conflicts_with_all = ["runs_of", "show_config"])]
     pub merge: bool,
-    /// Add surfaces, where they pay most, until the statistical error of kappa_TFC (half of its 95 % interval over its
-    /// value) is at most this: 0.005 for half a percent
+    /// Add surfaces where they help most until the relative statistical error of kappa_TFC (half of its 95 % interval
+    /// divided by its value) is at most this: 0.005 for half a percent
     #[arg(
         long,
         value_name = "ERROR",
@@ -88,10 +88,10 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     pub target: Option<f64>,
-    /// Print every point, its memory and the expected time, and compute nothing
+    /// Print every point, its memory and the expected time; compute nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Print the configuration as TOML, as a template for --config, and compute nothing
+    /// Print the configuration in TOML, as a template for --config; compute nothing
     #[arg(long, conflicts_with = "dry_run")]
     pub show_config: bool,
 }

@@ -29,7 +29,7 @@ use gfmd_unit::Units;
 pub struct Args {
     #[command(flatten)]
     law: LawArgs,
-    /// Normal separations, open > 0, length
+    /// Normal separations, positive for an open gap, length
     #[arg(
         long,
         required = true,
@@ -40,7 +40,7 @@ pub struct Args {
     )]
     #[option(kinds = Kinds::LENGTH)]
     normal: Vec<f64>,
-    /// Tangential separations along one direction, one for each normal one; default 0
+    /// Tangential separations along one direction, one for each normal separation, length; default: 0
     #[arg(
         long,
         value_delimiter = ',',
@@ -56,7 +56,7 @@ pub struct Args {
     /// Unit of stresses without one [default: the unit of the table, or Pa if a stress has a unit]
     #[arg(long, value_name = "UNIT", value_parser = stress_unit, help_heading = "Interface law")]
     stress_unit: Option<String>,
-    /// Draw T_n against the normal separation, one curve for each value of --tangential, and T_t against the tangential
+    /// Draw T_n against normal separation, one curve for each value of --tangential, and T_t against tangential
     /// separation, one curve for each value of --normal: PREFIX.svg, .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     plot: Option<PathBuf>,

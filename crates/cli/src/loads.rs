@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 #[group(required = true, multiple = false)]
 #[command(next_help_heading = "Load")]
 pub(crate) struct LoadArgs {
-    /// Mean pressures, stress; with a law a negative one pulls; A:B:N is N values from A to B in geometric steps
+    /// Mean pressures, stress, negative for tension (with a law); A:B:N is N values from A to B in geometric steps
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::STRESS)]
@@ -25,12 +25,12 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     p_star: Vec<Entry>,
-    /// Forces on the whole surface, stress * length^2, such as 5N: mean pressures times the area of the cell or patch
+    /// Total forces, stress * length^2, such as 5N: mean pressures times the area of the cell or patch
     #[arg(long, value_delimiter = ',', value_name = "F1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::FORCE)]
     force: Vec<Entry>,
-    /// Rigid approaches beyond first touch, length; a negative one is a separation
+    /// Rigid approaches beyond first touch, length, negative for separation
     #[arg(
         long,
         alias = "displacement",
@@ -137,7 +137,7 @@ pub(crate) struct PressingArgs {
     #[arg(long, value_delimiter = ',', value_name = "P1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(deserialize_with = "from_numbers")]
     p_star: Vec<Entry>,
-    /// Forces on the whole surface, stress * length^2, such as 5N: mean pressures times the area of the cell
+    /// Total forces, stress * length^2, such as 5N: mean pressures times the area of the cell
     #[arg(long, value_delimiter = ',', value_name = "F1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::FORCE)]

@@ -112,9 +112,9 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     stiffness: StiffnessArgs,
-    /// Largest error of the dissipated energy divided by the work of a step, for laws that have an energy. With
-    /// friction, half of it also bounds the change of the shear, as an energy, when the increments of a step are
-    /// halved, and its root the change of the sticking fraction when the last increment is halved
+    /// Largest error of the dissipated energy divided by the work of a step, for laws with an energy. With friction,
+    /// half of it also bounds the change of the shear, as an energy, when the increments of a step are halved, and its
+    /// square root the change of the sticking fraction when the last increment is halved
     #[arg(
         long,
         alias = "energy-tol",
@@ -124,16 +124,14 @@ pub struct Args {
         help_heading = "Accuracy"
     )]
     energy_tolerance: f64,
-    /// Largest number of further solves per step, on average, to find the dissipated energy, and with friction the
-    /// shear; 0 for none [default: 4; with friction 10, otherwise of a viscoelastic body, of one that yields and with
-    /// wear 0]
+    /// Largest average number of further solves per step to find the dissipated energy, and with friction the shear; 0
+    /// for none [default: 4; 10 with friction, else 0 for a viscoelastic or yielding body and with wear]
     #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
-    /// Draw the path, PREFIX-path.svg, .png; of a viscoelastic body that is sheared PREFIX-shear, with many panels
-    /// PREFIX-time; the losses by cause: PREFIX-losses; with wear PREFIX-wear and of the last step PREFIX-profile,
-    /// PREFIX-depth; of a body that yields PREFIX-imprint (residual topography), PREFIX-strain (section below the
-    /// surface); the step with the largest contact: PREFIX-map (pressure), PREFIX-gap, PREFIX-section (both surfaces
-    /// and the pressure along x), with an attraction PREFIX-traction
+    /// Draw the path: PREFIX-path.svg, .png; a sheared viscoelastic body: -shear, with many panels -time; energy lost
+    /// by cause: -losses; wear: -wear and, of the last step, -profile and -depth; a yielding body: -imprint (residual
+    /// topography) and -strain (section below the surface); the step with the largest contact: -map (pressure), -gap,
+    /// -section (both surfaces and the pressure along x) and, with attraction, -traction
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -377,7 +375,7 @@ fn warn_of_yield_stress(args: &Args, session: &Session) {
 fn warn_of_strain(state: &PlasticState, prepared: &Prepared, session: &Session) {
     let most = state.max_plastic_strain();
     if most > LARGEST_PLASTIC_STRAIN {
-        let text = format!("the plastic strain is {most:.2} at most; the theory is one of small strain");
+        let text = format!("the plastic strain reaches {most:.2}; the theory assumes small strains");
         session.warn("large-plastic-strain", text);
     }
     if state.yields_at_bottom() {
@@ -409,7 +407,7 @@ fn warn_unsettled_steps(unsettled: &[(usize, Step)], path: &Path<Posed>, args: &
             setting("energy_tolerance", energy_tolerance),
             " with more increments; ",
             setting("energy_solves", energy_solves),
-            format!(" did not suffice: about {settling} should, or take more "),
+            format!(" did not suffice: try about {settling}, or more "),
             key("steps"),
         ],
     );

@@ -30,42 +30,42 @@ use gfmd_problem::options::given::Arrays;
 /// The commands of `gfmd`.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Press a rough surface on an elastic body, at one or more loads
+    /// Press a rough surface against an elastic body at one or more loads
     Contact(Box<contact::Args>),
-    /// Extrapolate kappa to the thermodynamic, fractal and continuum limit, with its uncertainty
+    /// Extrapolate kappa to the thermodynamic, fractal and continuum limit, with uncertainty
     KappaSweep(Box<kappa_sweep::Args>),
-    /// Compute many contacts, the product of surfaces, seeds, bodies and loads, into one file
+    /// Compute the contacts of all combinations of surfaces, seeds, bodies and loads into one file
     Study(Box<study::Args>),
-    /// Press a flat rigid punch on an elastic body: all components, sticking or frictionless
+    /// Press a flat rigid punch into an elastic body: all displacement components, sticking or frictionless
     Punch(Box<punch::Args>),
     /// Compute displacement, strain and stress below a surface from its displacement
     Body(Box<body::Args>),
-    /// Make a rough surface, or measure one
+    /// Generate or measure a rough surface
     Surface(Box<surface::Args>),
-    /// Look up stiffness, compliance and transfer matrices of one wave vector
+    /// Evaluate stiffness, compliance and transfer matrices for one wave vector
     Green(Box<green::Args>),
     /// Follow a contact along a path: loading and unloading, adhesion, friction, wear
     #[command(visible_alias = "wear")]
     Path(Box<path::Args>),
-    /// Slide a rough surface steadily over a body: friction by hysteresis, and flash temperature, against velocity
+    /// Slide a rough surface steadily over a body: hysteretic friction and flash temperature against velocity
     Slide(Box<slide::Args>),
     /// Evaluate a contact law: tractions, Jacobian, energy
     Law(Box<law::Args>),
-    /// Fit a Prony series to measured storage and loss moduli, for a body of path and slide
+    /// Fit a Prony series to measured storage and loss moduli, for path and slide
     Prony(Box<prony::Args>),
     /// Evaluate theories of rough contact for a surface and a body, without solving a contact
     Theory(Box<theory::Args>),
-    /// Estimate area, gap, stiffness and pressures of a contact from the spectrum of the surface, with their errors
+    /// Estimate area, gap, stiffness and pressures of a contact from the surface spectrum, with errors
     Estimate(Box<estimate::Args>),
-    /// Recompute the numbers of a result file from its inputs, and compare
+    /// Recompute the numbers of a result file from its inputs and compare them
     Check(Box<check::Args>),
-    /// Make a page of HTML of a result: the answer, figures, certificates, cost, how to repeat it
+    /// Write an HTML page about a result: the answer, figures, certificates, cost, and how to repeat it
     Report(Box<report::Args>),
-    /// Open a page in the browser: take a scan, prepare it, press it, look at maps of the result
+    /// Serve a page in the browser: upload a scan, prepare it, press it, view maps of the result
     Serve(Box<serve::Args>),
     /// List the materials of --material and the fluids of --fluid with their values and sources
     Materials(materials::Args),
-    /// Print a script by which a shell completes commands and flags
+    /// Print a shell completion script for commands and flags
     Completions(completions::Args),
 }
 
@@ -165,19 +165,19 @@ pub fn tune_allocator() {
 
 /// Terms of flags, by the key of the flag or the name of the command with help that explains them.
 const TERMS: [(&str, &str); 6] = [
-    ("p_star", "  p*       reduced pressure p/(E* g): mean pressure over contact modulus E* times rms gradient g"),
+    ("p_star", "  p*       reduced pressure p/(E* g): mean pressure p, contact modulus E*, rms gradient g"),
     ("e_star", "  E*       contact modulus E/(1 - nu^2)"),
-    ("eps_t_inv", "  eps_t    longest wavelength of the surface over the length of the cell"),
-    ("eps_f_inv", "  eps_f    shortest wavelength over the longest one"),
-    ("eps_c_inv", "  eps_c    grid spacing over the shortest wavelength"),
+    ("eps_t_inv", "  eps_t    longest wavelength divided by the cell length"),
+    ("eps_f_inv", "  eps_f    shortest wavelength divided by the longest"),
+    ("eps_c_inv", "  eps_c    grid spacing divided by the shortest wavelength"),
     (
         "kappa-sweep",
-        "  p*       reduced pressure p/(E* g): mean pressure over contact modulus E* times rms gradient g\n  \
-         kappa    contact area fraction over p*\n  \
-         TFC      thermodynamic, fractal and continuum limit, of eps_t, eps_f and eps_c to 0\n  \
-         eps_t    longest wavelength of the surface over the length of the cell\n  \
-         eps_f    shortest wavelength over the longest one\n  \
-         eps_c    grid spacing over the shortest wavelength",
+        "  p*       reduced pressure p/(E* g): mean pressure p, contact modulus E*, rms gradient g\n  \
+         kappa    contact area fraction divided by p*\n  \
+         TFC      thermodynamic, fractal and continuum limit: eps_t, eps_f and eps_c to 0\n  \
+         eps_t    longest wavelength divided by the cell length\n  \
+         eps_f    shortest wavelength divided by the longest\n  \
+         eps_c    grid spacing divided by the shortest wavelength",
     ),
 ];
 

@@ -31,13 +31,12 @@ const EXTRAPOLATED: &str = "extrapolated";
   gfmd prony --dma master.csv --times 1e-6,1e-4,1e-2,1 --long-term 2.1 --json
   gfmd prony --dma sweep.csv --wlf 17.44,51.6,-60")]
 pub struct Args {
-    /// Table with the columns frequency, storage and loss, and temperature or log_a_t if there are several
-    /// temperatures; heads may have units, as in `frequency (Hz), storage (MPa), loss (MPa)`. Without a unit the
-    /// frequency is in Hz
+    /// Table with the columns frequency, storage and loss, and temperature or log_a_t for several temperatures; heads
+    /// may have units, as in `frequency (Hz), storage (MPa), loss (MPa)`. Without a unit the frequency is in Hz
     #[arg(long, required = true, value_name = "FILE", help_heading = "Measurement")]
     dma: String,
-    /// Shift the frequencies of several temperatures by the equation of Williams, Landel and Ferry: C1, C2 and the
-    /// reference temperature T0, in the unit of the column temperature
+    /// Shift the frequencies of several temperatures by the Williams-Landel-Ferry equation: C1, C2 and the reference
+    /// temperature T0, in the unit of the temperature column
     #[arg(
         long,
         value_delimiter = ',',
@@ -49,7 +48,7 @@ pub struct Args {
     /// Unit of storage and loss modulus if the heads have none
     #[arg(long, value_name = "UNIT", value_parser = stress_unit, help_heading = "Measurement")]
     stress_unit: Option<String>,
-    /// Number of relaxation times, in geometric steps across the frequencies; branches without a modulus are left out
+    /// Number of relaxation times, in geometric steps across the frequencies; branches of zero modulus are dropped
     /// [default: the fewest branches within 1.1 times the smallest misfit, or 1 %]
     #[arg(long, value_name = "N", conflicts_with = "times", help_heading = "Series")]
     branches: Option<usize>,
@@ -65,8 +64,7 @@ pub struct Args {
     /// Long-term modulus from another test, in the unit of the storage modulus [default: fitted]
     #[arg(long, value_name = "E", allow_negative_numbers = true, help_heading = "Series")]
     long_term: Option<f64>,
-    /// Draw measured and fitted moduli, and the moduli of the branches: PREFIX-moduli.svg, PREFIX-branches.svg, and
-    /// .png
+    /// Draw measured and fitted moduli, and branch moduli: PREFIX-moduli.svg, PREFIX-branches.svg, and .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     plots: Option<PathBuf>,
 }

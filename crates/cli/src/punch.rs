@@ -49,8 +49,8 @@ pub use report::Report;
 #[command(
     after_help = "Points under the punch: point i of n lies at x = i L/n, the punch covers (1 - f)/2 < x/L < (1 + f)/2 \
 along x and, with --dim 3, y. Points on its edge count with --nodes inclusive, not with strict. N points in a row act \
-as a sharp-edged punch with a width of about N - 1/3 spacings (effective_width). With either choice the error of the \
-force is of first order in the spacing; --refine extrapolates to zero spacing.
+as a sharp-edged punch with a width of about N - 1/3 spacings (effective_width). With either choice the force \
+error is of first order in the spacing; --refine extrapolates to zero spacing.
 
 Examples:
   gfmd punch --nodes inclusive --out punch.h5 --plots punch
@@ -71,7 +71,7 @@ pub struct Args {
     )]
     #[option(kinds = Kinds::LENGTH)]
     size: f64,
-    /// Height of the slab, or of the top layer; "inf" for a half-space; default: the length of the cell
+    /// Height of the slab or top layer; "inf" for a half-space; default: the cell length
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true, help_heading = "Body")]
     #[serde(with = "height_if")]
     #[option(kinds = Kinds::LENGTH)]
@@ -80,13 +80,13 @@ pub struct Args {
     #[arg(long, default_value_t = 70.0, value_name = "E", allow_negative_numbers = true, help_heading = "Body")]
     #[option(kinds = Kinds::STRESS)]
     young: f64,
-    /// Poisson's ratio, above -1 and up to 0.5
+    /// Poisson's ratio, above -1 and at most 0.5
     #[arg(long, default_value_t = 0.33, value_name = "NU", allow_negative_numbers = true, help_heading = "Body")]
     poisson: f64,
     #[command(flatten)]
     #[serde(flatten)]
     others: OtherArgs,
-    /// 3: a square punch; 2: a strip, in plane strain
+    /// 3: square punch; 2: strip, in plane strain
     #[arg(
         long,
         default_value_t = 3,
@@ -100,21 +100,21 @@ pub struct Args {
     #[arg(long, value_name = "N", help_heading = "Punch")]
     #[serde(skip_serializing_if = "Option::is_none")]
     n: Option<usize>,
-    /// Width of the punch divided by the width of the cell
+    /// Punch width divided by cell width
     #[arg(long, default_value_t = 0.25, value_name = "F", allow_negative_numbers = true, help_heading = "Punch")]
     punch_fraction: f64,
-    /// Depth to which the punch is pressed, length; on a half-space, below the mean level of the surface
+    /// Indentation depth, length; on a half-space, below the mean level of the surface
     #[arg(long, default_value_t = 0.005, value_name = "D", allow_negative_numbers = true, help_heading = "Punch")]
     #[option(kinds = Kinds::LENGTH)]
     depth: f64,
-    /// Condition under the punch
+    /// Contact condition under the punch
     #[arg(long, value_enum, default_value_t = ContactName::Sticking, help_heading = "Punch")]
     contact: ContactName,
-    /// Points on the edge of the punch, excluded or included
+    /// Exclude or include points on the edge of the punch
     #[arg(long, value_enum, default_value_t = Nodes::Strict, help_heading = "Punch")]
     nodes: Nodes,
-    /// Points under a punch of any shape, in place of --punch-fraction: .npy of shape [N, N] ([N] with --dim 2), or
-    /// FILE.h5:/dataset; those other than 0 are under it
+    /// Mask of a punch of any shape, in place of --punch-fraction: .npy of shape [N, N] ([N] with --dim 2), or
+    /// FILE.h5:/dataset; nonzero points are under the punch
     #[arg(
         long,
         value_name = "FILE",
@@ -124,8 +124,8 @@ pub struct Args {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
     mask: Option<ArrayOption>,
-    /// Traction on the points and components that the punch does not hold: .npy of shape [N, N, 3] ([N, 2] with --dim
-    /// 2), or FILE.h5:/dataset
+    /// Traction on points and components not held by the punch: .npy of shape [N, N, 3] ([N, 2] with --dim 2), or
+    /// FILE.h5:/dataset
     #[arg(long, value_name = "FILE", conflicts_with = "refine", help_heading = "Punch")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
@@ -142,7 +142,7 @@ pub struct Args {
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     #[option(kinds = Kinds::LENGTH)]
     shift: Vec<f64>,
-    /// The method (docs/solvers.md)
+    /// Solution method (docs/solvers.md)
     #[arg(long, value_enum, default_value_t = SolverName::Auto, help_heading = "Solver")]
     solver: SolverName,
     #[command(flatten)]
@@ -154,7 +154,7 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     search: SearchArgs,
-    /// Solve on this many grids, each twice as fine as the one before, and extrapolate the mean pressure
+    /// Number of grids, each twice as fine as the one before, from which to extrapolate the mean pressure
     #[arg(
         long,
         default_value_t = 1,
@@ -164,8 +164,8 @@ pub struct Args {
     )]
     #[serde(deserialize_with = "within::<1, 8, _, _>")]
     refine: u8,
-    /// Compare the displacement with a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or
-    /// FILE.h5[:/dataset] of another run; if m differs from N, on the points that both grids have
+    /// Compare the displacement with a file: .npy of shape [m, m, 3] ([m, 2] with --dim 2), or FILE.h5[:/dataset] of
+    /// another run; if m differs from N, on the points common to both grids
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     #[serde(skip_serializing_if = "Option::is_none")]
     compare: Option<String>,
@@ -173,7 +173,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw maps of displacement and pressure, and a cut along x: PREFIX-u_x.svg, .png, ... -pressure, -cut
+    /// Draw maps of displacement and pressure, and a section along x: PREFIX-u_x.svg, .png, ... -pressure, -cut
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
@@ -183,9 +183,9 @@ pub struct Args {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactName {
-    /// No slip: all components are held
+    /// No slip: all components held
     Sticking,
-    /// Only the normal displacement is held, lateral traction is zero
+    /// Only the normal displacement held, zero lateral traction
     Frictionless,
 }
 
@@ -211,7 +211,7 @@ pub enum SolverName {
     Verlet,
     /// Position Verlet with the softest mode critically damped
     VerletCritical,
-    /// Position Verlet with every mode critically damped, on slabs that are compressible
+    /// Position Verlet with every mode critically damped, on compressible slabs
     VerletModes,
     /// Fast inertial relaxation engine
     Fire,

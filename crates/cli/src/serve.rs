@@ -34,16 +34,16 @@ use routes::Desk;
   gfmd serve --open
   gfmd serve --port 8080 --folder results --upload-limit 64")]
 pub struct Args {
-    /// Port on 127.0.0.1; 0 takes a free one
+    /// Port on 127.0.0.1; 0 picks a free one
     #[arg(long, default_value_t = 0, value_name = "PORT", help_heading = "Server")]
     port: u16,
     /// Open the page in the browser
     #[arg(long, help_heading = "Server")]
     open: bool,
-    /// Folder of the scans and results; it is made if it does not exist
+    /// Folder for scans and results, created if missing
     #[arg(long, default_value = "gfmd-results", value_name = "FOLDER", help_heading = "Server")]
     folder: PathBuf,
-    /// Largest size of a file that the page may send, MiB
+    /// Largest upload size, MiB
     #[arg(long, default_value_t = 256, value_name = "MIB", help_heading = "Server")]
     upload_limit: u32,
 }

@@ -21,16 +21,16 @@ pub struct Common {
     /// Print exactly one JSON object on stdout instead of a table
     #[arg(long, global = true)]
     pub json: bool,
-    /// Print all columns of tables; by default the most important ones that fit in 80 characters
+    /// Print all table columns; by default the most important ones that fit in 80 characters
     #[arg(long, global = true)]
     pub wide: bool,
-    /// Number of threads; 0 takes all cores. Results do not depend on it
+    /// Number of threads; 0 uses all cores. Results do not depend on it
     #[arg(long, global = true, default_value_t = 0, value_name = "N")]
     pub threads: usize,
     /// Print errors only: no progress, no notes
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Print details on stderr; give it twice for still more
+    /// Print details on stderr; repeat for more
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
 }

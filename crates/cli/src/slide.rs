@@ -62,8 +62,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     control: LoadArgs,
-    /// Coulomb friction of the interface with this coefficient, 0 for none: all points slide, and the shear MU p along
-    /// the velocity lifts the surface of a compressible body, adds to the friction, and makes the heat MU p v
+    /// Friction coefficient of the interface (Coulomb), 0 for none: all points slide, and the shear MU p along the
+    /// velocity lifts the surface of a compressible body, adds to the friction, and generates the heat MU p v
     #[arg(long, value_name = "MU", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
     friction: Option<f64>,
@@ -73,8 +73,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     heat: HeatArgs,
-    /// Velocities of the rigid surface relative to the body, length over the unit of the relaxation times and of the
-    /// diffusivity; A:B:N is N values from A to B in geometric steps. Each load is solved at each of them
+    /// Velocities of the rigid surface relative to the body, length divided by the time unit of relaxation times and
+    /// diffusivity; A:B:N is N values from A to B in geometric steps. Each load is solved at each velocity
     #[arg(
         long,
         value_delimiter = ',',
@@ -92,8 +92,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     search: SearchArgs,
-    /// Way in which the error of areas and frictions by the finite grid is found, none or refine: refine solves each
-    /// state on the finer grid, too
+    /// How to estimate the discretisation error of areas and frictions, none or refine; refine also solves each state
+    /// on the finer grid
     #[arg(
         long,
         value_parser = parse_choice::<GridError>(),
@@ -109,8 +109,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the friction against the velocity, with Persson's theory, PREFIX-friction.svg, .png, of heat PREFIX-rise
-    /// and PREFIX-temperature; of the last state PREFIX-map (pressure), PREFIX-gap, PREFIX-section
+    /// Draw friction against velocity with Persson's theory: PREFIX-friction.svg, .png; with heat -rise and
+    /// -temperature; of the last state -map (pressure), -gap, -section
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,

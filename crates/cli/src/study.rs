@@ -63,19 +63,18 @@ pub struct Args {
     #[arg(long, default_value = "study.h5", value_name = "FILE.h5")]
     #[option(default = "study.h5".into())]
     pub out: PathBuf,
-    /// Continue a study that was interrupted or killed
+    /// Continue an interrupted or killed study
     #[arg(long)]
     pub resume: bool,
-    /// Compute the K-th (from 0) of M shards of the members, of about equal work, into a journal beside --out, and no
-    /// result: any scheduler can start them (docs/cluster.md)
+    /// Compute only shard K (from 0) of M, of about equal work, into a journal beside --out, without a result: any
+    /// scheduler can start shards (docs/cluster.md)
     #[arg(long, value_name = "K/M", conflicts_with = "merge")]
     #[serde(deserialize_with = "parsed")]
     pub shard: Option<Shard>,
-    /// Take the members from all journals of this study beside --out, compute those that are missing, and write the
-    /// result
+    /// Merge all journals of this study beside --out, compute missing members, and write the result
     #[arg(long)]
     pub merge: bool,
-    /// Print the members, and compute nothing
+    /// Print the members; compute nothing
     #[arg(long)]
     pub dry_run: bool,
 }

@@ -60,8 +60,8 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     source: SourceArgs,
-    /// Wavelengths between which the Hurst exponent is fitted, length [default: the cut-offs of a generated surface;
-    /// for a file, half of the cell and 4 grid spacings]
+    /// Wavelength range of the Hurst exponent fit, length [default: the cut-offs of a generated surface; for a file,
+    /// half of the cell and 4 grid spacings]
     #[arg(
         long,
         value_delimiter = ',',
@@ -72,12 +72,11 @@ pub struct Args {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTH)]
     fit_range: Vec<f64>,
-    /// Window on the heights before their spectrum is computed, for the fit, the spectrum in a file and in a figure;
-    /// heights and their statistics stay
+    /// Window applied to the heights for the spectrum of the fit, file and figure; heights and statistics do not change
     #[arg(long, value_enum, default_value_t = Window::None, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "Window::is_none")]
     window: Window,
-    /// List the channels of the file with their units and points, and do nothing else
+    /// List the channels of the file with units and points; do nothing else
     #[arg(
         long,
         requires = "surface",
@@ -86,30 +85,30 @@ pub struct Args {
     )]
     #[serde(skip)]
     list: bool,
-    /// Write the heights to this file, .npy, .x3p or .h5; a .h5 file also has statistics and radially averaged spectrum
+    /// Write the heights to this file, .npy, .x3p or .h5; a .h5 file also has the statistics and the radially averaged
+    /// spectrum
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     #[serde(skip)]
     out: Option<PathBuf>,
-    /// Draw the heights, a profile through them and the spectrum: PREFIX-map, PREFIX-profile, PREFIX-spectrum (.svg,
-    /// .png); with --statistics also PREFIX-hills, -autocorrelation, -correlation-map, -distributions, -slopes,
-    /// -curvatures and -bearing
+    /// Draw the heights, a profile through them and the spectrum: PREFIX-map, -profile, -spectrum (.svg, .png); with
+    /// --statistics also -hills, -autocorrelation, -correlation-map, -distributions, -slopes, -curvatures and -bearing
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     #[serde(skip)]
     plots: Option<PathBuf>,
-    /// Add correlation lengths, direction, hills and dales of ISO 25178 to the numbers; spectrum, autocorrelation,
-    /// distributions of height, slope and curvature, both against distance, bearing curve to JSON, a .h5 file and
-    /// figures
+    /// Add correlation lengths, direction, hills and dales (ISO 25178) to the numbers; and spectrum, autocorrelation,
+    /// distributions of height, slope and curvature, slope and curvature against distance, and bearing curve to JSON,
+    /// .h5 file and figures
     #[arg(long, help_heading = "Measurements")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     statistics: bool,
-    /// Boundary of the surface for these functions: periodic, or free, with differences between points inside alone,
-    /// from which rms gradient, rms curvature, m2, m4 and Nayak's parameter then follow, too [default of the functions:
-    /// periodic for a surface of method psd, a wave and a mirrored surface, else free]
+    /// Boundary condition for --statistics: periodic, or free, with differences inside the surface only, from which rms
+    /// gradient, rms curvature, m2, m4 and Nayak's parameter then also follow [default for --statistics: periodic for a
+    /// surface of method psd, a wave and a mirrored surface, else free]
     #[arg(long, value_parser = parse_choice::<Boundary>(), help_heading = "Measurements")]
     #[serde(skip)]
     boundary: Option<Boundary>,
-    /// Height of a hill above its saddle, or depth of a dale, below which it is pruned and joins its neighbour: a
-    /// fraction of the height range
+    /// Wolf pruning threshold, a fraction of the height range: hills less high above their saddle, and dales less deep,
+    /// join their neighbour
     #[arg(
         long,
         default_value_t = USUAL_WOLF,
@@ -119,11 +118,11 @@ pub struct Args {
     )]
     #[serde(skip_serializing_if = "is_usual_wolf")]
     wolf: f64,
-    /// Treatment of hills and dales that touch the edge [default: periodic for a periodic boundary, else leave-out]
+    /// Treatment of hills and dales at the edge [default: periodic for a periodic boundary, else leave-out]
     #[arg(long, value_parser = parse_choice::<MotifEdges>(), requires = "statistics", help_heading = "Measurements")]
     #[serde(skip)]
     motif_edges: Option<MotifEdges>,
-    /// Write a page of HTML about the surface: its numbers, all figures of --statistics, and their definitions
+    /// Write an HTML page about the surface: its numbers, all figures of --statistics, and their definitions
     #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     #[serde(skip)]
     report: Option<PathBuf>,
@@ -133,9 +132,9 @@ pub struct Args {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Window {
-    /// No window, for heights that are periodic
+    /// No window, for periodic heights
     None,
-    /// A cosine to zero at the edges over the whole side, divided by its rms value
+    /// Cosine over the whole side, zero at the edges, divided by its rms value
     Hann,
 }
 

@@ -37,11 +37,11 @@ pub struct Args {
     body: BodyArgs,
     #[command(flatten)]
     loads: PressingArgs,
-    /// Wavelengths below which the roughness is not seen, for the area at a magnification
+    /// Wavelengths below which roughness is left out, for the area at a magnification
     #[arg(long, value_delimiter = ',', value_name = "L1,L2,..", allow_negative_numbers = true, help_heading = "Load")]
     #[option(kinds = Kinds::LENGTH)]
     wavelength: Vec<f64>,
-    /// Draw area, mean gap and distribution of pressure: PREFIX-area.svg, PREFIX-gap.svg, PREFIX-pressure.svg, and .png
+    /// Draw area, mean gap and pressure distribution: PREFIX-area.svg, PREFIX-gap.svg, PREFIX-pressure.svg, and .png
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix, help_heading = "Output")]
     plots: Option<PathBuf>,
 }

@@ -90,7 +90,7 @@ pub enum GradientError {
     )]
     Hardness,
     /// Several processes share the contact.
-    #[error("several processes share the contact; it must be that of one")]
+    #[error("several processes share the contact; one process must have it")]
     Shared,
     /// A field differs in shape from the contact.
     #[error(

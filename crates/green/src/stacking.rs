@@ -27,12 +27,10 @@ impl BaseKind {
     const fn row(self) -> (&'static str, &'static str, Option<Ground>) {
         match self {
             Self::Bonded => ("bonded", "bonded to a rigid base", Some(Ground::BONDED)),
-            Self::Sliding => ("sliding", "on a rigid base without friction", Some(Ground::SLIDING)),
-            Self::Free => (
-                "free",
-                "no base: a plate, held by the opposite of the mean traction on its lower face",
-                Some(Ground::NONE),
-            ),
+            Self::Sliding => ("sliding", "on a frictionless rigid base", Some(Ground::SLIDING)),
+            Self::Free => {
+                ("free", "plate, balanced by an opposite mean traction on its lower face", Some(Ground::NONE))
+            }
             Self::HalfSpace => ("half-space", "bonded to an elastic half-space: a coating", None),
         }
     }

@@ -24,13 +24,13 @@ use gfmd_problem::options::given::ArrayOption;
 #[serde(default)]
 #[command(next_help_heading = "Base")]
 pub struct BaseArgs {
-    /// Displacement of the bonded or sliding base, FILE.npy or FILE.h5:/dataset: [nx, ny] of u_z, or [nx, ny, 3]; of a
-    /// profile n values or [n, 2]
+    /// Displacement of a bonded or sliding base, FILE.npy or FILE.h5:/dataset: u_z of shape [nx, ny], or [nx, ny, 3];
+    /// for a profile n values or [n, 2]
     #[arg(long, value_name = "FILE", conflicts_with = "base_traction")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
     pub base_displacement: Option<ArrayOption>,
-    /// Traction on the lower face of a plate (--base free), of mean zero, in the same form
+    /// Traction of zero mean on the lower face of a plate (--base free), in the same form
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]

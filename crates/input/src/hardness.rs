@@ -22,8 +22,8 @@ use gfmd_problem::options::{Kinds, Options};
 #[derive(Args, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub struct HardnessArgs {
-    /// Largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for each point;
-    /// where it is reached the surfaces are pressed into each other, which stays along a path
+    /// Hardness: largest pressure that the surfaces carry, stress, or FILE.npy or FILE.h5:/dataset with a value for
+    /// each point; where it is reached the surfaces indent each other, permanently along a path
     #[arg(long, value_name = "P|FILE", allow_negative_numbers = true, help_heading = "Contact")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::HARDNESS, array)]

@@ -18,13 +18,13 @@ use gfmd_problem::options::{GeneratorArgs, LARGEST_SEED};
 #[serde(default)]
 #[command(next_help_heading = "Lower surface")]
 pub struct LowerArgs {
-    /// A rigid surface below the slab, in place of a base: heights as with --surface, peaks towards the slab, on the
-    /// same points; prepared by the flags of --surface if that is given
+    /// Rigid surface below the slab, in place of a base: heights as for --surface, on the same points, peaks towards
+    /// the slab; prepared by the flags of --surface if that is given
     #[arg(long, value_name = "FILE", conflicts_with = "lower_seed")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
     pub lower_surface: Option<ArrayOption>,
-    /// Seed of a generated surface below the slab, below 2^63, with the spectrum of the upper one
+    /// Random seed, below 2^63, of a generated surface below the slab with the spectrum of the upper one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lower_seed: Option<u64>,

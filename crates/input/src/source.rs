@@ -36,7 +36,7 @@ use scan::{PeriodicScan, Scan};
 #[serde(default)]
 #[command(next_help_heading = "Surface")]
 pub struct SourceArgs {
-    /// Heights, peaks towards the body: a file of an instrument or program (docs/formats.md), or FILE.h5:/dataset
+    /// Heights, peaks towards the body: a file from an instrument or program (docs/formats.md), or FILE.h5:/dataset
     #[arg(
         long,
         value_name = "FILE",
@@ -49,21 +49,19 @@ pub struct SourceArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
     pub surface: Option<ArrayOption>,
-    /// Channel of the file, by its name or its number from 0 (surface --list shows them); default: the first, or only
-    /// one
+    /// Channel of the file, by name or by number from 0 (surface --list shows them); default: the first, or only one
     #[arg(long, value_name = "NAME|NUMBER", requires = "surface")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
-    /// Take the grey of an image with 8 bits for heights; without it such an image is refused, since most are pictures
+    /// Read the grey values of an 8-bit image as heights; required for such images, since most are mere pictures
     #[arg(long, requires = "surface")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub image_heights: bool,
-    /// Way to give heights to undefined points of a file, which are refused without it
+    /// How to fill undefined points of a file (required if there are any)
     #[arg(long, value_parser = parse_choice::<Fill>(), requires = "surface")]
     #[serde(with = "named_if", skip_serializing_if = "Option::is_none")]
     pub fill: Option<Fill>,
-    /// Unit of all lengths, such as um. Heights and size of a source without a unit have this unit; others are
-    /// converted to it
+    /// Unit of all lengths, such as um. Heights and sizes without a unit are in this unit; others are converted to it
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
@@ -83,8 +81,8 @@ pub struct SourceArgs {
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<2, _, _>")]
     #[option(kinds = Kinds::LENGTH)]
     pub size: Vec<f64>,
-    /// Factor by which each side has more points than the file: heights in between follow from the waves of the
-    /// periodic surface, with --boundary free from the cubic spline. For a generated surface --n gives the points
+    /// Refinement factor per side for the points of a file: Fourier interpolation of the periodic surface, or a cubic
+    /// spline with --boundary free. A generated surface takes --n instead
     #[arg(
         long,
         value_name = "TIMES",
@@ -101,29 +99,29 @@ pub struct SourceArgs {
     #[arg(skip)]
     #[serde(skip)]
     pub finer: Option<u64>,
-    /// Trend to subtract from the heights of a file: none, the least-squares plane, the plane of the mean slope, which
-    /// joins opposite edges on average, or a least-squares polynomial of degree 2 (quadratic), 3 (cubic) or D
+    /// Trend to subtract from the heights of a file: none, the least-squares plane, the mean slope, so that opposite
+    /// edges meet on average, or a least-squares polynomial of degree 2 (quadratic), 3 (cubic) or D
     #[arg(
         long,
         default_value_t = Detrend::None,
         value_name = "none|plane|slope|quadratic|cubic|polynomial:D"
     )]
     pub detrend: Detrend,
-    /// Method to make the heights of a file periodic
+    /// How to make the heights of a file periodic
     #[arg(long, value_parser = parse_choice::<Periodisation>(), default_value_t = Periodisation::AsIs)]
     #[serde(with = "named")]
     pub periodise: Periodisation,
-    /// Change the sign of the heights of a file, if its peaks point away from the body
+    /// Change the sign of the heights of a file whose peaks point away from the body
     #[arg(long)]
     pub flip: bool,
-    /// Heights of a second rough surface, on the body: a file as for --surface, prepared by the same flags. Its peaks
-    /// point at the first surface, and x and y are the same places on both
+    /// Second rough surface, on the body: a file as for --surface, prepared by the same flags, with the same x and y,
+    /// and peaks towards the first surface
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(array)]
     pub second_surface: Option<ArrayOption>,
-    /// Displacement of the second surface, length: X, or X,Y. Parts of a grid step move the interpolation by its waves;
-    /// with --boundary free whole steps only, and the part in common stays
+    /// Lateral displacement of the second surface, X or X,Y, length: fractions of a grid step by Fourier interpolation;
+    /// with --boundary free whole steps only, keeping the overlap
     #[arg(
         long,
         value_delimiter = ',',

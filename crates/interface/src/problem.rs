@@ -15,7 +15,7 @@ use crate::patch::Patch;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "lattice trapping: the steepness of the attraction is {steepness:.3e}; it should be below half of {stiffness:.3e}, \
-     the stiffness (stress/length) of the shortest wave on this grid: refine the grid or take a longer range"
+     the stiffness (stress/length) of the shortest wave on this grid: refine the grid or increase the range"
 )]
 pub struct Trapping {
     /// [`Law::steepness`].

@@ -175,7 +175,7 @@ impl LawKind {
             "dmt" => "; DMT is the limit of a long range: exponential with gamma and a range above the peak heights",
             "maugis" | "maugis-dugdale" | "md" => "; Maugis' model is dugdale with gamma and range",
             "lennard-jones" | "lj" | "van-der-waals" | "vdw" => {
-                "; morse has a like well, and table takes gaps and tractions of any law"
+                "; morse has a similar well, and table takes gaps and tractions of any law"
             }
             "none" | "rigid" | "hertz" | "wall" | "hard_wall" | "hardwall" => "; contact without adhesion is hard-wall",
             _ => "",

@@ -27,8 +27,8 @@ impl Boundary {
     /// Returns the description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Periodic => "the surface repeats without end",
-            Self::Free => "the surface is a patch on an unbounded body",
+            Self::Periodic => "the surface repeats periodically",
+            Self::Free => "the surface is an isolated patch on an unbounded body",
         }
     }
 }

@@ -37,7 +37,7 @@ pub enum MixedError {
         component: usize,
     },
     /// A punch that does not fit into the cell.
-    #[error("the width of the punch over that of the cell is {0}; it must be above 0 and below 1")]
+    #[error("the punch width divided by the cell width is {0}; it must be above 0 and below 1")]
     Fraction(f64),
     /// A tolerance out of range.
     #[error(transparent)]

@@ -96,7 +96,7 @@ impl Adhesion {
         (points < needed).then(|| {
             format!(
                 "the process zone at the edge of a contact is {points:.2} grid steps wide; with this law {needed} or \
-                 more give a pull-off load to 2.5 %, fewer a larger error: refine the grid, or take a longer range"
+                 more give a pull-off load to 2.5 %, fewer give a larger error: refine the grid or increase the range"
             )
         })
     }

@@ -64,9 +64,7 @@ impl WearBy {
     /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Distance => {
-                "the sliding distance of the legs, the same for all points: gross sliding, or many cycles"
-            }
+            Self::Distance => "the sliding distance of each leg, the same at all points: gross sliding, or many cycles",
             Self::Slip => "the slip of each point, which friction determines: fretting",
         }
     }

@@ -35,9 +35,7 @@ impl GridError {
         match self {
             Self::None => "not at all",
             Self::Estimate => "from the solution alone, at no cost: hard walls on periodic half-spaces",
-            Self::Refine => {
-                "from a second solution on a grid of twice as many points along each side, at five times the cost"
-            }
+            Self::Refine => "from a second solution with twice as many points along each side, at five times the cost",
         }
     }
 }

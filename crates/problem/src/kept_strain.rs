@@ -31,7 +31,7 @@ impl KeptStrain {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Last => "after the last step, and before its last increment",
-            Self::Waypoints => "at every waypoint, too: six numbers for each point of each cell",
+            Self::Waypoints => "also at every waypoint: six numbers for each point of each cell",
         }
     }
 }

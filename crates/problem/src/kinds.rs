@@ -116,7 +116,7 @@ impl ContactKind for SqueezedContact {
     }
 
     fn stiffness(&self, _: &SqueezedSolution, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined("not computed of a slab between two surfaces, which has two contacts".into()))
+        Err(NoStiffness::Undefined("not computed for a slab between two surfaces, which has two contacts".into()))
     }
 }
 

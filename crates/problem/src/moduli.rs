@@ -25,8 +25,8 @@ impl Moduli {
     /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::LongTerm => "those that are left when all branches have relaxed",
-            Self::Instantaneous => "those of a load in no time, as in ANSYS and Nastran",
+            Self::LongTerm => "the fully relaxed moduli",
+            Self::Instantaneous => "the moduli under an instantaneous load, as in ANSYS and Nastran",
         }
     }
 }

@@ -33,8 +33,8 @@ impl Unknown {
     /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Normal => "u_z; u_x and u_y follow from the pressure, as the lateral traction is zero",
-            Self::All => "u_x, u_y and u_z; the lateral traction is zero",
+            Self::Normal => "u_z; u_x and u_y follow from the pressure at zero lateral traction",
+            Self::All => "u_x, u_y and u_z, at zero lateral traction",
             Self::Held => "u_z, with u_x and u_y held at zero",
         }
     }

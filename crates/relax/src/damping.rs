@@ -80,7 +80,7 @@ impl Damping {
         let damping = Self { beta: critical.beta - (factor - 1.0) * critical.eta() * tau, tau };
         let stable = damping.beta.abs() < 1.0 && k_max < damping.stiffness_limit();
         let allowed = "positive, and small enough for stability with this time step";
-        RelaxError::check_parameter("the damping over the critical one", factor, stable, allowed)?;
+        RelaxError::check_parameter("the damping divided by the critical damping", factor, stable, allowed)?;
         Ok(damping)
     }
 
@@ -90,7 +90,7 @@ impl Damping {
     /// Returns an error if the fraction is not between 0 and 1.
     pub fn time_step(fraction: f64, k_max: f64) -> Result<f64, RelaxError> {
         let within = fraction > 0.0 && fraction < 1.0;
-        let name = "the time step over the stability limit";
+        let name = "the time step divided by the stability limit";
         RelaxError::check_parameter(name, fraction, within, "above 0 and below 1")?;
         Ok(fraction * 2.0 / k_max.sqrt())
     }

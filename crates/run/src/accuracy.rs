@@ -84,8 +84,8 @@ pub fn check(accuracy: Accuracy, prepared: &Prepared, approach: bool) -> Result<
     }
     if prepared.short_waves() > gfmd_record::UNRESOLVED {
         let found = format!(
-            "waves shorter than four points have {:.0} % of the mean square gradient, and what lies between the points \
-             is not known; ",
+            "waves shorter than four points have {:.0} % of the mean square gradient, and the heights between the \
+             points are unknown; ",
             100.0 * prepared.short_waves()
         );
         return Err(refuse(words![found, setting("grid_error", "refine"), " tells what it may be"]));

@@ -15,17 +15,17 @@ use gfmd_input::source::Surface;
 #[serde(default)]
 #[command(next_help_heading = "Measurements")]
 pub struct FluidArgs {
-    /// Fluid whose viscosity is taken, in place of --viscosity. gfmd materials lists the names with their sources
+    /// Fluid that sets the viscosity, in place of --viscosity. gfmd materials lists the names with their sources
     #[arg(long, value_name = "NAME")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fluid: Option<String>,
-    /// Viscosity of the fluid, stress * time, such as 1mPa*s; with --flow and --pressure-drop for the leak along x and
-    /// along y, volume per time
+    /// Viscosity of the fluid, stress * time, such as 1mPa*s; with --flow and --pressure-drop it gives the leak along x
+    /// and along y, volume per time
     #[arg(long, value_name = "ETA", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::VISCOSITY)]
     pub viscosity: Option<f64>,
-    /// Pressure drop over the length of the cell along the flow, stress, such as 1bar
+    /// Pressure drop across the cell in the direction of flow, stress, such as 1bar
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]

@@ -14,33 +14,33 @@ use gfmd_input::failure::Failure;
 #[serde(default)]
 #[command(next_help_heading = "Measurements")]
 pub struct GasArgs {
-    /// Compute the conductance per area of this gas in the gap; lengths and stresses need a unit. Another gas has
+    /// Compute the conductance per area of this gas in the gap; lengths and stresses need a unit. For another gas use
     /// --gas-conductivity and --gas-jump
     #[arg(long, value_name = "GAS", value_parser = parse_choice::<Gas>())]
     #[serde(skip_serializing_if = "Option::is_none", with = "named_if")]
     pub gas: Option<Gas>,
-    /// Temperature of the gas, from 200 to 1000 K; 300 K if left out
+    /// Temperature of the gas, from 200 to 1000 K; default: 300 K
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::TEMPERATURE)]
     pub gas_temperature: Option<f64>,
-    /// Pressure of the gas, stress, at most 1 MPa; one atmosphere, 101325 Pa, if left out
+    /// Pressure of the gas, stress, at most 1 MPa; default: one atmosphere, 101325 Pa
     #[arg(long, value_name = "P", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub gas_pressure: Option<f64>,
-    /// Thermal accommodation coefficients of both surfaces, above 0 and at most 1; if left out, of engineering
-    /// surfaces: air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29
+    /// Thermal accommodation coefficients of both surfaces, above 0 and at most 1; default, for engineering surfaces:
+    /// air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29
     #[arg(long, value_delimiter = ',', num_args = 1, value_name = "A1,A2", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gas_accommodation: Vec<f64>,
-    /// Thermal conductivity of a gas given by numbers, such as 26mW/(m*K); with --gas-jump in place of --gas
+    /// Thermal conductivity of another gas, such as 26mW/(m*K); with --gas-jump, in place of --gas
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::CONDUCTIVITY)]
     pub gas_conductivity: Option<f64>,
-    /// Temperature-jump length of both surfaces together, length: the gap that conducts as badly as the gas next to the
-    /// surfaces
+    /// Temperature-jump length of both surfaces together, length: the gap with the thermal resistance of the gas next
+    /// to the surfaces
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTH)]

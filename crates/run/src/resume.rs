@@ -34,7 +34,7 @@ use snapshot::{Stored, Writer};
 #[derive(Args, Options, Clone, Copy, Debug)]
 #[command(next_help_heading = "Long runs")]
 pub struct ResumeArgs {
-    /// Continue a run that was interrupted or killed, from what is kept beside --out
+    /// Continue an interrupted or killed run from the files beside --out
     #[arg(long, requires = "out")]
     pub resume: bool,
 }
@@ -43,7 +43,7 @@ pub struct ResumeArgs {
 #[derive(Args, Options, Clone, Copy, Debug)]
 #[command(next_help_heading = "Long runs")]
 pub struct CheckpointArgs {
-    /// Time between two copies of the running solve beside --out; 0 for none
+    /// Checkpoint interval of the running solve, s; 0 for none. Checkpoints are kept beside --out
     #[arg(long, default_value_t = EVERY.as_secs_f64(), value_name = "SECONDS", allow_negative_numbers = true)]
     checkpoint: f64,
 }

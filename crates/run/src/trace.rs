@@ -22,11 +22,11 @@ pub struct TraceArgs {
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     history: bool,
-    /// Record the Fourier amplitude of this mode of a displacement component, too; repeatable (dynamics only)
+    /// Also record the Fourier amplitude of this mode of a displacement component; repeatable (dynamics only)
     #[arg(long, value_name = "M,N,COMPONENT", requires = "history", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     history_mode: Vec<ModeOf>,
-    /// Record the displacement component at the point nearest to this position, too; repeatable (dynamics only)
+    /// Also record the displacement component at the point nearest to this position; repeatable (dynamics only)
     #[arg(long, value_name = "X,Y,COMPONENT", requires = "history", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::list(&[&["length", "length", "1"]]))]

@@ -115,8 +115,8 @@ pub enum Amplitudes {
 }
 
 named! { Amplitudes, "kind of amplitudes":
-    Gaussian = "gaussian", "normal real and imaginary parts";
-    Fixed = "fixed", "all as large as expected, with random phases";
+    Gaussian = "gaussian", "normally distributed real and imaginary parts";
+    Fixed = "fixed", "the expected values, with random phases";
 }
 
 impl SelfAffine {

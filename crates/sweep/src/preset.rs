@@ -63,9 +63,9 @@ impl Preset {
     /// Returns the purpose of the sweep in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Smoke => "Seconds: a test that everything works; its kappa is no result",
+            Self::Smoke => "Test run of a few seconds; its kappa is meaningless",
             Self::Default => "Less than a minute on two cores: H = 0.8, a reliable kappa",
-            Self::Thesis => "The study of the thesis: H = 0, slab as high as the cell, up to 8192 x 8192 points",
+            Self::Thesis => "Study of the thesis: H = 0, slab as high as the cell, up to 8192 x 8192 points",
             Self::Prodanov => "After Prodanov, Dapp and Mueser (2014): H = 0, 0.3, 0.8, eps_c_inv up to 8",
             Self::Line => "Profiles in plane strain",
         }

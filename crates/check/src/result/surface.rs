@@ -108,7 +108,7 @@ fn same(reader: &Reader, group: &str, made: &Surface, comparison: &mut Compariso
     let path = format!("{group}/height");
     let (stored, made_of) = (reader.shape(&path)?, made.grid.points());
     if stored != made_of {
-        comparison.differ(&path, format!("its shape is {stored:?}; that of the configuration is {made_of:?}"));
+        comparison.differ(&path, format!("its shape is {stored:?}; the configuration gives {made_of:?}"));
         return Ok(());
     }
     let heights: Vec<f64> = made.heights.iter().copied().collect();

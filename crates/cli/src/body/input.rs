@@ -336,7 +336,7 @@ fn check_units(reader: &Reader, dataset: &str, has_y: bool) -> Result<(), String
     let axes = if has_y { &["x", "y"][..] } else { &["x"][..] };
     match axes.iter().map(|axis| (axis, unit(&format!("{group}/{axis}")))).find(|(_, along)| *along != found) {
         Some((axis, along)) => {
-            Err(format!("the unit of {dataset} is {found} and that of {axis} is {along}; they must be the same"))
+            Err(format!("the units of {dataset} and {axis} are {found} and {along}; they must be the same"))
         }
         None => Ok(()),
     }

@@ -16,7 +16,7 @@ pub enum Quantity {
     Strain,
     /// Stress, tension positive
     Stress,
-    /// Equivalent stress of von Mises
+    /// Von Mises equivalent stress
     VonMises,
     /// Elastic energy per volume
     EnergyDensity,

@@ -20,10 +20,10 @@ use super::{Args, Report};
 #[derive(ClapArgs, Options, Clone, Debug, PartialEq)]
 pub(super) struct LawFileArgs {
     /// Write pressure against mean gap, area, stiffness, conductance and transmissivity of all loads, in SI units, for
-    /// finite elements: .csv a table, .inp keywords of Abaqus, .mac tables of ANSYS
+    /// finite elements: .csv (table), .inp (Abaqus keywords) or .mac (ANSYS tables)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     export_law: Option<PathBuf>,
-    /// Format of --export-law, whatever the ending of the file
+    /// Format of --export-law; overrides the file ending
     #[arg(long, value_parser = ["csv", "abaqus", "ansys"], requires = "export_law", help_heading = "Output")]
     export_law_format: Option<String>,
 }

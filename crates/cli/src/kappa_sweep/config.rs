@@ -117,8 +117,8 @@ fn bare_in(name: &str, field: &str, value: &mut Value, is_modulus: bool) -> Resu
                 _ => return Ok(false),
             };
             if !is_modulus {
-                let reason = "a sweep has no unit of lengths: its cell has length 1, heights of bodies are over that \
-                              length, and loads and surfaces are ratios; moduli alone may have a unit";
+                let reason = "a sweep has no unit of length: its cell has length 1, body heights are relative to it, \
+                              and loads and surfaces are ratios; only moduli may have a unit";
                 return Err(Failure::input(format!("{name}: {field} is {text:?}"), reason));
             }
             let units = Units::new(Some("m"), Some(Units::PASCAL));

@@ -16,12 +16,11 @@ use serde::{Deserialize, Serialize};
 #[serde(default)]
 #[command(next_help_heading = "Measurements")]
 pub(crate) struct MeasureArgs {
-    /// Measure patches, distributions of pressure and gap, spectrum of the pressure, and conductance
+    /// Measure patches, distributions of pressure and gap, pressure spectrum, and conductance
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub(crate) statistics: bool,
-    /// Depth of the electrodes on which the two conductors stand whose conductance --statistics measures, length, or
-    /// inf
+    /// Depth of the electrodes of both conductors, for the conductance of --statistics, length, or inf
     #[arg(
         long,
         default_value_t = Height::Infinite,
@@ -32,13 +31,13 @@ pub(crate) struct MeasureArgs {
     #[serde(skip_serializing_if = "is_infinite", with = "height")]
     #[option(kinds = Kinds::LENGTH)]
     pub(crate) conductor_height: Height,
-    /// Thermal conductivities of both conductors, such as 50W/(m*K),0.2W/(m*K); with --statistics for the contact
+    /// Thermal conductivities of both conductors, such as 50W/(m*K),0.2W/(m*K); with --statistics they give the contact
     /// conductance per area
     #[arg(long, value_delimiter = ',', num_args = 1, value_name = "K1,K2", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::CONDUCTIVITY)]
     conductivity: Vec<f64>,
-    /// Compute the flow of a fluid through the gap along x and along y (Reynolds' equation)
+    /// Compute fluid flow through the gap along x and along y (Reynolds' equation)
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub(crate) flow: bool,

@@ -37,7 +37,7 @@ enum ConductanceMethod {
 const NOT_CONVERGED: &str = "the search did not converge";
 
 /// Reason why full contact has no conductance.
-const ALL_TOUCH: &str = "all points touch, which leaves no resistance but that of the bulk";
+const ALL_TOUCH: &str = "all points touch, so that only the bulk has a resistance";
 
 impl Conducting {
     /// Creates the source of the conductance for these options of a problem that the `solver` solves.

@@ -3,9 +3,9 @@
 use gfmd_record::{Record, Table};
 
 /// Legend of the flow and the leak.
-const FLOW: &str = "flow: mean flux by a pressure gradient, divided by that through a uniform gap of the \
-                               mean gap; leak: volume per time through the cell, with --viscosity 1mPa*s and \
-                               --pressure-drop 1bar";
+const FLOW: &str = "flow: mean flux under a pressure gradient, divided by the flux through a uniform gap \
+                               equal to the mean gap; leak: volume per time through the cell, with --viscosity \
+                               1mPa*s and --pressure-drop 1bar";
 
 /// Legends of columns of the patches. The first one converts to device units.
 const PATCHES: [(&str, &str); 2] = [

@@ -19,7 +19,7 @@ use gfmd_problem::options::SearchArgs;
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct PathOptions {
-    /// The surroundings of the surface; free: a patch that does not repeat
+    /// Boundary condition at the edges of the surface
     #[arg(
         long,
         value_parser = parse_choice::<Boundary>(),
@@ -28,15 +28,14 @@ pub(super) struct PathOptions {
     )]
     #[serde(with = "named", skip_serializing_if = "is_periodic")]
     pub(super) boundary: Boundary,
-    /// The components of the surface displacement that are unknown
+    /// Displacement components to solve for
     #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal, help_heading = "Contact")]
     #[serde(skip_serializing_if = "is_normal", with = "named")]
     components: Unknown,
     #[command(flatten)]
     #[serde(flatten)]
     pub(super) base: BaseArgs,
-    /// Way in which the error of the numbers by the finite grid is found: refine follows the path on the finer grid,
-    /// too
+    /// How to estimate the discretisation error; refine also follows the path on the finer grid
     #[arg(
         long,
         value_parser = parse_choice::<GridError>(),
@@ -63,7 +62,7 @@ impl PathOptions {
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub(super) struct StepArgs {
-    /// Steps from one waypoint to the next; or several numbers, one for each leg
+    /// Steps between waypoints; or several numbers, one for each leg
     #[arg(
         long,
         default_values_t = [20_u32],
@@ -83,7 +82,7 @@ pub(super) struct StepArgs {
     #[command(flatten)]
     #[serde(skip)]
     pub(super) checkpoint: CheckpointArgs,
-    /// Write the path, and the fields at its waypoints, to this HDF5 file
+    /// Write the path and the fields at its waypoints to this HDF5 file
     #[arg(long, value_name = "FILE.h5", help_heading = "Output")]
     #[serde(skip)]
     pub(super) out: Option<PathBuf>,

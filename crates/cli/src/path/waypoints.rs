@@ -26,19 +26,19 @@ pub(super) struct WaypointArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTH)]
     lateral: Vec<f64>,
-    /// Lateral displacements at a right angle to --direction, length
+    /// Lateral displacements perpendicular to --direction, length
     #[arg(long, value_delimiter = ',', value_name = "Y1,Y2,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTH)]
     lateral_y: Vec<f64>,
-    /// Sliding distances of the legs of surfaces that wear. Each leg ends at a waypoint; the first begins at first
-    /// touch
+    /// Sliding distances of the legs, length, for surfaces that wear. Each leg ends at a waypoint; the first begins at
+    /// first touch
     #[arg(long, value_delimiter = ',', value_name = "S1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::LENGTH)]
     pub(super) distance: Vec<Entry>,
-    /// Durations of the legs on a viscoelastic body. Each leg ends at a waypoint; the first begins at first touch;
-    /// a leg of no time is a jump
+    /// Durations of the legs on a viscoelastic body. Each leg ends at a waypoint; the first begins at first touch; a
+    /// leg of zero duration is a jump
     #[arg(long, value_delimiter = ',', value_name = "T1|A:B:N,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::TIME)]

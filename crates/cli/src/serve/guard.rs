@@ -52,7 +52,7 @@ impl Guard {
         let path = request.uri().path();
         let (token, rest) = path.strip_prefix('/').unwrap_or_default().split_once('/').unwrap_or_default();
         if !is_equal(token.as_bytes(), self.token.as_bytes()) {
-            return Err((StatusCode::NOT_FOUND, "the address has not the token of this server"));
+            return Err((StatusCode::NOT_FOUND, "the address lacks the token of this server"));
         }
         Ok(rest.to_owned())
     }

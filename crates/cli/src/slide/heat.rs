@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default)]
 #[command(next_help_heading = "Flash temperature")]
 pub(super) struct HeatArgs {
-    /// Conductivity and diffusivity of the body, then of the rough surface if it shares the heat
+    /// Thermal conductivity and diffusivity of the body, then of the rough surface if it shares the heat
     #[arg(long, value_delimiter = ',', value_name = "K,ALPHA[,K2,ALPHA2]", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::HEAT)]

@@ -33,7 +33,7 @@ pub(crate) fn check(
         |choices: &[super::config::Choice]| choices.iter().map(|choice| choice.name.clone()).collect::<Vec<_>>();
     let mut same = |name: &str, is_same: bool| match is_same {
         true => comparison.count(),
-        false => comparison.differ(name, "it is not that of the configuration".into()),
+        false => comparison.differ(name, "it differs from the configuration".into()),
     };
     same(&format!("{GROUP}@command"), cube.command == config.command.name());
     same(&format!("{GROUP}/surface"), cube.surfaces == names(&config.surfaces));

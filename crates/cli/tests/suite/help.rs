@@ -76,7 +76,7 @@ fn flags_have_groups_and_terms() {
     }
     assert!(
         text.contains("reduced pressure p/(E* g)")
-            && text.contains("eps_f    shortest wavelength over the longest one")
+            && text.contains("eps_f    shortest wavelength divided by the longest")
     );
     assert!(text.find("\nLoad:\n").is_some_and(|load| text[load..].trim_start().contains("--p-star")));
     // A flag is listed in its own group, independent of the flags before it.

@@ -28,14 +28,14 @@ pub use values::{Bands, Box2, Detrend, Level, Rows, ScarRule, SpikeRule};
 #[serde(default)]
 #[command(next_help_heading = "Preparation")]
 pub struct PreparationArgs {
-    /// Part of the scan that is kept, lengths from its corner: points with X0 <= x < X1 and Y0 <= y < Y1. An end that
-    /// is left out is the end of the scan
+    /// Part of the scan to keep, lengths from its corner: points with X0 <= x < X1 and Y0 <= y < Y1. An omitted end is
+    /// the end of the scan
     #[arg(long, value_name = "X0:X1[,Y0:Y1]", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTHS_AMONG_WORDS)]
     pub crop: Option<Box2>,
-    /// Points that lose their heights: a box, in lengths from the corner of the scan in its file; all heights below or
-    /// above one; or the points of a height map that are not 0. May be repeated
+    /// Points to make undefined: a box, in lengths from the corner of the scan in its file; all heights below or above
+    /// a value; or the nonzero points of a height map. Repeatable
     #[arg(
         long,
         value_name = "X0:X1,Y0:Y1|below:Z|above:Z|FILE",
@@ -45,8 +45,8 @@ pub struct PreparationArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTHS_AMONG_WORDS)]
     pub invalid: Vec<Region>,
-    /// Points left out of the fits of --level and --detrend, named as for --invalid; they keep their heights. May be
-    /// repeated
+    /// Points to leave out of the fits of --level and --detrend, given as for --invalid; they keep their heights.
+    /// Repeatable
     #[arg(
         long,
         value_name = "X0:X1,Y0:Y1|below:Z|above:Z|FILE",
@@ -56,13 +56,13 @@ pub struct PreparationArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LENGTHS_AMONG_WORDS)]
     pub exclude: Vec<Region>,
-    /// Take out points that lie further than K robust standard deviations from the median of WINDOW x WINDOW points
-    /// around them [without a value: 5,5]
+    /// Remove spikes: points further than K robust standard deviations from the median of WINDOW x WINDOW points around
+    /// them [without a value: 5,5]
     #[arg(long, value_name = "K[,WINDOW]", num_args = 0..=1, default_missing_value = "5,5")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub despike: Option<SpikeRule>,
-    /// Take out line defects along x: runs of at least LENGTH points, up to WIDTH rows wide, above or below the rows
-    /// beside them by LOW, and somewhere by HIGH, rms differences of rows [without a value: 0.666,0.25,16,4]
+    /// Remove line defects along x: runs of at least LENGTH points, up to WIDTH rows wide, above or below the adjacent
+    /// rows by LOW, and somewhere by HIGH, in units of the rms row difference [without a value: 0.666,0.25,16,4]
     #[arg(
         long,
         value_name = "HIGH,LOW,LENGTH,WIDTH",
@@ -71,12 +71,12 @@ pub struct PreparationArgs {
     )]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub descar: Option<ScarRule>,
-    /// Level the rows (lines along x) or the columns of a scan by their mean, their median, the median difference of
-    /// neighbours, or a polynomial of degree D in each
+    /// Level the rows (lines along x) or the columns of a scan by mean, median, median difference between neighbours,
+    /// or a polynomial of degree D in each
     #[arg(long, value_name = "rows|columns:mean|median|difference|polynomial:D")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<Level>,
-    /// Number of points of a coarser grid: an S filter with four new spacings, then values between the points
+    /// Points of a coarser grid: S filter of four new spacings, then interpolation
     #[arg(long, value_delimiter = ',', num_args = 1..=2, value_name = "N[,NY]", conflicts_with = "resample_spacing")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub resample: Vec<usize>,
@@ -85,9 +85,9 @@ pub struct PreparationArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTH)]
     pub resample_spacing: Option<f64>,
-    /// Filters with their nesting indices, lengths: s removes waves shorter than its index, l longer ones.
-    /// kind=gaussian (ISO 16610-61), robust (16610-71) or spline (16610-22, profiles); edges=regression, reflect or
-    /// periodic; degree=0, 1 or 2 of the regression
+    /// Filters by nesting index, length: s removes waves shorter than its index, l longer ones. kind=gaussian (ISO
+    /// 16610-61), robust (16610-71) or spline (16610-22, profiles); edges=regression, reflect or periodic; degree=0, 1
+    /// or 2 of the regression
     #[arg(long, value_name = "s:L,l:L[,kind=..][,edges=..][,degree=..]")]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTHS_AMONG_WORDS)]
@@ -213,7 +213,7 @@ impl<'a> Preparing<'a> {
                 *height = if *is_invalid { f64::NAN } else { *height };
             });
             if heights.iter().all(|height| height.is_nan()) {
-                return Err(Failure::value(key("invalid"), "every point", "points of which some stay"));
+                return Err(Failure::value(key("invalid"), "every point", "only some of the points"));
             }
             let count = invalid.iter().filter(|is_invalid| **is_invalid).count();
             let named: Vec<String> = args.invalid.iter().map(ToString::to_string).collect();
@@ -263,9 +263,8 @@ impl<'a> Preparing<'a> {
             let words = format!("levelled by {level}");
             self.replace("level", json!({"how": level.to_string()}), heights, &words);
             let axis = if rows == Rows::Rows { "y" } else { "x" };
-            self.notes.push(format!(
-                "levelling took waves along {axis} alone out of the spectrum: the surface looks more aligned than it is"
-            ));
+            self.notes
+                .push(format!("levelling removed waves along {axis} alone: the surface looks more aligned than it is"));
         }
         Ok(())
     }

@@ -135,9 +135,7 @@ impl LimitingPressure {
     /// Returns a description in one line.
     pub fn meaning(self) -> &'static str {
         match self {
-            Self::Repulsion => {
-                "the repulsion of the points that touch, without the attraction: friction without a load"
-            }
+            Self::Repulsion => "the repulsion of touching points, without the attraction: friction even at zero load",
             Self::Net => "the net pressure, where it is positive",
         }
     }

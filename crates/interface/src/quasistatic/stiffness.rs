@@ -16,7 +16,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 #[derive(Debug, thiserror::Error)]
 pub enum StiffnessError {
     /// The surfaces shear each other.
-    #[error("not computed of surfaces that shear each other, whose shear changes with the load")]
+    #[error("not computed for surfaces that shear each other, whose shear changes with the load")]
     Sheared,
     /// The state is of another kind of contact.
     #[error(transparent)]

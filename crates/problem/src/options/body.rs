@@ -24,11 +24,11 @@ pub struct BodyArgs {
     #[serde(serialize_with = "or_one")]
     #[option(kinds = Kinds::STRESS)]
     pub young: Option<f64>,
-    /// Poisson's ratio, above -1 and up to 0.5
+    /// Poisson's ratio, above -1 and at most 0.5
     #[arg(long, default_value_t = 0.0, value_name = "NU", allow_negative_numbers = true)]
     pub poisson: f64,
-    /// Material whose Young's modulus and Poisson's ratio the body has, in place of --young and --poisson; lengths need
-    /// a unit. gfmd materials lists the names with their sources
+    /// Material that sets Young's modulus and Poisson's ratio, in place of --young and --poisson; lengths need a unit.
+    /// gfmd materials lists the names with their sources
     #[arg(long, value_name = "NAME")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
@@ -41,7 +41,7 @@ pub struct BodyArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub e_star: Option<f64>,
-    /// Height of the slab, or of the top layer; "inf" for a half-space
+    /// Height of the slab or top layer; "inf" for a half-space
     #[arg(
         long,
         default_value_t = Height::Infinite,
@@ -67,22 +67,21 @@ pub struct OtherArgs {
     #[arg(long, value_parser = parse_choice::<BaseKind>(), default_value_t = BaseKind::Bonded)]
     #[serde(with = "named", skip_serializing_if = "is_bonded")]
     pub base: BaseKind,
-    /// Young's modulus of the half-space below, with --base half-space
+    /// Young's modulus of the base, with --base half-space
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub base_young: Option<f64>,
-    /// Poisson's ratio of the half-space below, with --base half-space
+    /// Poisson's ratio of the base, with --base half-space
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub base_poisson: Option<f64>,
-    /// One more layer below the top one: Young's modulus, Poisson's ratio, height; give the flag once for each layer,
-    /// from the top down
+    /// Further layer below the top one: Young's modulus, Poisson's ratio, height; repeatable, from the top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LAYER)]
     pub layer: Vec<Layer>,
-    /// The rough surface belongs to an elastic body, too: a half-space, or a slab of height H bonded at its back
+    /// Elastic body of the rough surface: a half-space, or a slab of height H bonded at its back
     #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LAYER)]
@@ -440,14 +439,14 @@ pub const HEIGHTS: RangeInclusive<f64> = 1e-12..=1e12;
 #[serde(default)]
 #[command(next_help_heading = "Body")]
 pub struct RecordedBodyArgs {
-    /// Young's modulus, stress; default, as of the flags below: the value that the input records
+    /// Young's modulus, stress; default here and below: the value recorded in the input
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     #[option(kinds = Kinds::STRESS)]
     young: Option<f64>,
-    /// Poisson's ratio, above -1 and up to 0.5
+    /// Poisson's ratio, above -1 and at most 0.5
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     poisson: Option<f64>,
-    /// Material whose Young's modulus and Poisson's ratio the body has, in place of --young and --poisson
+    /// Material that sets Young's modulus and Poisson's ratio, in place of --young and --poisson
     #[arg(long, value_name = "NAME")]
     #[serde(skip_serializing_if = "Option::is_none")]
     material: Option<String>,
@@ -459,7 +458,7 @@ pub struct RecordedBodyArgs {
     #[arg(long, value_name = "E*", conflicts_with = "young", allow_negative_numbers = true)]
     #[option(kinds = Kinds::STRESS)]
     e_star: Option<f64>,
-    /// Height of the slab, or of the top layer; "inf" for a half-space
+    /// Height of the slab or top layer; "inf" for a half-space
     #[arg(long, value_name = "ZM", value_parser = parse_height, allow_negative_numbers = true)]
     #[serde(with = "height_if")]
     #[option(kinds = Kinds::LENGTH)]
@@ -468,19 +467,19 @@ pub struct RecordedBodyArgs {
     #[arg(long, value_parser = parse_choice::<BaseKind>())]
     #[serde(with = "named_if")]
     base: Option<BaseKind>,
-    /// Young's modulus of the half-space below, with --base half-space
+    /// Young's modulus of the base, with --base half-space
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     #[option(kinds = Kinds::STRESS)]
     base_young: Option<f64>,
-    /// Poisson's ratio of the half-space below, with --base half-space
+    /// Poisson's ratio of the base, with --base half-space
     #[arg(long, value_name = "NU", allow_negative_numbers = true)]
     base_poisson: Option<f64>,
-    /// One more layer below the top one, repeatable, from the top down
+    /// Further layer below the top one; repeatable, from the top down
     #[arg(long, value_parser = parse_layer, value_name = "E,NU,H", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LAYER)]
     layer: Vec<Layer>,
-    /// The body to which the rough surface belongs, which takes a part of the displacement
+    /// Elastic body of the rough surface, which takes part of the displacement
     #[arg(long, value_parser = parse_second, value_name = "E,NU[,H]", allow_hyphen_values = true)]
     #[option(kinds = Kinds::LAYER)]
     second_body: Option<Layer>,

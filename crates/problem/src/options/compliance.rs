@@ -15,15 +15,14 @@ use crate::{Facts, Support, Unusable, key, words};
 #[serde(default)]
 #[command(next_help_heading = "Body")]
 pub struct ComplianceArgs {
-    /// Normal compliance of the body, in place of its moduli: FILE of two columns, wavenumber (rad/length) and
-    /// compliance (length/stress), or of three, qx, qy and compliance, for a body that is not isotropic; heads may
-    /// have units; or the rows, WAVENUMBER:COMPLIANCE,.. or QX:QY:COMPLIANCE,.. E* of --young or --e-star then only
-    /// reduces p*
+    /// Normal compliance of the body, in place of its moduli: FILE with the columns wavenumber (rad/length) and
+    /// compliance (length/stress), or qx, qy and compliance for an anisotropic body; column heads may have units; or
+    /// rows WAVENUMBER:COMPLIANCE,.. or QX:QY:COMPLIANCE,.. E* of --young or --e-star then only defines p*
     #[arg(long, value_parser = Row::parse, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::COMPLIANCE)]
     pub compliance: Vec<Row>,
-    /// Compliance of the mean level of such a body, length/stress; default: 0, a fixed mean level as of a half-space
+    /// Compliance of the mean level with --compliance, length/stress; default: 0, a fixed mean level as on a half-space
     #[arg(long, value_name = "G0", requires = "compliance", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::list(&[&["length/stress"]]))]

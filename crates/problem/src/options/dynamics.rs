@@ -13,12 +13,12 @@ use crate::{Unusable, key, setting, words};
 #[serde(default)]
 #[command(next_help_heading = "Solver")]
 pub struct DynamicsArgs {
-    /// Time step over its stability limit without damping, for verlet-critical (default: 0.25) and verlet-modes
+    /// Time step divided by its undamped stability limit, for verlet-critical (default: 0.25) and verlet-modes
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     dt: Option<f64>,
     /// Damping of verlet-critical divided by the critical damping of the softest mode (default: 1); or three numbers,
-    /// the damping of each component divided by the critical damping of its uniform mode
+    /// each component's damping divided by the critical damping of its uniform mode
     #[arg(long, value_delimiter = ',', value_name = "F|FX,FY,FZ", num_args = 1..=3, allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "up_to::<3, _, _>")]
     damping: Vec<f64>,

@@ -50,13 +50,13 @@ const MOST_POINTS: f64 = (1_u64 << 31) as f64;
 #[serde(default)]
 #[command(next_help_heading = "Generated surface")]
 pub struct GeneratorArgs {
-    /// Points along a side, or NX,NY; an alternative is --eps-c-inv [default: 256]
+    /// Points along each side, N or NX,NY; alternative to --eps-c-inv [default: 256]
     #[arg(long, value_delimiter = ',', value_name = "N")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<usize>,
-    /// A shape from its closed form, with its top in the middle of the cell: sphere:R=, paraboloid:R= (or Rx=,Ry=),
-    /// ellipsoid:a=,b=,c=, cylinder:R= (,axis=y), cone:slope=, wedge:slope= (,axis=y), flat-punch:a=,R= (,depth=),
-    /// wave:A= (,Lx=,Ly=). It is smooth, unless --hurst, --rms-gradient or --rms-height adds roughness
+    /// Analytic shape with its top at the cell centre: sphere:R=, paraboloid:R= (or Rx=,Ry=), ellipsoid:a=,b=,c=,
+    /// cylinder:R= (,axis=y), cone:slope=, wedge:slope= (,axis=y), flat-punch:a=,R= (,depth=), wave:A= (,Lx=,Ly=).
+    /// Smooth unless --hurst, --rms-gradient or --rms-height adds roughness
     #[arg(long, value_name = "KIND:KEY=VALUE,..", value_parser = Shape::from_str)]
     #[serde(with = "text", skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::SHAPE)]
@@ -65,44 +65,44 @@ pub struct GeneratorArgs {
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hurst: Option<f64>,
-    /// Cell length over longest wavelength, at least 1 [default: 2]
+    /// Cell length divided by the longest wavelength, at least 1 [default: 2]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_t_inv: Option<f64>,
-    /// Longest over shortest wavelength, at least 1 [default: the ratio that gives 4 points per shortest wavelength]
+    /// Longest wavelength divided by the shortest, at least 1 [default: 4 points per shortest wavelength]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_f_inv: Option<f64>,
-    /// Grid points per shortest wavelength, at least 2; an alternative to --n [default: follows from --n]
+    /// Grid points per shortest wavelength, at least 2; alternative to --n [default: follows from --n]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eps_c_inv: Option<f64>,
-    /// Root-mean-square of the full gradient (spectral) to which the surface is scaled [default: 0.1]
+    /// Scale to this root-mean-square gradient (full gradient, spectral) [default: 0.1]
     #[arg(long, value_name = "G", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_gradient: Option<f64>,
-    /// Root-mean-square height to which the surface is scaled instead, length
+    /// Scale to this root-mean-square height instead, length
     #[arg(long, value_name = "LENGTH", conflicts_with = "rms_gradient", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTH)]
     pub rms_height: Option<f64>,
-    /// Number of the realisation, below 2^63; seed and cell determine the surface on any grid
+    /// Random seed, below 2^63; seed and cell determine the surface on any grid
     #[arg(long, default_value_t = SEED, value_parser = clap::value_parser!(u64).range(..=LARGEST_SEED))]
     #[serde(deserialize_with = "within::<0, LARGEST_SEED, _, _>")]
     pub seed: u64,
-    /// 3: a surface; 2: a profile, for plane strain
+    /// 3: surface; 2: profile, in plane strain
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u8).range(2..=3))]
     #[serde(deserialize_with = "within::<2, 3, _, _>")]
     pub dim: u8,
-    /// Method: by spectrum (psd), or by subdivision (sra, rmd), which is not periodic or isotropic and has no cut-offs
+    /// Method: spectral (psd), or subdivision (sra, rmd), which is neither periodic nor isotropic and has no cut-offs
     #[arg(long, value_enum, default_value_t = Method::Psd)]
     pub method: Method,
-    /// Roll-off wavelength, length; at longer wavelengths the spectrum is flat
+    /// Roll-off wavelength, length; the spectrum is flat at longer wavelengths
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::LENGTH)]
     pub roll_off: Option<f64>,
-    /// Shape of the transition from the power law to the flat part of the spectrum
+    /// Transition from the power law to the flat part of the spectrum
     #[arg(
         long,
         value_parser = parse_choice::<RollOffShape>(),
@@ -111,22 +111,22 @@ pub struct GeneratorArgs {
     )]
     #[serde(with = "named")]
     pub roll_off_shape: RollOffShape,
-    /// Amplitudes of the modes: random, or the expected ones with random phases
+    /// Mode amplitudes: random, or the expected values with random phases
     #[arg(long, value_parser = parse_choice::<Amplitudes>(), default_value_t = Amplitudes::Gaussian)]
     #[serde(with = "named")]
     pub amplitudes: Amplitudes,
-    /// Correlation length along the lay divided by the correlation length across it, at least 1: waves along the lay
-    /// are longer by the square root, waves across it shorter
+    /// Correlation length along the lay divided by the one across it, at least 1: waves along the lay are longer by its
+    /// square root, waves across it shorter
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,
-    /// Direction of the lay from the x axis, degrees [default: 0]
+    /// Direction of the lay, degrees from x [default: 0]
     #[arg(long, value_name = "DEGREES", requires = "aspect", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lay: Option<f64>,
-    /// Distribution of the heights: lognormal:SIGMA or weibull:SHAPE, mirrored if the number is negative; or a FILE of
-    /// two columns, height and the fraction of the surface below it, or these rows, HEIGHT:PROBABILITY,... Mean and
-    /// width do not matter, and the spectrum is kept [default: normal]
+    /// Height distribution: lognormal:SIGMA or weibull:SHAPE, mirrored for a negative number; or a FILE with the
+    /// columns height and fraction of the surface below it, or rows HEIGHT:PROBABILITY,... Mean and width do not
+    /// matter; the spectrum is kept [default: normal]
     #[arg(
         long,
         value_name = "lognormal:SIGMA|weibull:SHAPE|FILE",
@@ -142,7 +142,7 @@ pub struct GeneratorArgs {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// Random phases under a power spectral density
+    /// Random phases with a given power spectral density
     #[default]
     Psd,
     /// Successive random addition

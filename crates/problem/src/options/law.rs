@@ -16,17 +16,17 @@ pub(super) const LONGEST_TABLE: usize = 1000;
 #[serde(default)]
 #[command(next_help_heading = "Interface law")]
 pub struct LawArgs {
-    /// Law of the tractions across the gap, one of [`Kind::ALL`].
+    /// Traction-separation law, one of [`Kind::ALL`].
     #[arg(
         long,
         default_value_t = Kind::HardWall,
         value_parser = parse_kind,
         value_name = "NAME",
-        help = format!("Law of the tractions across the gap: {} (docs/laws)", Kind::names(|_| true))
+        help = format!("Traction-separation law: {} (docs/laws)", Kind::names(|_| true))
     )]
     #[serde(with = "name")]
     pub law: Kind,
-    /// Parameter of the law, NAME=VALUE; give the flag once for each parameter
+    /// Parameter of the law, NAME=VALUE; repeatable
     #[arg(
         long = "param",
         value_parser = parse_parameter,
@@ -37,13 +37,13 @@ pub struct LawArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::PARAMETERS)]
     pub param: Vec<(String, f64)>,
-    /// Table of the law `table`: FILE of two columns, gap and traction, with attractions above zero, whose heads may
-    /// have units, such as gap_nm or traction_MPa; or the rows, GAP:TRACTION,...
+    /// Table of the law `table`: FILE with the columns gap and traction, attraction positive, whose heads may have
+    /// units, such as gap_nm or traction_MPa; or rows GAP:TRACTION,...
     #[arg(long, value_parser = parse_row, value_delimiter = ',', value_name = "FILE|ROWS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::LAW_TABLE)]
     pub law_table: Vec<[f64; 2]>,
-    /// Solve a law whose process zone, at the edge of a contact, is narrower than a tenth of a grid step: single points
+    /// Solve even if the process zone at a contact edge is narrower than a tenth of a grid step: single points then
     /// jump
     #[arg(long)]
     #[serde(skip_serializing_if = "std::ops::Not::not")]

@@ -21,19 +21,19 @@ use crate::{KeptStrain, Unusable, key, words};
 #[serde(default)]
 #[command(next_help_heading = "Yielding body")]
 pub struct PlasticityArgs {
-    /// Yield stress of a body that yields below its surface (von Mises), stress; of the top layer if there are several
+    /// Yield stress (von Mises) of a body that yields below its surface, stress; with several layers, of the top one
     #[arg(long, visible_alias = "yield", value_name = "Y", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub yield_stress: Option<f64>,
-    /// Isotropic hardening H, stress: slope of the yield stress over the equivalent plastic strain. With the kinematic
+    /// Isotropic hardening H, stress: slope of the yield stress against the equivalent plastic strain. With kinematic
     /// hardening C, the tangent modulus of a bar is E (H + C)/(E + H + C)
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub hardening: Option<f64>,
-    /// Hardening curve, in place of --hardening: FILE of two columns, equivalent plastic strain from 0 and true yield
-    /// stress, or the rows, STRAIN:STRESS,...; the stress is constant beyond the last row
+    /// Hardening curve, in place of --hardening: FILE with the columns equivalent plastic strain, from 0, and true
+    /// yield stress, or rows STRAIN:STRESS,...; the stress is constant beyond the last row
     #[arg(
         long,
         value_parser = parse_row,
@@ -50,25 +50,24 @@ pub struct PlasticityArgs {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub kinematic_hardening: Option<f64>,
-    /// Yield stress of each layer below the top one, stress, 0 for an elastic one; they harden like the top layer
+    /// Yield stress of each layer below the top one, stress, 0 for an elastic layer; they harden like the top layer
     /// [default: all are elastic]
     #[arg(long, value_delimiter = ',', value_name = "Y,..", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::STRESS)]
     pub layer_yield: Vec<f64>,
     /// Cells below the surface, in which the plastic strain is constant in depth: graded:THICKNESS,GROWTH,COARSEN
-    /// (thickness of the first one in grid steps, thickness divided by the thickness above, depth divided by the grid
-    /// steps of the cell, 0 for no coarser grid), uniform:N,DEPTH, or the thickness of each, length
+    /// (first thickness in grid steps, ratio of successive thicknesses, depth divided by the cell's grid step, 0 for no
+    /// coarser grid), uniform:N,DEPTH, or the thickness of each cell, length
     #[arg(long, default_value_t = GivenCells::default(), value_name = "CELLS", allow_hyphen_values = true)]
     #[serde(skip_serializing_if = "is_default")]
     #[option(kinds = Kinds::LENGTH)]
     pub cells: GivenCells,
-    /// Grid steps of each cell divided by the grid step of the surface, powers of two, for cells given one by one
-    /// [default: 1]
+    /// Grid step of each cell divided by the surface grid step, a power of two, for cells given one by one [default: 1]
     #[arg(long, value_delimiter = ',', value_name = "S,..")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub coarsening: Vec<usize>,
-    /// States whose plastic strain goes into --out
+    /// States whose plastic strain is written to --out
     #[arg(
         long,
         value_parser = parse_choice::<KeptStrain>(),

@@ -15,8 +15,8 @@ use crate::{Moduli, Unusable, key, setting, words};
 #[serde(default)]
 #[command(next_help_heading = "Viscoelastic body")]
 pub struct PronyArgs {
-    /// Prony series of a viscoelastic body: relaxation time (10ms, 2h if the lengths have a unit) and fraction of the
-    /// instantaneous modulus of each branch
+    /// Prony series of a viscoelastic body: each branch's relaxation time (10ms, 2h if lengths have a unit) and
+    /// fraction of the instantaneous modulus
     #[arg(
         long,
         value_delimiter = ',',
@@ -27,7 +27,7 @@ pub struct PronyArgs {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[option(kinds = Kinds::PRONY)]
     pub prony: Vec<(f64, f64)>,
-    /// Moduli of the viscoelastic body that are given
+    /// Given moduli of the viscoelastic body
     #[arg(long, value_parser = parse_choice::<Moduli>(), default_value_t = Moduli::LongTerm, requires = "prony")]
     #[serde(skip_serializing_if = "is_default", with = "named")]
     pub moduli: Moduli,

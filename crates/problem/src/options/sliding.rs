@@ -13,17 +13,16 @@ use crate::{Unusable, WearBy, key};
 #[serde(default)]
 #[command(next_help_heading = "Contact")]
 pub struct FrictionArgs {
-    /// Coulomb friction with this coefficient, 0 for none; with a shear strength the limit of the shear is the smaller
-    /// of both
+    /// Friction coefficient (Coulomb), 0 for none; with a shear strength the smaller shear limit holds
     #[arg(long, value_name = "MU", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
-    /// Shear strength of the points in contact (Tresca), stress; 0 for none
+    /// Shear strength in contact (Tresca), stress; 0 for none
     #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::STRESS)]
     pub shear_strength: Option<f64>,
-    /// Pressure to which the friction is proportional, beside a law
+    /// Pressure that sets the friction when a law acts
     #[arg(
         long,
         value_parser = parse_choice::<LimitingPressure>(),
@@ -67,13 +66,13 @@ impl FrictionArgs {
 #[serde(default)]
 #[command(next_help_heading = "Wear")]
 pub struct WearArgs {
-    /// Wear coefficient divided by hardness, of both surfaces together, 1/stress: the depth lost per repulsion and
+    /// Wear coefficient divided by hardness, for both surfaces together, 1/stress: wear depth per repulsion and sliding
     /// distance
     #[arg(long, value_name = "K", allow_negative_numbers = true)]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[option(kinds = Kinds::WEAR)]
     pub coefficient: Option<f64>,
-    /// Sliding by which the surfaces wear
+    /// Sliding that causes wear
     #[arg(long, value_parser = parse_choice::<WearBy>(), default_value_t = WearBy::Distance)]
     #[serde(with = "named", skip_serializing_if = "is_by_distance")]
     pub wear_by: WearBy,

@@ -12,7 +12,7 @@ use crate::options::Options;
 #[serde(default)]
 #[command(next_help_heading = "Solver")]
 pub struct SolverArgs {
-    /// The method (docs/solvers.md)
+    /// Solution method (docs/solvers.md)
     #[arg(long, value_parser = parse_choice::<Solver>(), default_value_t = Solver::Auto)]
     #[serde(with = "named")]
     pub solver: Solver,
@@ -30,7 +30,7 @@ pub struct SearchArgs {
     /// Largest residual of a converged state
     #[arg(long, alias = "tol", default_value_t = 1e-8, value_name = "TOL", allow_negative_numbers = true)]
     pub tolerance: f64,
-    /// Largest number of iterations, or time steps, for one state
+    /// Largest number of iterations or time steps per state
     #[arg(long, alias = "max-iter", default_value_t = 100_000, value_name = "N")]
     max_iterations: u64,
 }

@@ -121,7 +121,7 @@ impl Prepared {
         if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
             return Err(Failure::input(
                 asked.source.name(),
-                "the heights are all equal; with a lower surface only that may be flat",
+                "the heights are all equal; only the lower surface may be flat",
             ));
         }
         let elastic = facts.memory_need(asked.solver, asked.once);
@@ -323,8 +323,8 @@ impl Prepared {
         (pressed > 0).then(|| {
             format!(
                 "the contact reaches the edge of the patch, at {pressed} of its {all} points: beyond it nothing \
-                 presses the body, and the pressure at the edge is that of a sharp rim; a contact that goes on needs a \
-                 larger patch"
+                 presses the body, and the pressure at the edge is as at a sharp rim; a contact that extends further \
+                 needs a larger patch"
             )
         })
     }

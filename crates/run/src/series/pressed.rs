@@ -46,7 +46,7 @@ pub struct ContactArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub lower: LowerArgs,
-    /// The surroundings of the surface
+    /// Boundary condition at the edges of the surface
     #[arg(
         long,
         value_parser = parse_choice::<Boundary>(),
@@ -55,7 +55,7 @@ pub struct ContactArgs {
     )]
     #[serde(with = "named")]
     pub boundary: Boundary,
-    /// The components of the surface displacement that are unknown
+    /// Displacement components to solve for
     #[arg(long, value_parser = parse_choice::<Unknown>(), default_value_t = Unknown::Normal, help_heading = "Contact")]
     #[serde(skip_serializing_if = "is_normal", with = "named")]
     pub components: Unknown,
@@ -63,8 +63,8 @@ pub struct ContactArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub hardness: HardnessArgs,
-    /// Do not take slopes as small: points of the body meet the height at their displaced place, and pressures act
-    /// along the normal of the rigid surface
+    /// Allow finite slopes: points of the body touch the rigid surface at their laterally displaced position, and
+    /// pressures act along its normal
     #[arg(long, help_heading = "Contact")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub finite_slope: bool,
@@ -84,7 +84,7 @@ pub struct ContactArgs {
     #[command(flatten)]
     #[serde(flatten)]
     pub law: LawArgs,
-    /// Way in which the error of the numbers by the finite grid is found
+    /// How to estimate the discretisation error
     #[arg(
         long,
         value_parser = parse_choice::<GridError>(),
@@ -93,13 +93,12 @@ pub struct ContactArgs {
     )]
     #[serde(skip_serializing_if = "GridError::is_default", with = "named")]
     pub grid_error: GridError,
-    /// Largest relative error (95 %) that every number may have by the grid, such as 0.01 or 1%: the grid is made finer
-    /// until all are that exact
+    /// Target relative discretisation error (95 %), such as 0.01 or 1%: the grid is refined until every number meets it
     #[arg(long, value_name = "E", conflicts_with = "grid_error", help_heading = "Accuracy")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<Accuracy>,
-    /// Start the first load from the state of a law with 8, 4 and 2 times the range and the same work, one after the
-    /// other
+    /// Solve the first load with 8, 4 and 2 times the range of the law and the same work, in turn, before the law
+    /// itself
     #[arg(long, help_heading = "Solver")]
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub range_continuation: bool,

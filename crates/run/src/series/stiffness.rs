@@ -15,7 +15,7 @@ use gfmd_input::failure::Failure;
 #[derive(Args, Options, Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(default)]
 pub struct StiffnessArgs {
-    /// Largest relative error of the stiffness of a hard wall; 1e-9 can be reached
+    /// Largest relative stiffness error of a hard wall; 1e-9 can be reached
     #[arg(
         long,
         alias = "stiffness-tol",
