@@ -1,4 +1,4 @@
-//! `estimate`: numbers of a rough contact from the spectrum of the surface, without solving a contact, each with its
+//! `estimate`: numbers of a rough contact from spectrum and highest points, without solving a contact, each with its
 //! measured error.
 
 mod deviations;

@@ -1,4 +1,4 @@
-//! Numbers of a rough contact from its spectrum alone: the formula of the area for finite spectra, and Persson's
+//! Numbers of a rough contact from its spectrum and highest points: the area formula for finite spectra, and Persson's
 //! theory with the pressure distribution that has this area (theory.md, section 10).
 
 use std::f64::consts::{SQRT_2, TAU};

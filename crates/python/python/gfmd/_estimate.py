@@ -1,4 +1,4 @@
-"""Estimates of contacts from the spectrum of a surface, without a solution."""
+"""Estimates of contacts from spectrum and highest points of a surface, without a solution."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ._units import Units
 
 
 class Estimate(Record):
-    """Numbers of contacts estimated from the spectrum of the surface.
+    """Numbers of contacts estimated from spectrum and highest points of the surface.
 
     Each has its error: 95 % of solved contacts deviate by less. An estimate that is not known is NaN.
 
@@ -119,7 +119,7 @@ def estimate(
     hardness: Optional[Quantity] = None,
     stress_unit: Optional[str] = None,
 ) -> Estimate:
-    """Estimates contacts from the spectrum of a surface, without a solution, as `gfmd estimate` does.
+    """Estimates contacts from spectrum and highest points of a surface, without a solution, as `gfmd estimate` does.
 
     Args:
         surface: as in `contact`; periodic, and no profile.
