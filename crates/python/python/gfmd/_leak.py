@@ -72,11 +72,11 @@ class Leaks:
         """Returns the leak rate (volume per time) through the gap after each step, [step, 2]: along x and along y.
 
         Args:
-            viscosity: viscosity of the fluid, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the
-                length unit is unknown.
+            viscosity: fluid viscosity, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the length
+                unit is unknown.
             pressure_drop: pressure drop over the length of the cell along the flow, Pa, or a string with a unit, such
                 as "1 bar"; in stress if the length unit is unknown.
-            fluid: name of a fluid, such as "water", in place of `viscosity`; `gfmd materials` lists them.
+            fluid: fluid name, such as "water", in place of `viscosity`; `gfmd materials` lists them.
 
         Returns:
             The leak rates in m³/s (length³/time if the length unit is unknown); zero where the gap is closed.
