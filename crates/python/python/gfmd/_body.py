@@ -58,7 +58,7 @@ class Material(dict[str, Any]):
 
     @property
     def recorded(self) -> str:
-        """Name and source, as in a result file."""
+        """Name and source, as in the file of a result."""
         return f"{self.name} ({self.source})"
 
 

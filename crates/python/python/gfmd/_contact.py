@@ -207,7 +207,7 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def finite_slope(self) -> bool:
-        """True if finite slopes were allowed, with points of the body meeting the height at their displaced position."""
+        """True if finite slopes were allowed, so that points of the body met the height where displaced."""
         return bool(self._settings.description.get("finite_slope"))
 
     @property

@@ -31,7 +31,7 @@ _ARRAYS = {
 
 
 def _stored(name: str, group: str, given: Sequence[float]) -> Surface:
-    """Reads a surface from a file; the size `given` comes from the configuration."""
+    """Reads a surface from a file, with the size `given` by the configuration."""
     heights, size, unit, *_ = _gfmd.read(f"{name}:{group}/height")
     if len(given) == 2:
         size = (given[0], given[1])
@@ -76,15 +76,15 @@ def _path(name: str) -> Path:
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path]:
-    """Reads a contact, the contacts of several loads, or a path from a file of the program with `--out` or of `save`.
+    """Reads a contact, contacts under several loads, or a path from a file written by `--out` or `save`.
 
-    Nothing is solved. A path has the largest part of each residual alone, as its file.
+    Nothing is solved. A path has only the largest part of each residual, as its file does.
 
     Args:
-        path: the name of the HDF5 file.
+        path: HDF5 file name.
 
     Raises:
-        InputError: not a file of contacts or of a path.
+        InputError: not a file of contacts or a path.
 
     Example:
         >>> c.save("c.h5")

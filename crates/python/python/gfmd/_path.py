@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 # Largest difference between a path and the same path followed again, relative to the largest of its values.
 _ALIKE = 1e-6
 
-# Reason why a path that was not followed in this session has no derivatives.
+# Reason why a path not followed in this session has no derivatives.
 _READ = "the path was read from a file; it must be a result of gfmd.path, for derivatives"
 
 
@@ -414,7 +414,7 @@ def _measured(step: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-# Keys of the report that are named as in `Body`.
+# Report keys named as in `Body`.
 _OF_BODY = {"yield": "yield_stress", "kinematic": "kinematic_hardening"}
 
 

@@ -17,10 +17,10 @@ from ._record import Measured, Record, by_name, parsed, without_null
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
-# Continuation of a surface beyond its edges; None for the one of the surface itself.
+# Continuation of a surface beyond its edges; None to follow `is_periodic`.
 Boundary = Optional[Literal["periodic", "free"]]
 
-# Points left out of a fit: a mask [x, y], or a region as text.
+# Points excluded from a fit: a mask [x, y], or a region as text.
 Exclude = Union[npt.NDArray[np.bool_], str, None]
 
 
@@ -187,7 +187,7 @@ class Surface:
 
     @property
     def description(self) -> str:
-        """Origin and preparation of the heights."""
+        """Description of the origin and preparation of the heights."""
         return self._origin.description
 
     @property
@@ -609,7 +609,7 @@ class Surface:
         """Marks scars, line defects along x, as undefined.
 
         Args:
-            high, low: least distance of a scar from the rows beside it, somewhere and everywhere, in rms row differences.
+            high, low: least distance of a scar from adjacent rows, somewhere and everywhere, in rms row differences.
             length: smallest number of points along x.
             width: largest number of rows.
 
