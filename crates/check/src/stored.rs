@@ -4,18 +4,31 @@ use std::collections::BTreeMap;
 
 use gfmd_files::Reader;
 use gfmd_problem::Facts;
-use gfmd_record::{Record, State, columns, reason_of};
+use gfmd_record::{Record, Subject, columns, reason_of};
 
 use gfmd_input::failure::Failure;
 use gfmd_run::series::SeriesLayout;
 
-/// Reads the records of all parts of a file. Missing numbers are NaN.
+/// Reads the records of all parts of a contact's file. Missing numbers are NaN.
 ///
 /// # Errors
 /// Returns an error if the file is not a result of a problem with these facts.
 pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure> {
-    let refuse = |error: gfmd_files::FileError| Failure::refused(error.to_string());
     let SeriesLayout { group, plural, .. } = SeriesLayout::of(facts);
+    records_in(reader, (group, plural), facts)
+}
+
+/// Reads the records of a group of datasets with one value for each row; `plural` names the rows. Missing numbers are
+/// NaN.
+///
+/// # Errors
+/// Returns an error if the datasets are missing or of unequal length.
+pub fn records_in<S: Subject>(
+    reader: &Reader,
+    (group, plural): (&str, &str),
+    facts: &S::Facts,
+) -> Result<Vec<Record<S>>, Failure> {
+    let refuse = |error: gfmd_files::FileError| Failure::refused(error.to_string());
     let shape = reader.shape(&format!("{group}/mean_pressure")).map_err(refuse)?;
     let &[count] = &shape[..] else {
         let path = reader.path().display();
@@ -24,7 +37,7 @@ pub fn records_of(reader: &Reader, facts: &Facts) -> Result<Vec<Record>, Failure
         )));
     };
     let mut found = BTreeMap::new();
-    for column in columns::<State>(facts) {
+    for column in columns::<S>(facts) {
         let path = format!("{group}/{}", column.name);
         let values = if reader.contains(&path) { reader.values::<f64>(&path).map_err(refuse)? } else { Vec::new() };
         if !values.is_empty() && values.len() != count {

@@ -5,6 +5,7 @@ mod file;
 mod heat;
 mod report;
 mod steady_state;
+mod stored;
 
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -39,6 +40,7 @@ use self::file::{StatesFile, fields};
 use self::heat::{HeatArgs, Source};
 pub use self::report::Report;
 use self::steady_state::SteadyState;
+pub use self::stored::stored;
 use gfmd_problem::options::{Kinds, Options};
 
 /// Flags of `slide`.
@@ -400,6 +402,23 @@ impl SlideInput {
         Ok((SteadyState { state, heated }, failure))
     }
 
+    /// Returns the report without states.
+    fn report(&self, args: &Args) -> Result<Report, Failure> {
+        let mut head = Head::new(&args.asked()?, &self.prepared, self.sliding.contact().surface());
+        head.relaxation = args.prony.relaxation(&args.body)?;
+        // Contacts at rest have these orders.
+        head.grid_error.iter_mut().for_each(|found| found.orders.clear());
+        Ok(Report {
+            head,
+            facts: self.facts(),
+            direction: self.velocities[0].direction(),
+            states: Vec::new(),
+            peak_bytes: 0,
+            out: None,
+            plots: Vec::new(),
+        })
+    }
+
     /// Solves the states that are not kept, and writes the file. An interrupted run whose states are kept has no file.
     fn run(
         &self,
@@ -408,21 +427,8 @@ impl SlideInput {
         mut kept: Option<&mut UnfinishedRun>,
         session: &Session,
     ) -> Result<Outcome<Report>, Failure> {
-        let Self { prepared, sliding, velocities, .. } = self;
-        let mut head = Head::new(&args.asked()?, prepared, sliding.contact().surface());
-        head.relaxation = args.prony.relaxation(&args.body)?;
-        // Contacts at rest have these orders.
-        head.grid_error.iter_mut().for_each(|found| found.orders.clear());
-        let direction = velocities[0].direction();
-        let mut report = Report {
-            head,
-            facts: self.facts(),
-            direction,
-            states: Vec::new(),
-            peak_bytes: 0,
-            out: None,
-            plots: Vec::new(),
-        };
+        let Self { prepared, velocities, .. } = self;
+        let mut report = self.report(args)?;
         let count = self.states().count();
         let provenance = session.provenance(args.config()?);
         let mut finer = Finer::pose(args, prepared)?;

@@ -26,6 +26,7 @@ use rayon::prelude::*;
 use serde::Deserialize;
 
 pub(crate) use check::check;
+pub use file::report_of;
 pub use report::{PlanReport, Report};
 
 use crate::inputs::stay_in;

@@ -8,7 +8,7 @@ use gfmd_files::{Output, Reader};
 use gfmd_input::failure::Failure;
 use gfmd_input::json;
 use gfmd_input::session::Session;
-use gfmd_record::{Record, arrays};
+use gfmd_record::{Record, SLIDING_FIELDS, arrays};
 use gfmd_run::series::{Chosen, Prepared, StateFile};
 use ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
@@ -97,15 +97,26 @@ pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<(Vec<String>,
     Ok((texts.collect::<PyResult<_>>()?, fields))
 }
 
-/// Reads the report of the path in a file, as JSON, and the names of its fields.
+/// Reads the report of a path, of steady sliding or of a study in a file, as JSON, and the names of its fields.
 #[pyfunction]
-pub(crate) fn read_path(py: Python<'_>, path: &str) -> PyResult<(String, Vec<&'static str>)> {
+pub(crate) fn read_report(py: Python<'_>, path: &str) -> PyResult<(String, Vec<&'static str>)> {
     let read = quick(py, || {
         let reader = Reader::open(path)?;
-        let report = gfmd_cli::path::stored(&reader, &Session::embedded())?;
+        let session = Session::embedded();
         let there = |name: &&str| reader.contains(&format!("/fields/{name}"));
-        let names = arrays(&report.facts).map(|array| array.name).filter(there).collect();
-        Ok::<_, Failure>((json::to_string(&report), names))
+        Ok::<_, Failure>(match ResultKind::of(&reader) {
+            Some(ResultKind::Slide) => {
+                let report = gfmd_cli::slide::stored(&reader, &session)?;
+                let names = SLIDING_FIELDS.iter().map(|field| field.name).filter(there).collect();
+                (json::to_string(&report), names)
+            }
+            Some(ResultKind::Study) => (json::to_string(&gfmd_cli::study::report_of(&reader)?), Vec::new()),
+            _ => {
+                let report = gfmd_cli::path::stored(&reader, &session)?;
+                let names = arrays(&report.facts).map(|array| array.name).filter(there).collect();
+                (json::to_string(&report), names)
+            }
+        })
     })?;
     let (text, fields) = read.map_err(|failure| unusable(py, failure))?;
     Ok((text.map_err(|error| refused(py, &error))?, fields))
@@ -128,17 +139,13 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
 fn other(kind: ResultKind) -> String {
     let name = kind.name();
     let (function, group) = match kind {
-        ResultKind::Contact => ("contact", "loads"),
-        ResultKind::Path => ("path", "path"),
-        ResultKind::Slide => ("slide", "states"),
         ResultKind::Punch => ("punch", "punch"),
         ResultKind::Body => ("interior", "fields"),
-        ResultKind::KappaSweep => ("kappa_sweep", "points"),
-        ResultKind::Study => ("study", "study"),
+        _ => ("kappa_sweep", "points"),
     };
     format!(
-        "it is a result of {name}, and load reads contacts and paths; gfmd.{function} returns one of {name}, \
-         h5py.File(FILE)[\"{group}\"] has its numbers, and the command gfmd report FILE makes its page"
+        "it is a result of {name}, and load reads contacts, paths, slides and studies; gfmd.{function} returns one of \
+         {name}, h5py.File(FILE)[\"{group}\"] has its numbers, and the command gfmd report FILE makes its page"
     )
 }
 

@@ -7,6 +7,7 @@ import matplotlib.axes
 import matplotlib.pyplot
 import numpy as np
 import pytest
+from gfmd._record import same
 
 UNITS = {"size": "50 um", "unit": "um"}
 KINDS = (
@@ -189,13 +190,17 @@ def test_a_result_is_saved(results, kind, tmp_path):
     results[kind].save(tmp_path / "r.h5")
     if kind in ("contact", "contacts", "adhesive"):
         assert gfmd.load(tmp_path / "r.h5") == results[kind]
-    elif isinstance(results[kind], gfmd.Path):
+    elif isinstance(results[kind], (gfmd.Path, gfmd.Slide)):
+        rows = "steps" if isinstance(results[kind], gfmd.Path) else "states"
+        loaded, made = gfmd.load(tmp_path / "r.h5"), results[kind]
         # A file has the largest part of each residual alone.
-        loaded = gfmd.load(tmp_path / "r.h5")
-        assert loaded.steps.keys() - {"residual_largest"} == {
-            name for name in results[kind].steps if not name.startswith("residual_")
-        }
-        assert np.array_equal(loaded.steps.area_fraction, results[kind].steps.area_fraction)
+        names = {name for name in made[rows] if not name.startswith("residual_")}
+        assert loaded[rows].keys() - {"residual_largest"} == names
+        assert all(np.array_equal(loaded[rows][name], made[rows][name], equal_nan=True) for name in names)
+        differing = [name for name in made.keys() | loaded.keys() if not same(made.get(name), loaded.get(name))]
+        # A coefficient of wear was given with its unit.
+        assert set(differing) <= {rows, "plots", "surface", "wear"}
+        assert np.array_equal(loaded.surface.heights, made.surface.heights)
     else:
         with pytest.raises(gfmd.InputError, match="it is a result of .*h5py"):
             gfmd.load(tmp_path / "r.h5")

@@ -68,6 +68,7 @@ def test_a_study_is_shown_kept_and_compared(made, tmp_path):
     again = gfmd.study(STUDY, out=tmp_path / "s.h5", threads=1, progress=False)
     assert again == made and (tmp_path / "s.h5").exists()
     assert not (tmp_path / "s.h5.journal").exists()
+    assert gfmd.load(tmp_path / "s.h5") == made
     made.report(tmp_path / "s.html")
     assert len(made.figures()) >= 3
     pytest.importorskip("matplotlib")

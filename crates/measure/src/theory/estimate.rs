@@ -70,8 +70,9 @@ impl EquivalentBand {
 /// of area fraction a has points among the highest f = 1 − (1 − a)² of the surface, as a truncation of light contacts
 /// has twice their area. With s the rms slope there divided by the rms slope of all points ([`Summits`]), the reduced
 /// pressure is p/s. Mean gap and stiffness are of Persson's theory, moved by the height that f exceeds, in place of the
-/// one of a Gaussian surface: w (h(f) + s (u − σ z(f))) + (1 − w) u with w = (1 − a)², u the gap of the theory at p/s, σ
-/// the rms height and z the Gaussian quantile. Pressures have Persson's distribution, with the variance W with which its
+/// one of a Gaussian surface: w (h(f) + s min(u − σ z(f), 0)) + (1 − w) u with w = max(1 − 2a, 0), u the gap of the
+/// theory at p/s, σ the rms height and z the Gaussian quantile; a mean plane is no farther than the level that
+/// truncates. Pressures have Persson's distribution, with the variance W with which its
 /// area is this area (theory.md, section 11): on the points in contact the mean square is M₂/a, with M₂ = (p̄² + W) a +
 /// 2 p̄ √(W/2π) e^{−p̄²/2W}. The largest pressure is the level that one patch of the cell exceeds on average: of a
 /// Gaussian field they are A ⟨q²⟩/(4π) z² P for high levels, z the level above the mean in standard deviations, P the
@@ -96,7 +97,8 @@ pub struct Estimated {
     pub area_fraction: f64,
     /// Mean gap, length.
     pub mean_gap: f64,
-    /// Slope of the mean pressure against the approach, between loads 10 % lower and higher, stress/length.
+    /// Slope of the mean pressure p against the approach, p times the slope of ln p between p/1.5 and 1.5 p,
+    /// stress/length.
     pub stiffness: f64,
     /// Rms pressure on the points in contact, stress.
     pub rms_pressure: f64,
@@ -148,11 +150,11 @@ impl Estimate {
         let z = mean_pressure / deviation;
         let square = deviation * deviation * ((1.0 + z * z) * area + 2.0 * z * (-0.5 * z * z).exp() / TAU.sqrt());
         let gap = |pressure| self.mean_gap(pressure, self.touching(pressure));
-        let [low, high] = [1.0 - STIFFNESS_STEP, 1.0 + STIFFNESS_STEP].map(|part| part * mean_pressure);
+        let [low, high] = [mean_pressure / STIFFNESS_STEP, mean_pressure * STIFFNESS_STEP];
         Estimated {
             area_fraction: area,
             mean_gap: self.mean_gap(mean_pressure, touching),
-            stiffness: (high - low) / (gap(low) - gap(high)),
+            stiffness: mean_pressure * (high / low).ln() / (gap(low) - gap(high)),
             rms_pressure: (square / area).sqrt(),
             max_pressure: self.highest(z).map(|level| mean_pressure + level * deviation),
         }
@@ -182,8 +184,8 @@ impl Estimate {
         let Some(summits) = &self.summits else { return gap };
         let fraction = highest_fraction(area);
         let gaussian = summits.rms_height() * exceeded(fraction);
-        let weight = 1.0 - fraction;
-        weight * (summits.height(fraction) + slope * (gap - gaussian)) + (1.0 - weight) * gap
+        let weight = (1.0 - 2.0 * area).max(0.0);
+        weight * (summits.height(fraction) + slope * (gap - gaussian).min(0.0)) + (1.0 - weight) * gap
     }
 
     /// Returns the level above the mean pressure, in standard deviations, that one patch of the cell exceeds; `mean` is
@@ -205,8 +207,8 @@ impl Estimate {
     }
 }
 
-/// Part of the load by which the loads that give the stiffness are lower and higher.
-const STIFFNESS_STEP: f64 = 0.1;
+/// Ratio of the higher load that gives the stiffness to the load, and of the load to the lower one.
+const STIFFNESS_STEP: f64 = 1.5;
 
 /// Points in contact.
 #[derive(Clone, Copy, Debug)]
@@ -298,8 +300,8 @@ mod tests {
         let estimate = Estimate::new(band(0.5, 0.5, 0.02), 1.0).unwrap();
         for p_star in [1e-6, 0.01, 0.3, 1.5] {
             let p = p_star * estimate.unit_pressure();
-            let [low, high] = [0.9, 1.1].map(|part| p * part);
-            let slope = (high - low) / (estimate.at(low).mean_gap - estimate.at(high).mean_gap);
+            let [low, high] = [p / 1.5, p * 1.5];
+            let slope = p * 2.25_f64.ln() / (estimate.at(low).mean_gap - estimate.at(high).mean_gap);
             let found = estimate.at(p).stiffness;
             assert!((found / slope - 1.0).abs() < 1e-5, "{p_star}: {found} {slope}");
         }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
@@ -20,6 +20,10 @@ from ._parts import Wear
 from ._path import Path, gathered
 from ._record import parsed
 from ._result import Contents
+from ._slide import Slide
+from ._slide import made_of as _slide_of
+from ._study import Study
+from ._study import made_of as _study_of
 from ._surface import Surface, _surface
 
 # Datasets of a problem in a file, by the keys of their options.
@@ -48,9 +52,9 @@ def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> 
     return found
 
 
-def _path(name: str) -> Path:
-    """Reads a path from its file."""
-    text, names = _gfmd.read_path(name)
+def _reported(name: str) -> tuple[dict[str, Any], dict[str, Any], Contents]:
+    """Reads the report in a file, its surfaces and fields by name, and the bytes of the file."""
+    text, names = _gfmd.read_report(name)
     values = parsed(text)
     size = values["size"] if "second_surface" not in values else []
     found: dict[str, Any] = {field: _check.frozen(_array(name, f"/fields/{field}")) for field in names}
@@ -60,31 +64,61 @@ def _path(name: str) -> Path:
     if "lower" in values:
         found["lower_surface"] = _stored(name, "/lower", size)
         values["lower"]["surface"] = _gfmd.read_text(name, "/lower", "description")
+    for of_the_run in ("peak_bytes", "plots", "scan", "out"):
+        values.pop(of_the_run, None)
+    values["warnings"] = _warnings(name)
+    return values, found, _contents(name)
+
+
+def _warnings(name: str) -> list[dict[str, str]]:
+    """Reads the warnings of a file."""
+    lines = (line.partition(": ") for line in _gfmd.read_text(name, "/", "warnings").splitlines())
+    return [{"code": code, "text": text} for code, _, text in lines]
+
+
+def _contents(name: str) -> Contents:
+    with open(name, "rb") as file:
+        return Contents(file.read())
+
+
+def _path(name: str) -> Path:
+    """Reads a path from its file."""
+    values, found, contents = _reported(name)
     if values.get("coefficient") is not None:
         is_by_slip = 'wear_by = "slip"' in _gfmd.read_text(name, "/", "config")
         by: Literal["distance", "slip"] = "slip" if is_by_slip else "distance"
         found["wear"] = Wear(values["coefficient"], by=by)
-    warnings = (line.partition(": ") for line in _gfmd.read_text(name, "/", "warnings").splitlines())
-    values["warnings"] = [{"code": code, "text": text} for code, _, text in warnings]
     # A file has the largest part of each residual alone.
     for step, largest in zip(values["steps"], _array(name, "/path/residual")):
         step["residual"] = {"largest": largest}
-    for of_the_run in ("peak_bytes", "plots", "scan"):
-        values.pop(of_the_run, None)
-    with open(name, "rb") as file:
-        return Path({**gathered(values), "unit": found["surface"].unit, **found}, Contents(file.read()))
+    return Path({**gathered(values), "unit": found["surface"].unit, **found}, contents)
 
 
-def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path]:
-    """Reads a contact, contacts under several loads, or a path from a file written by `--out` or `save`.
+def _slide(name: str) -> Slide:
+    """Reads steady sliding from its file."""
+    values, found, contents = _reported(name)
+    for state, largest in zip(values["states"], _array(name, "/states/residual")):
+        state["residual"] = {"largest": largest}
+    return _slide_of(values, found, (found.pop("surface"), found.pop("hardness", None)), contents)
 
-    Nothing is solved. A path has only the largest part of each residual, as its file does.
+
+def _study(name: str) -> Study:
+    """Reads a study from its file."""
+    values = parsed(_gfmd.read_report(name)[0])
+    return _study_of({**values, "warnings": _warnings(name)}, _contents(name))
+
+
+def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path, Slide, Study]:
+    """Reads a contact, contacts under several loads, a path, steady sliding or a study from a file.
+
+    The file comes from `--out` or `save`. Nothing is solved. Paths and steady sliding have only the largest part of
+    each residual, as their files do.
 
     Args:
         path: HDF5 file name.
 
     Raises:
-        InputError: not a file of contacts or a path.
+        InputError: not a file of these results.
 
     Example:
         >>> c.save("c.h5")
@@ -93,10 +127,15 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path]
         >>> loop.save("loop.h5")
         >>> bool((gfmd.load("loop.h5").steps.mean_pressure == loop.steps.mean_pressure).all())
         True
+        >>> sliding.save("slide.h5")
+        >>> gfmd.load("slide.h5").pressure.shape == sliding.pressure.shape
+        True
     """
     name = _check.path("path", path)
-    if _gfmd.read_kind(name) == "path":
-        return _path(name)
+    others: dict[str | None, Callable[[str], Path | Slide | Study]] = {"path": _path, "slide": _slide, "study": _study}
+    kind = _gfmd.read_kind(name)
+    if kind in others:
+        return others[kind](name)
     # Checked for keys and types, as a file may come from anyone.
     config = json.loads(_gfmd.read_config(name))
     size = [] if "second_surface" in config else config.get("size", [])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -18,7 +18,7 @@ from ._load import Residual, residual_of
 from ._options import SlideOptions
 from ._path import drive_keys
 from ._record import Record
-from ._result import Computed
+from ._result import Computed, Contents, File
 from ._surface import Surface, as_hardness, as_surface
 
 if TYPE_CHECKING:
@@ -189,6 +189,17 @@ def slide(
     arrays: dict[str, Any] = {"surface": made.heights}
     (problem if isinstance(bound, (float, str)) else arrays)["hardness"] = bound
     values, failure, fields, file = _command.solve("slide", problem, arrays, threads, out, made)
+    return _command.ended(made_of(values, fields, (made, bound), file), failure)
+
+
+def made_of(
+    values: dict[str, Any],
+    fields: Mapping[str, Array],
+    given: tuple[Surface, Any],
+    file: File | Contents,
+) -> Slide:
+    """Makes a slide from the report of the command, its fields, the surface and the hardness, and the file."""
+    made, bound = given
     rows = []
     for state in values.pop("states"):
         state.pop("undefined", None)
@@ -200,5 +211,4 @@ def slide(
     reported = {name: _command.records(value) for name, value in values.items()}
     if isinstance(bound, np.ndarray):
         reported["hardness"] = bound
-    result = Slide({**reported, "unit": made.unit, "surface": made, "states": States(columns), **fields}, file)
-    return _command.ended(result, failure)
+    return Slide({**reported, "unit": made.unit, "surface": made, "states": States(columns), **fields}, file)

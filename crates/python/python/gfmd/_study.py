@@ -195,7 +195,7 @@ def study(
         problem = {**described, "out": file, "resume": flag("resume", resume)}
         with hidden(not flag("progress", progress)):
             values, failure, *_ = _command.solve("study", problem, threads=threads)
-        return _command.ended(_made(values, Contents(Path(file).read_bytes())), failure)
+        return _command.ended(made_of(values, Contents(Path(file).read_bytes())), failure)
     except KeyboardInterrupt as error:
         if isinstance(error, Interrupted) and isinstance(error.state, Study):
             raise
@@ -204,7 +204,7 @@ def study(
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _made(values: dict[str, Any], contents: Contents) -> Study:
+def made_of(values: dict[str, Any], contents: Contents) -> Study:
     """Makes a study from the report of the command."""
     axes = values.pop("axes")
     members = [values.pop(name) for name in ("surface", "seed", "body")]
