@@ -156,7 +156,7 @@ pub(super) const COLUMNS: &[Column] = &[
             (
                 between,
                 "|mean p - prescribed| / prescribed, larger of the two faces; under a prescribed approach, the \
-                 difference between their mean pressures divided by its mean",
+                 difference between the mean pressures on both faces divided by their mean",
             ),
             (any, "|mean p - prescribed| / prescribed, from the final fields"),
         ]
