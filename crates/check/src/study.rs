@@ -150,7 +150,7 @@ impl Cube {
         };
         let surface = labels("surface", &self.surfaces, "surface");
         let seed = self.seeds.iter().map(|seed| *seed as f64).collect();
-        let seed = Dimension::values("seed", seed, "1", "seed of the realisation");
+        let seed = Dimension::values("seed", seed, "1", "random seed");
         let body = labels("body", &self.bodies, "body");
         let states = self.axes.iter().map(|axis| match &axis.values {
             Some(values) => Dimension::values(&axis.name, values.clone(), &axis.units, &axis.long_name),
@@ -173,7 +173,7 @@ impl Cube {
         let status: Vec<String> = self.errors.iter().map(|error| status(error).to_owned()).collect();
         for (name, long_name, texts) in [
             ("status", "solved or failed", &status),
-            ("error", "reason why the member failed; empty for one that did not", &self.errors),
+            ("error", "reason why the member failed; empty otherwise", &self.errors),
             ("warnings", "warnings of the member, one per line", &self.warnings),
             ("config", "complete configuration of the member as TOML", &self.configs),
         ] {

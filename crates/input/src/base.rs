@@ -190,7 +190,7 @@ impl MovedBase {
         let whole = archive.as_mut().map_or(Ok(()), |archive| {
             archive.write(path, &Variable { dimensions: &[x, y, &component], units, long_name }, &values)
         });
-        let long_name = "normal displacement of the surface by the base alone, contained in displacement_z";
+        let long_name = "normal surface displacement due to the base alone, included in displacement_z";
         let variable = Variable { dimensions: &[x, y], units: unit, long_name };
         let written = rows::write_all(share, self.lift.view(), archive, "/base/lift", &variable);
         whole?;

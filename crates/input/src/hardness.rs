@@ -133,7 +133,7 @@ pub fn write(
     let variable = Variable {
         dimensions: &axes,
         units: &units.name("stress"),
-        long_name: "largest pressure that the surfaces carry",
+        long_name: "hardness: largest pressure that the surfaces carry",
     };
     rows::write_all(share, field.view(), archive, STORED, &variable)
 }

@@ -100,7 +100,7 @@ pub const ARRAYS: &[Array] = &[
         "plastic_depth",
         "length",
         &[
-            (path, "depth by which the surfaces were pressed into each other so far"),
+            (path, "depth by which the surfaces have been pressed into each other"),
             (between, "depth by which the upper face and surface are pressed into each other beyond touching"),
             (any, "depth by which the surfaces are pressed into each other beyond touching"),
         ],
@@ -110,17 +110,14 @@ pub const ARRAYS: &[Array] = &[
     Array::new(
         "plastic_displacement_z",
         "length",
-        &[(any, "normal displacement by plastic strain below the surface; once unloaded the residual topography")],
+        &[(any, "normal displacement due to plastic strain below the surface; once unloaded, the residual topography")],
         |rest, _| Some(rest.yielding()?.plastic_displacement.view().into()),
     )
     .of_paths(yields),
     Array::new(
         "wear_depth",
         "length",
-        &[
-            (between, "depth that the upper face and surface have lost so far"),
-            (any, "depth that both surfaces have lost so far"),
-        ],
+        &[(between, "depth lost by the upper face and surface so far"), (any, "depth lost by both surfaces so far")],
         |rest, _| rest.on_path()?.wear_depth().map(|depth| depth.view().into()),
     )
     .of_paths(|facts| facts.wear.is_some()),
@@ -170,18 +167,15 @@ pub const ARRAYS: &[Array] = &[
         "lower_plastic_depth",
         "length",
         &[
-            (path, "depth by which the lower face and surface were pressed into each other so far"),
+            (path, "depth by which the lower face and surface have been pressed into each other"),
             (any, "depth by which the lower face and surface are pressed into each other beyond touching"),
         ],
         |rest, _| rest.lower_plastic_depth().map(|depth| depth.view().into()),
     )
     .with(HARD_BETWEEN, hard_between),
-    Array::new(
-        "lower_wear_depth",
-        "length",
-        &[(any, "depth that the lower face and surface have lost so far")],
-        |rest, _| rest.lower_on_path()?.wear_depth().map(|depth| depth.view().into()),
-    )
+    Array::new("lower_wear_depth", "length", &[(any, "depth lost by the lower face and surface so far")], |rest, _| {
+        rest.lower_on_path()?.wear_depth().map(|depth| depth.view().into())
+    })
     .of_paths(|facts| between(facts) && facts.wear.is_some()),
     Array::new(
         "lower_repulsion",

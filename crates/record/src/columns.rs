@@ -66,7 +66,7 @@ pub fn page<S: Subject>() -> String {
         let mut meanings: Vec<&str> = column.meanings.iter().rev().map(|(_, meaning)| *meaning).collect();
         meanings.dedup();
         let order =
-            column.order.map_or_else(String::new, |order| format!("; of order {order} in the distance of the points"));
+            column.order.map_or_else(String::new, |order| format!("; error of order {order} in the grid spacing"));
         let json = match column.json {
             "" => " -".into(),
             same if same == column.name => String::new(),

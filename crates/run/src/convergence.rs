@@ -178,9 +178,9 @@ impl NotConverged {
     /// Returns an error if the file cannot be written.
     pub fn write(&self, archive: &mut Archive) -> Result<(), Failure> {
         let sample = Dimension::index("sample", self.history.iteration.len(), "sample of the history");
-        let iteration = Variable { dimensions: &[&sample], units: "1", long_name: "iterations of the search" };
+        let iteration = Variable { dimensions: &[&sample], units: "1", long_name: "solver iterations" };
         archive.write("/not_converged/iteration", &iteration, &self.history.iteration)?;
-        let residual = Variable { dimensions: &[&sample], units: "1", long_name: "residual that the search saw" };
+        let residual = Variable { dimensions: &[&sample], units: "1", long_name: "residual seen by the solver" };
         archive.write("/not_converged/residual", &residual, &self.history.residual)?;
         archive.attribute("/not_converged", "part", self.part as u64)?;
         archive.attribute("/not_converged", "why", self.why.as_str())?;

@@ -265,8 +265,8 @@ impl Trace {
         let steps: Vec<f64> = self.iteration.iter().map(|iteration| *iteration as f64).collect();
         let sample = Dimension::values("iteration", steps, "1", "iteration, or time step");
         for (name, units, long_name, values) in [
-            ("residual", "1", "residual by which the method judges itself", &self.residual),
-            ("energy", "stress*length", "energy per area: elastic, less the work of given tractions", &self.energy),
+            ("residual", "1", "residual in the method's own stopping criterion", &self.residual),
+            ("energy", "stress*length", "elastic energy per area minus the work of given tractions", &self.energy),
         ] {
             archive.write(
                 &format!("/history/{name}"),
@@ -278,8 +278,8 @@ impl Trace {
             let names: Vec<String> =
                 self.modes.iter().map(|mode| format!("{},{},{}", mode.mode[0], mode.mode[1], mode.component)).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            let mode = Dimension::labels("mode", &names, "numbers of the mode along x and y, component");
-            let long_name = "amplitude of a mode, the mean of u exp(-iqr)";
+            let mode = Dimension::labels("mode", &names, "mode numbers along x and y, component");
+            let long_name = "mode amplitude, the mean of u exp(-iqr)";
             for (name, part) in [("mode_re", 0), ("mode_im", 1)] {
                 let values: Vec<f64> =
                     self.modes.iter().flat_map(|mode| if part == 0 { &mode.re } else { &mode.im }).copied().collect();

@@ -81,7 +81,7 @@ impl Quantity {
             Self::Displacement => "displacement, z upwards",
             Self::Strain => "strain, with engineering shear strains",
             Self::Stress => "stress, tension positive",
-            Self::VonMises => "equivalent stress of von Mises",
+            Self::VonMises => "von Mises equivalent stress",
             Self::EnergyDensity => "elastic energy per volume",
         }
     }

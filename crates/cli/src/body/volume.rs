@@ -128,7 +128,7 @@ fn archive<'a>(
         archive_components(quantity, grid.is_line()).iter().map(|&component| names[component]).collect()
     };
     let vector = Dimension::labels("component", &labels(Quantity::Displacement, &AXES), "component of a vector");
-    let long_name = "mean traction on the surface, which is the mean of these stresses at every depth";
+    let long_name = "mean traction on the surface, equal to the mean of these stresses at every depth";
     let variable = Variable { dimensions: &[&vector], units: &planes.units.name("stress"), long_name };
     archive.write("/fields/mean_traction", &variable, planes.mean_traction)?;
     let tensor = Dimension::labels("tensor", &labels(Quantity::Stress, &TENSOR), "component of a symmetric tensor");

@@ -35,9 +35,9 @@ const NAMES: [&str; 6] =
 
 /// Ends of the names of the numbers on infinitely fine grids, with their meanings.
 const LIMITS: [(&str, &str); 3] = [
-    ("limit", "on an infinitely fine grid, at the threshold there: "),
-    ("limit_error", "error (95 %) of the limit on an infinitely fine grid: "),
-    ("grid_error", "error (95 %) of the middle of the interval by the finite grid: "),
+    ("limit", "limit on an infinitely fine grid, at its threshold: "),
+    ("limit_error", "error bound (95 %) of the limit on an infinitely fine grid: "),
+    ("grid_error", "grid error (95 %) of the interval midpoint: "),
 ];
 
 /// Returns the columns, defined as for a load.
@@ -273,8 +273,8 @@ impl Loads {
 /// # Errors
 /// Returns an error if the file cannot be written.
 pub(super) fn write(archive: &mut Archive, units: &Units, facts: &Facts, found: &Thresholds) -> Result<(), Failure> {
-    let axis = Dimension::index("axis", 2, "axis of the flow: x, y");
-    let side = Dimension::index("side", 2, "highest load at which the gap is open, lowest at which it is closed");
+    let axis = Dimension::index("axis", 2, "flow axis: x, y");
+    let side = Dimension::index("side", 2, "highest load with an open gap, lowest load with a closed gap");
     for column in columns() {
         let values: Vec<f64> = found
             .iter()

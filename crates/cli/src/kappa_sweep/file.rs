@@ -80,10 +80,10 @@ fn write_runs(archive: &mut Archive, plan: &Plan, runs: &[Vec<Pressed>]) -> Resu
     let places: [Column<(&Run, f64)>; 3] = [
         ("point", "index of the point in /points at the first load", &|(run, _)| run.point as f64),
         ("realisation", "number of the realisation", &|(run, _)| run.realisation as f64),
-        ("p_star_asked", "reduced pressure asked for", &|(_, p_star)| *p_star),
+        ("p_star_asked", "prescribed reduced pressure", &|(_, p_star)| *p_star),
     ];
     write_columns(archive, "/runs", &run, &rows, &places)?;
-    let seed = Variable { dimensions: &[&run], units: "1", long_name: "seed of the surface" };
+    let seed = Variable { dimensions: &[&run], units: "1", long_name: "random seed of the surface" };
     let seeds: Vec<i64> = rows.iter().map(|(run, _)| exact(run.seed)).collect();
     archive.write("/runs/seed", &seed, &seeds)?;
     let records: Vec<Record> = runs.iter().flatten().map(record).collect();
@@ -118,7 +118,7 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
         ("kappa_sem", "standard error of the mean of kappa", &|row| error(row, Area::Raw)),
         ("kappa_corrected", "kappa of the perimeter-corrected area", &|row| kappa(row, Area::Corrected)),
         ("kappa_corrected_sem", "standard error of the mean of kappa_corrected", &|row| error(row, Area::Corrected)),
-        ("edge", "part of kappa that the grid adds, estimated from each contact, mean over realisations", &edge),
+        ("edge", "part of kappa added by the grid, estimated from each contact, mean over realisations", &edge),
     ];
     write_columns(archive, "/points", &point, &rows, &columns)
 }
@@ -133,7 +133,7 @@ fn ends(estimate: &Estimate) -> [f64; 2] {
 
 fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure> {
     let all = &analysis.extrapolations;
-    let fit = Dimension::index("fit", all.len(), "one Hurst exponent, load and way of counting area; the result first");
+    let fit = Dimension::index("fit", all.len(), "one Hurst exponent, load and area count; the result first");
     let limit = |e: &Extrapolation| e.fit.kappa_tfc;
     let total = |e: &Extrapolation| e.total_ci95().unwrap_or([f64::NAN; 2]);
     let columns: [Column<Extrapolation>; 12] = [
@@ -143,7 +143,7 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
         ("kappa_tfc_standard_error", "standard error of kappa_tfc", &|e| limit(e).standard_error.unwrap_or(f64::NAN)),
         ("kappa_tfc_ci95_low", "lower end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[0]),
         ("kappa_tfc_ci95_high", "upper end of the 95 % interval of kappa_tfc", &|e| ends(&limit(e))[1]),
-        ("kappa_tfc_systematic", "error of the form of the fit: exponent, levels, closure in quadrature", &|e| {
+        ("kappa_tfc_systematic", "error of the fit form: exponent, levels and closure in quadrature", &|e| {
             e.systematic()
         }),
         ("kappa_tfc_total_ci95_low", "lower end of kappa_tfc with the systematic error", &|e| total(e)[0]),
@@ -174,12 +174,12 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
             |e: &Extrapolation| e.fit.edge.and_then(|edge| edge.coarse).map_or(f64::NAN, |coarse| number(&coarse));
         let columns: [Column<Extrapolation>; 2] = [
             (&format!("edge_factor{suffix}"), "factor of /points/edge in the kappa of counted points", &factor),
-            (&format!("edge_coarse{suffix}"), "the factor of (4 eps_c)^2 beside it", &coarse),
+            (&format!("edge_coarse{suffix}"), "factor of (4 eps_c)^2 beside it", &coarse),
         ];
         write_columns(archive, "/fit", &fit, all, &columns)?;
     }
     let share = |e: &Extrapolation| e.fit.edge.and_then(|edge| edge.share).unwrap_or(f64::NAN);
-    let long_name = "part of kappa_tfc_standard_error that stems from those of the factors of the edge";
+    let long_name = "part of kappa_tfc_standard_error due to the errors of the edge factors";
     write_columns(archive, "/fit", &fit, all, &[("edge_share", long_name, &share)])?;
     let forms: Vec<Form> = all.iter().flat_map(|e| &e.alternatives).map(|other| other.form).collect();
     let forms: std::collections::BTreeSet<Form> = forms.into_iter().collect();
@@ -193,7 +193,7 @@ fn write_fits(archive: &mut Archive, analysis: &Analysis) -> Result<(), Failure>
     let texts = |of: fn(&Extrapolation) -> String| all.iter().map(of).collect::<Vec<_>>();
     let warnings = |e: &Extrapolation| e.fit.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
     for (name, long_name, texts) in [
-        ("area", "way of counting contact area", texts(|e| e.area.name().into())),
+        ("area", "area count: how points in contact give an area", texts(|e| e.area.name().into())),
         ("uncertainty", "source of the intervals", texts(|e| e.fit.uncertainty.to_string())),
         ("warnings", "remarks on the numbers", texts(warnings)),
     ] {
@@ -225,14 +225,14 @@ fn write_resamples(archive: &mut Archive, fit: &Dimension, all: &[Extrapolation]
 
 fn write_theory(archive: &mut Archive, config: &Config) -> Result<(), Failure> {
     let scalar = |long_name| Variable { dimensions: &[], units: "1", long_name };
-    let persson = scalar("kappa of Persson's theory at vanishing load, sqrt(8/pi)");
+    let persson = scalar("kappa at vanishing load in Persson's theory, sqrt(8/pi)");
     archive.write("/theory/persson_kappa", &persson, &[PERSSON_KAPPA])?;
-    let bush = scalar("kappa of Bush, Gibson and Thomas at vanishing load, sqrt(2 pi)");
+    let bush = scalar("kappa at vanishing load by Bush, Gibson and Thomas, sqrt(2 pi)");
     archive.write("/theory/bush_gibson_thomas_kappa", &bush, &[BUSH_GIBSON_THOMAS_KAPPA])?;
     let loads = &config.loads.p_star;
     let p_star = Dimension::values("p_star", loads.clone(), "1", "reduced pressure p/(E* g)");
     let area: Vec<f64> = loads.iter().map(|p| persson_area(*p)).collect();
-    let long_name = "contact area fraction of Persson's theory, erf(sqrt(2) p_star)";
+    let long_name = "contact area fraction from Persson's theory, erf(sqrt(2) p_star)";
     archive.write("/theory/persson_area", &Variable { dimensions: &[&p_star], units: "1", long_name }, &area)?;
     Ok(())
 }

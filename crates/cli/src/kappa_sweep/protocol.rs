@@ -142,7 +142,7 @@ pub(super) fn write(archive: &mut Archive, protocols: &[Protocol]) -> Result<(),
         Ok::<(), Failure>(())
     };
     estimated("kappa_sim", "kappa of the reference cell", &|protocol| Some(protocol.kappa_sim))?;
-    estimated("kappa_tfc", "kappa_sim less the corrections of all axes", &|protocol| Some(protocol.kappa_tfc))?;
+    estimated("kappa_tfc", "kappa_sim minus the corrections of all axes", &|protocol| Some(protocol.kappa_tfc))?;
     let parts: [Named; 3] = [
         ("limit", "kappa at eps = 0 of this axis alone", |curve| curve.limit),
         ("coefficient", "coefficient C of the correction C eps^alpha", |curve| curve.coefficient),
@@ -155,7 +155,7 @@ pub(super) fn write(archive: &mut Archive, protocols: &[Protocol]) -> Result<(),
                 arm(protocol, axis).and_then(|arm| arm.curve).map(|curve| part(&curve))
             })?;
         }
-        let long_name = "kappa of the finest level of this axis, as the others predict it";
+        let long_name = "kappa of the finest level of this axis, predicted from the others";
         estimated(&format!("predicted_{axis}"), long_name, &|protocol| arm(protocol, axis)?.predicted)?;
     }
     Ok(())

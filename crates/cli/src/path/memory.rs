@@ -69,8 +69,8 @@ fn define(archive: &mut Archive, surface: &Surface, face: &str, branches: usize)
     };
     archive.define_rows(&displacement(face), &Variable { dimensions: &[&x, &y], units: unit, long_name })?;
     // The variable itself is named `branch`, hence another name for the dimension.
-    let index = Dimension::index("index", branches, "number of the branch of the relaxation");
-    let long_name = "elongation of the spring of each branch at the last step";
+    let index = Dimension::index("index", branches, "number of the relaxation branch");
+    let long_name = "spring elongation of each branch at the last step";
     Ok(archive.define(&branch(face), &Variable { dimensions: &[&index, &x, &y], units: unit, long_name })?)
 }
 

@@ -123,8 +123,8 @@ fn write_cells(archive: &mut Archive, surface: &Surface, cells: &[Cell]) -> Resu
     ];
     for (name, units, values, long_name) in [
         ("thickness", unit, thicknesses, "thickness of the cell"),
-        ("depth", unit, depths, "depth of the bottom of the cell"),
-        ("coarsening", "1", coarsenings, "grid step of the cell divided by the grid step of the surface"),
+        ("depth", unit, depths, "bottom depth of the cell"),
+        ("coarsening", "1", coarsenings, "grid step of the cell divided by the surface grid step"),
     ] {
         archive.write(&format!("/cells/{name}"), &Variable { dimensions: &[&cell], units, long_name }, &values)?;
     }

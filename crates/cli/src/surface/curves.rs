@@ -79,10 +79,15 @@ impl Curves {
             column(
                 "density",
                 power,
-                "power spectral density, mean over the ring",
+                "power spectral density, averaged over the ring",
                 spectrum.iter().map(|bin| bin.density),
             ),
-            column("modes", 0, "modes in the ring, of the full spectrum", spectrum.iter().map(|bin| bin.modes)),
+            column(
+                "modes",
+                0,
+                "number of modes in the ring, of the full spectrum",
+                spectrum.iter().map(|bin| bin.modes),
+            ),
         ];
         Self { curves: vec![Curve { path: "psd", columns }], numbers: Vec::new() }
     }
@@ -93,11 +98,11 @@ impl Curves {
             path,
             columns: vec![
                 column("distance", 1, "distance", pairs.iter().map(|pair| pair[0])),
-                column("difference", 2, "half of the mean square height difference", pairs.iter().map(|pair| pair[1])),
+                column("difference", 2, "half the mean square height difference", pairs.iter().map(|pair| pair[1])),
                 column(
                     "autocorrelation",
                     0,
-                    "1 less the difference over the mean square height",
+                    "1 minus the difference divided by the mean square height",
                     pairs.iter().map(|pair| found.relative(pair[1])),
                 ),
             ],
@@ -134,7 +139,8 @@ impl Curves {
                     name: "str",
                     value: lengths.aspect(),
                     unit: "1",
-                    meaning: "Str of ISO 25178: shortest over longest distance at which the autocorrelation is 0.2",
+                    meaning: "Str of ISO 25178: shortest divided by longest distance at which the autocorrelation is \
+                              0.2",
                 },
                 undefined: none,
             });
@@ -147,10 +153,10 @@ impl Curves {
         let mut made = Self::default();
         let is_line = grid.is_line();
         let parts = [
-            ("distributions/height", &found.height, (1, "length"), "height above the mean, at the middle of the bin"),
-            ("distributions/slope_x", &found.slope_x, (0, "1"), "slope along x, at the middle of the bin"),
-            ("distributions/slope_y", &found.slope_y, (0, "1"), "slope along y, at the middle of the bin"),
-            ("distributions/curvature", &found.curvature, (-1, "1/length"), "curvature, at the middle of the bin"),
+            ("distributions/height", &found.height, (1, "length"), "height above the mean, at the bin centre"),
+            ("distributions/slope_x", &found.slope_x, (0, "1"), "slope along x, at the bin centre"),
+            ("distributions/slope_y", &found.slope_y, (0, "1"), "slope along y, at the bin centre"),
+            ("distributions/curvature", &found.curvature, (-1, "1/length"), "curvature, at the bin centre"),
         ];
         for (path, part, (power, unit), meaning) in
             parts.into_iter().filter(|(path, ..)| !(is_line && path.ends_with('y')))
@@ -161,7 +167,7 @@ impl Curves {
             };
             let columns = vec![
                 column("value", power, meaning, values),
-                column("density", -power, "share of the values in the bin over its width", densities),
+                column("density", -power, "share of values in the bin, divided by its width", densities),
                 column(
                     "gaussian",
                     -power,
@@ -200,7 +206,7 @@ impl Curves {
                 column(
                     "distance",
                     1,
-                    "length of the difference, of its outer points",
+                    "distance between the outer points of the difference",
                     pairs.iter().map(|pair| pair[0]),
                 ),
                 column(name, power, meaning, pairs.iter().map(|pair| pair[1])),
@@ -218,19 +224,9 @@ impl Curves {
         ];
         let core = found.core;
         let numbers = [
-            ("sk", core.map(|core| core.sk), "length", "Sk of ISO 25178: height of the core of the bearing curve"),
-            (
-                "spk",
-                core.map(|core| core.spk),
-                "length",
-                "Spk of ISO 25178: reduced height of the peaks above the core",
-            ),
-            (
-                "svk",
-                core.map(|core| core.svk),
-                "length",
-                "Svk of ISO 25178: reduced depth of the valleys below the core",
-            ),
+            ("sk", core.map(|core| core.sk), "length", "Sk of ISO 25178: core height of the bearing curve"),
+            ("spk", core.map(|core| core.spk), "length", "Spk of ISO 25178: reduced peak height above the core"),
+            ("svk", core.map(|core| core.svk), "length", "Svk of ISO 25178: reduced valley depth below the core"),
             ("smr1", core.map(|core| core.smr1), "1", "Smr1 of ISO 25178: material ratio between peaks and core"),
             ("smr2", core.map(|core| core.smr2), "1", "Smr2 of ISO 25178: material ratio between core and valleys"),
         ];

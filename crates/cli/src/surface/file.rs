@@ -115,7 +115,8 @@ impl Target {
         let density =
             Variable { dimensions: &[&q], units: &units, long_name: "radially averaged power spectral density" };
         archive.write("/spectrum/density", &density, &spectrum.iter().map(|bin| bin.density).collect::<Vec<_>>())?;
-        let modes = Variable { dimensions: &[&q], units: "1", long_name: "modes in the ring, of the full spectrum" };
+        let modes =
+            Variable { dimensions: &[&q], units: "1", long_name: "number of modes in the ring, of the full spectrum" };
         archive.write("/spectrum/modes", &modes, &spectrum.iter().map(|bin| bin.modes).collect::<Vec<_>>())?;
         if let Some(curves) = &report.curves {
             curves.write(&mut archive, &unit)?;

@@ -289,11 +289,11 @@ impl Scan {
             archive.attribute(group, "preparation", text.as_str())?;
         }
         if !self.shifts.is_empty() {
-            let line = Dimension::index("scan_line", self.shifts.len(), "row, or column, of the cropped scan");
+            let line = Dimension::index("scan_line", self.shifts.len(), "row or column of the cropped scan");
             let variable = Variable {
                 dimensions: &[&line],
                 units: self.unit.as_deref().unwrap_or("length"),
-                long_name: "height taken from each row, or column, by levelling",
+                long_name: "height subtracted from each row or column by levelling",
             };
             archive.write(&format!("{group}/preparation/shifts"), &variable, &self.shifts)?;
         }

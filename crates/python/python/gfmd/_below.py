@@ -28,19 +28,18 @@ if TYPE_CHECKING:
 
 
 class Punch(Computed, PunchNumbers):
-    """A flat punch on a body. `components` are x, y, z (x, z for a strip).
+    """A flat punch on a body, with `components` x, y, z (x, z for a strip).
 
     Attributes:
         displacement, traction: fields on the elastic surface [x, y, component], length and stress; [x, 1, component]
             for a strip.
         under_punch: 1 under the punch, else 0 [x, y].
         height: height of the body, length; infinite for a half-space.
-        n, size, young, poisson, contact, nodes, dim, components: parameters of the problem.
+        n, size, young, poisson, contact, nodes, dim, components: problem parameters.
         warnings: a Record for each warning of the computation: `code`, `text`.
         refinement: `n`, `mean_pressure`, `order`, `extrapolated`, `uncertainty`, with refine= only.
-        history: every step, with history= only: arrays `iteration`, `residual`, `energy`, and, if requested, lists
-            `modes` and `points` of Records with `mode` or `point`, `component`, and `re` and `im` (length) or `u`
-            (length).
+        history: every step, with history= only: arrays `iteration`, `residual`, `energy` and, if requested, lists
+            `modes` and `points` of Records with `mode` or `point`, `component`, and `re` and `im` or `u` (length).
 
     Example:
         >>> punch.displacement.shape, punch.components
@@ -77,7 +76,7 @@ class Punch(Computed, PunchNumbers):
     )
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers as a pandas.DataFrame of one row; units in `attrs["units"]`.
+        """Returns the numbers as a pandas.DataFrame with one row; units in `attrs["units"]`.
 
         Raises:
             Error: pandas is not installed.
@@ -90,7 +89,7 @@ class Punch(Computed, PunchNumbers):
         return _show.framed(columns, dict(zip(columns, columns)), self.units)
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the numbers and the fields [y, x, component].
+        """Returns numbers and fields [y, x, component] as an xarray.Dataset.
 
         Raises:
             Error: xarray is not installed.
@@ -114,7 +113,7 @@ class Punch(Computed, PunchNumbers):
         Args:
             field: "traction", "displacement", or "under_punch", which has no components.
             component: a name in `components`.
-            ax: the axes to draw into; new ones by default.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             InputError: an unknown field or component. Error: matplotlib is not installed.
@@ -162,7 +161,7 @@ class FieldsBelow(Computed):
     Attributes:
         displacement: [depth, x, y, component], length.
         strain, stress: [depth, x, y, tensor] with xx, yy, zz, yz, xz, xy (xx, yy, zz, xz below a line); engineering
-            shear strains without unit, and stress.
+            shear strains, dimensionless; stress.
         von_mises: [depth, x, y], stress.
         energy_density: [depth, x, y], stress.
         levels: a Record for each depth: `depth`, `max_displacement`, `max_von_mises`, `mean_energy_density`.
@@ -171,8 +170,8 @@ class FieldsBelow(Computed):
         n, size: points and lengths along x and y.
         warnings: a Record for each warning of the computation: `code`, `text`.
 
-    If the surface of the contact has units, `unit` and `stress_unit` are their names. A slice (along=) has no axis
-    across it; fields below a line have no y axis.
+    If the contact surface has units, `unit` and `stress_unit` are their names. A slice (along=) has no axis across it;
+    fields below a line have no y axis.
 
     Example:
         >>> gfmd.interior(punch, depths=[0.0, 0.1], along="y=0.5", quantities=["von-mises"]).von_mises.shape
@@ -203,7 +202,7 @@ class FieldsBelow(Computed):
         return title + rows + "".join(f"\n  {line}" for line in fields)
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers of the depths as a pandas.DataFrame with a row for each; units in `attrs["units"]`.
+        """Returns the numbers as a pandas.DataFrame with one row per depth; units in `attrs["units"]`.
 
         Raises:
             Error: pandas is not installed.
@@ -216,7 +215,7 @@ class FieldsBelow(Computed):
         return _show.framed(columns, dict(zip(columns, columns)), self.units)
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the fields [depth, y, x], with an axis of components, and the numbers [depth].
+        """Returns fields [depth, y, x], with a component axis, and numbers [depth] as an xarray.Dataset.
 
         Raises:
             Error: xarray is not installed.
@@ -258,10 +257,9 @@ class FieldsBelow(Computed):
         Args:
             field: "von_mises", "energy_density", "displacement", "strain" or "stress"; by default the first of these
                 that was requested.
-            component: "x", "y", "z" of the displacement, "xx", "zz", "xz" ... of strain and stress; the one along z by
-                default.
-            level: index of the depth; by default the depth with the largest value.
-            ax: the axes to draw into; new ones by default.
+            component: "x", "y", "z" of the displacement, "xx", "zz", "xz" ... of strain and stress; along z by default.
+            level: depth index; by default the depth with the largest value.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             InputError: an unknown field, component or level. Error: matplotlib is not installed.
@@ -292,13 +290,13 @@ class FieldsBelow(Computed):
         return ax
 
     def _numbers(self) -> dict[str, list[float]]:
-        """Returns the numbers of the depths by name, without those whose fields were not requested."""
+        """Returns the numbers per depth by name, without fields that were not requested."""
         return {
             name: [level[name] for level in self.levels] for name in self.levels[0] if self.levels[0][name] is not None
         }
 
     def _axes(self) -> list[str]:
-        """Returns the axes of the points: no axis across a slice, and no y axis below a line."""
+        """Returns the axes of the points, without an axis across a slice or a y axis below a line."""
         across = self["slice"][0] if "slice" in self else "y" if self.n[1] == 1 else ""
         return [axis for axis in "xy" if axis != across]
 
@@ -312,7 +310,7 @@ class FieldsBelow(Computed):
 
 
 class Green(Record):
-    """The elasticity of one wave vector: traction = K u with u = exp(+i q r). Infinite entries are NaN.
+    """Elasticity of one wave vector: traction = K u with u = exp(+i q r). Infinite entries are NaN.
 
     Attributes:
         stiffness: complex [component, component], stress/length. compliance: its inverse, length/stress.
@@ -341,33 +339,33 @@ class Green(Record):
 
 @taking(PunchOptions)
 def punch(body: Optional[Body] = None, **options: Unpack[PunchOptions]) -> Punch:
-    """Presses a flat rigid punch on a body and solves for all components of displacement and traction.
+    """Presses a flat rigid punch into a body. Solves for all displacement and traction components.
 
     Args:
-        body: the body; by default the one in `gfmd punch` (E = 70, Poisson's ratio 0.33, height = size).
+        body: the body; by default as in `gfmd punch` (E = 70, Poisson's ratio 0.33, height = size).
         size: side of the cell, length.
         n: number of points along a side; by default 128, or the size of the mask.
         dim: 3 for a square punch, 2 for a strip.
         punch_fraction: punch width divided by cell width, 0.25 by default; or
-        mask: shape of the punch, [n, n], or [n] for a strip: nonzero at the points under it.
-        depth: depth of the indentation, length.
-        contact: "sticking" or "frictionless".
-        nodes: "strict" (default) excludes the points on the edge of the punch, "inclusive" includes them.
+        mask: punch shape, [n, n], or [n] for a strip: nonzero at points under it.
+        depth: indentation depth, length.
+        contact: contact condition under the punch, "sticking" or "frictionless".
+        nodes: "strict" (default) excludes points on the edge of the punch, "inclusive" includes them.
         shift: lateral displacement (x, y) of a sticking punch, length; (x,) for a strip.
         traction: prescribed traction outside the punch, stress, [n, n, 3], or [n, 2] for a strip.
-        solver: "auto", "cg", "verlet", "verlet-critical", "verlet-modes" or "fire".
+        solver: solution method, "auto", "cg", "verlet", "verlet-critical", "verlet-modes" or "fire".
         dt: time step of "verlet-critical" and "verlet-modes", divided by its stability limit without damping.
         damping: damping of "verlet-critical", divided by the critical damping of the softest mode; or three numbers,
             one for each component, divided by the critical damping of its uniform mode.
         history: record every step in `history`: arrays `iteration`, `residual` and `energy` (NaN if the method moves
             no displacement).
-        history_modes: modes (m, n, component) of the displacement to record in `history.modes`, such as (1, 0, "x").
-        history_points: points (x, y, component) to record the displacement at, in `history.points`; x, y in length.
+        history_modes: displacement modes (m, n, component) to record in `history.modes`, such as (1, 0, "x").
+        history_points: points (x, y, component) whose displacement to record in `history.points`; x, y in length.
         tolerance: largest allowed residual, 1e-15 to 0.1.
         max_iterations: largest number of iterations.
-        refine: number of grids, each twice as fine as the last, to extrapolate the mean pressure from.
+        refine: number of grids, each twice as fine as the one before, from which to extrapolate the mean pressure.
         threads: number of threads; all cores by default.
-        out: HDF5 file to write, as with `gfmd punch --out`. Unlike in `save`, its name is checked first.
+        out: HDF5 file to write, as with `gfmd punch --out`. Unlike `save`, it checks the name first.
 
     Raises:
         InputError: invalid arguments; nothing was computed.
@@ -406,7 +404,7 @@ def punch(body: Optional[Body] = None, **options: Unpack[PunchOptions]) -> Punch
 
 
 def _place(name: str, value: object, allowed: Sequence[str]) -> int:
-    """Returns the place of a name in a list."""
+    """Returns the index of a name in a list."""
     if value not in allowed:
         raise InputError(f"{name} is {shown(value)}; it must be one of {', '.join(allowed)}")
     return list(allowed).index(str(value))
@@ -422,7 +420,7 @@ def _threes(name: str, rows: Any) -> list[tuple[Any, Any, Any]]:
 
 
 def _history(values: dict[str, Any]) -> dict[str, Any]:
-    """Converts the history of a search to arrays, with NaN in place of null."""
+    """Converts a solver history to arrays, with NaN in place of null."""
 
     def reported(name: str, value: Any) -> Any:
         if name in ("modes", "points"):
@@ -436,17 +434,17 @@ def _history(values: dict[str, Any]) -> dict[str, Any]:
 def interior(
     source: Loaded, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]
 ) -> FieldsBelow:
-    """Computes displacement, strain and stress below the surface of a contact or a punch.
+    """Computes displacement, strain and stress below a contact or punch.
 
     Args:
         source: a contact (its frictionless lateral surface displacement is added) or a punch.
         depths: depths below the surface, length, or strings with a unit; or
-        levels: number of equally spaced depths from the surface to the base or to `deepest`.
+        levels: number of evenly spaced depths from the surface to the base or to `deepest`.
         deepest: depth of the lowest level, length.
         quantities: any of "displacement", "strain", "stress", "von-mises", "energy-density"; all by default.
-        along: "y=Y" or "x=X" for the nearest row of points only.
+        along: "y=Y" or "x=X" to compute only the nearest row of points.
         threads: number of threads; all cores by default.
-        out: HDF5 file to write, as with `gfmd body --out`. Unlike in `save`, its name is checked first.
+        out: HDF5 file to write, as with `gfmd body --out`. Unlike `save`, it checks the name first.
 
     Raises:
         InputError: depths outside the body, an unknown quantity.
@@ -483,7 +481,7 @@ def interior(
 
 
 def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
-    """Returns the configuration keys of a body and of the layers below the top one."""
+    """Returns the configuration keys of a body and the layers below the top one."""
     given = getattr(values, "_given", (None, 0.0, None, None))
     # Keeps a quantity with a unit, so that the error names it: the lengths have no unit.
     young = next((modulus for modulus in (given[0], given[2]) if isinstance(modulus, str)), values.young)
@@ -499,7 +497,7 @@ def green(
 
     Args:
         body: the body, on any base.
-        qx, qy: wave vector, rad/length.
+        qx, qy: wave vector components, rad/length.
         dim: 3, or 2 for plane strain.
         z: height above the base, length; or
         depth: depth below the surface, length, of `displacement_transfer` and `stress_transfer`.

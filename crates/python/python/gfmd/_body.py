@@ -26,7 +26,7 @@ _Base = Literal["bonded", "sliding", "free", "half-space"]
 
 
 class Material(dict[str, Any]):
-    """Arguments of `gfmd.Body` for a material, with its `name` and the `source` of the values.
+    """Arguments of `gfmd.Body` for a material, with its `name` and the `source` of its values.
 
     Example:
         >>> steel = gfmd.material("steel-s355")
@@ -39,7 +39,7 @@ class Material(dict[str, Any]):
 
     @classmethod
     def named(cls, name: str, *others: str, option: str = "material") -> Material:
-        """Returns the material with a name that an `option` has, and `others` of its values.
+        """Returns the material named by an `option`, with `others` of its values.
 
         Example:
             >>> gfmd.Material.named("aluminium")["poisson"]
@@ -65,16 +65,16 @@ class Material(dict[str, Any]):
 def material(name: str, *others: str) -> Material:
     """Returns the arguments `young` and `poisson` of `gfmd.Body` for a material.
 
-    Its attribute `source` names where the values stand. `gfmd.Body(material=name)` takes the same values, and results
-    then record name and source.
+    Its attribute `source` cites the values. `gfmd.Body(material=name)` takes the same values, and results then record
+    name and source.
 
     Args:
-        name: name of the material, as `gfmd materials` lists them.
-        others: further values of materials whose source has them: "yield_stress", "prony" with "relaxes" (of rubbers,
-            whose moduli are then the long-term ones), "conductivity".
+        name: material name, as `gfmd materials` lists it.
+        others: further values, if the source has them: "yield_stress", "prony" with "relaxes" (for rubbers, whose
+            moduli are then the fully relaxed ones), "conductivity".
 
     Raises:
-        InputError: an unknown name, a value that the source does not have.
+        InputError: an unknown name, a value that the source lacks.
 
     Example:
         >>> gfmd.material("aluminium")
@@ -92,37 +92,37 @@ def material(name: str, *others: str) -> Material:
 
 
 class Body(Record):
-    """An elastic body: a half-space, or a slab or a stack of layers on a base; with `second_body` a pair of bodies.
+    """An elastic body: a half-space, a slab or a stack of layers on a base; with `second_body`, a pair of bodies.
 
     Args:
         young: Young's modulus E, stress; 1 by default, required for a surface with a unit. All stresses and lengths may
             be strings with a unit, such as "70GPa".
-        poisson: Poisson's ratio, above -1 and up to 0.5; 0 by default.
+        poisson: Poisson's ratio, above -1 and at most 0.5; 0 by default.
         e_star: contact modulus E* = E/(1 - poisson²), stress, in place of `young`.
         material: name of a material, in place of `young` and `poisson`; results record its source (`gfmd.material`).
-        height: height of the slab, or of the top layer, length; None or infinity for a half-space.
+        height: height of the slab or top layer, length; None or infinity for a half-space.
         base: support of the lowest layer: "bonded" (to a rigid base), "sliding" (on a rigid base without friction),
-            "free" (a plate, held by the opposite of the mean traction on its lower face), or "half-space" (bonded to an
+            "free" (a plate, balanced by an opposite mean traction on its lower face), or "half-space" (bonded to an
             elastic half-space).
         base_young: Young's modulus of the half-space below, stress; with base="half-space" only.
         base_poisson: Poisson's ratio of the half-space below; with base="half-space" only.
         layers: (Young's modulus, Poisson's ratio, height) of each layer below the top one, from the top down.
-        second_body: elastic body with the rough surface: (Young's modulus, Poisson's ratio) of a half-space, or
-            (Young's modulus, Poisson's ratio, height) of a slab bonded at its back. Displacements are then relative:
-            the sum over both bodies.
-        second_material: name of a material, in place of `second_body`, of a half-space.
+        second_body: elastic body of the rough surface: (Young's modulus, Poisson's ratio) of a half-space, or (Young's
+            modulus, Poisson's ratio, height) of a slab bonded at its back. Displacements are then relative: the sum
+            over both bodies.
+        second_material: material name, in place of `second_body`, of a half-space.
         prony: Prony series of a viscoelastic body, for `gfmd.path` in time: (relaxation time, fraction of the
             instantaneous modulus) of each branch.
-        moduli: kind of the given moduli, "long-term" or "instantaneous"; with `prony` only.
-        relaxes: the moduli that relax, "both" or "shear" (with a constant bulk modulus); with `prony` only.
-        yield_stress: yield stress (von Mises) of a body that yields below its surface, stress, for `gfmd.path`; of the
+        moduli: kind of the given moduli, "long-term" (fully relaxed) or "instantaneous"; with `prony` only.
+        relaxes: relaxing moduli, "both" or "shear" (with a constant bulk modulus); with `prony` only.
+        yield_stress: von Mises yield stress of a body that yields below its surface, stress, for `gfmd.path`; of the
             top layer if there are several.
-        hardening: isotropic hardening H, stress: slope of the yield stress over the equivalent plastic strain. With the
+        hardening: isotropic hardening H, stress: slope of yield stress against equivalent plastic strain. With the
             kinematic hardening C, the tangent modulus of a bar is E (H + C)/(E + H + C).
         hardening_curve: in place of `hardening`: (equivalent plastic strain, true yield stress) from (0, yield_stress);
             constant beyond the last.
         kinematic_hardening: kinematic hardening C, stress: back stress of a bar divided by its plastic strain.
-        layer_yield: yield stress of each layer below the top one, stress, 0 for an elastic one, which all are by
+        layer_yield: yield stress of each layer below the top one, stress, 0 for an elastic layer; all elastic by
             default.
         compliance: normal compliance of the whole body, in place of its moduli, for graded and other bodies: a pair of
             wavenumbers q, rad / length, in ascending order, and the compliance u_z/pressure at each, length / stress,
@@ -130,13 +130,13 @@ class Body(Record):
             sqrt(2) divided by the spacing; between them ln G is a shape-preserving cubic of ln q. `young` or `e_star`,
             the modulus in p*, is then required. For an anisotropic body (wavenumbers, M, G), with the compliance
             [wavenumber, direction] in M directions of the wave vector, j pi/M from the x axis for j = 0 .. M-1, or a
-            function of q_x and q_y that returns it; between directions ln G is the trigonometric polynomial. An array
+            function of q_x and q_y that returns it; between directions ln G is a trigonometric polynomial. An array
             [n, 2] or [n, 3] has the rows of a table, (q, G) or (q_x, q_y, G).
         uniform_compliance: compliance of the mean level for a body with `compliance`, length / stress; None for a fixed
             mean level, as on a half-space.
 
-    `e_star` is the contact modulus in p*: the contact modulus of the top layer, or 1/(1/E1* + 1/E2*) with a second
-    body. `young` and `poisson` belong to the top layer.
+    `e_star` is the contact modulus in p*: E* of the top layer, or 1/(1/E1* + 1/E2*) with a second body. `young` and
+    `poisson` belong to the top layer.
 
     Raises:
         InputError: a value out of range.
@@ -306,7 +306,7 @@ class Body(Record):
         return hash(self._same())
 
     def _same(self) -> tuple[Any, ...]:
-        """Returns the arguments, with the default modulus filled in."""
+        """Returns the arguments, including the default modulus."""
         young, *others = self.__reduce__()[1]
         return 1.0 if young is None and self._given[2] is None else young, *others
 
@@ -381,7 +381,7 @@ _PLASTICITY = ("yield_stress", "hardening", "hardening_curve", "kinematic_harden
 
 
 def _plasticity(stress: object, slope: object, curve: object, kinematic: object, layers: object) -> dict[str, Any]:
-    """Returns the yield stress and the hardening of a body; nothing for a body that does not yield."""
+    """Returns the yield stress and hardening of a body; empty for a body that does not yield."""
     listed = []
     for name, value in (("hardening_curve", curve), ("layer_yield", layers)):
         if isinstance(value, (str, bytes)) or not isinstance(value, (Sequence, np.ndarray)):
@@ -451,7 +451,7 @@ def _rows(rows: list[tuple[float, ...]], uniform: object) -> dict[str, Any]:
 
 
 def _composite(first: float, other: tuple[Quantity, ...]) -> float:
-    """Returns the composite contact modulus of two bodies, in the arithmetic of the program."""
+    """Returns the composite contact modulus of two bodies, with the same arithmetic as the program."""
     young, poisson = in_units("second_body", other[0], "stress"), number("second_body", other[1])
     small, large = sorted((first, young / ((1.0 - poisson) * (1.0 + poisson))))
     return small / (1.0 + small / large)
@@ -535,7 +535,7 @@ _PARAMETERS: dict[str, str] = dict(_gfmd.law_kinds())
 
 
 class Law(Record):
-    """A law of adhesion or cohesion across the gap: its `name`, and its parameters as attributes. See `gfmd.law`.
+    """A law of adhesion or cohesion across the gap, with `name` and its parameters as attributes. See `gfmd.law`.
 
     Raises:
         InputError: as in `gfmd.law`.
@@ -564,12 +564,12 @@ class Law(Record):
 
     @property
     def parameters(self) -> dict[str, Quantity]:
-        """The parameters by name, in the units of `gfmd.law`; empty for a law from a table."""
+        """Parameters by name, in the units of `gfmd.law`; empty for a law from a table."""
         return {name: value for name, value in self._values.items() if name not in ("name", "table")}
 
     @property
     def table(self) -> tuple[tuple[Quantity, Quantity], ...]:
-        """The rows (gap, traction) of a table, length and stress, shape [rows, 2]; empty for a law with parameters."""
+        """Rows (gap, traction) of a table, length and stress, shape [rows, 2]; empty for a law with parameters."""
         rows: tuple[tuple[Quantity, Quantity], ...] = self._values.get("table", ())
         return rows
 
@@ -580,7 +580,7 @@ class Law(Record):
             gap: gaps, length, a number or an array of any shape; in m if the parameters are strings with units.
 
         Returns:
-            The tractions, stress, in the shape of the gaps; in Pa if the parameters are strings with units.
+            Tractions, stress, in the shape of the gaps; in Pa if the parameters are strings with units.
 
         Raises:
             InputError: gaps that are not numbers.
@@ -619,9 +619,9 @@ def law(
             also `r`); or the gaps of a table, length, in ascending order: at least four, starting at 0 (with a hard
             wall there) or at a negative gap (where the traction repels).
         traction: for a table, the traction at each gap, stress, positive where it attracts, and 0 at the last gap; or a
-            function that returns the tractions at an array of gaps. The function is sampled at the gaps; a deviation
-            from the law between them of more than 1 % of its largest value is an error.
-        units: for a table, the units of gaps and tractions, such as ("nm", "MPa"); by default the units of the problem.
+            function that returns the tractions at an array of gaps. The function is sampled at the gaps; if it deviates
+            from the law between them by more than 1 % of its largest value, that is an error.
+        units: for a table, units of gaps and tractions, such as ("nm", "MPa"); by default the units of the problem.
         parameters: gamma and phi in stress * length, range and delta in length, curvature in stress/length, r without
             unit; or strings with a unit, such as gamma="0.05 J/m^2", range="2 nm".
 

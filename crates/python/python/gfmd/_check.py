@@ -47,7 +47,7 @@ Quantity = Union[float, str]
 
 
 def in_units(name: str, value: object, kind: str, unit: Optional[str] = "m", stress: Optional[str] = "Pa") -> float:
-    """Returns a number unchanged, and converts a string with a unit of this kind to these units (default SI)."""
+    """Converts a string with a unit of this kind to these units (default SI). Returns a number unchanged."""
     if not isinstance(value, str):
         return number(name, value)
     found = _gfmd.in_units(name, word(name, value), kind, unit, stress)
@@ -150,7 +150,7 @@ def integers(name: str, value: Any) -> list[int]:
 
 
 def heights(value: Any) -> tuple[Array, int]:
-    """Copies heights to [x, y], row-major, with NaN at undefined points; also returns the number of these."""
+    """Copies heights to [x, y], row-major, with NaN at undefined points. Also returns their number."""
     wanted = "an array of 1 or 2 dimensions of finite numbers"
     if isinstance(value, (str, bytes)):
         raise InputError(f"heights is the text {shown(value)}; it must be {wanted} (gfmd.read reads files)")
@@ -185,7 +185,7 @@ def heights(value: Any) -> tuple[Array, int]:
 
 
 def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float], fill: Optional[str]) -> Array:
-    """Returns the heights with their undefined points filled."""
+    """Fills the undefined points of heights."""
     how = None if fill is None else word("fill", fill)
     if how is not None and how not in ("harmonic", "nearest"):
         raise InputError(f"fill is {how!r}; it must be 'harmonic', 'nearest' or None")
@@ -233,7 +233,7 @@ def frozen(array: Array) -> Array:
 
 
 def size(value: Any, shape: tuple[int, ...], unit: Optional[str] = None) -> tuple[float, float]:
-    """Returns the cell lengths for None (1), L along x, or (Lx, Ly). One length gives equal spacing along both axes."""
+    """Returns the cell lengths for None (1), L along x, or (Lx, Ly). L alone gives equal spacing along both axes."""
     nx, ny = shape
     given = (
         []

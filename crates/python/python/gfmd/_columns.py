@@ -1,4 +1,4 @@
-"""Classes of the numbers and fields of results, defined in `_columns.json` and typed in `_columns.pyi`."""
+"""Classes of result numbers and fields, defined in `_columns.json` and typed in `_columns.pyi`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands of the program, run in this process: they take a problem and return JSON and fields."""
+"""Commands of the program, run in this process, from a problem to JSON and fields."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Result = TypeVar("Result")
 
 
 def body_keys(body: Body) -> dict[str, Any]:
-    """Returns the configuration keys of a body, as it was given."""
+    """Returns the configuration keys of a body, as given."""
     young, poisson, e_star, height = body._given
     elastic: dict[str, Any] = {"young": young} if e_star is None else {"e_star": e_star}
     elastic.update({name: body[name] for name in ("material", "second_material") if name in body})
@@ -72,8 +72,8 @@ def solve(
 ) -> tuple[dict[str, Any], Failure, dict[str, Array], File]:
     """Runs a command. Returns its report, the kind and text of its failure, the fields by name, and the file.
 
-    The keys of the problem are the flags of the command. The file is also written to `out`, if given, with the
-    description of the `surface`.
+    The keys of the problem are the flags of the command. The file, with the description of the `surface`, is also
+    written to `out`, if given.
     """
     count = 0 if threads is None else integer("threads", threads, 0, 4096)
     target = None if out is None else path("out", out)

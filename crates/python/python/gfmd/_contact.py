@@ -43,14 +43,14 @@ class Flow(Measured):
     """Flow of a fluid through the gap of a contact, from `Contact.flow`.
 
     Attributes:
-        conductivity: [[xx, xy], [yx, yy]], without unit: the mean flux along x and y (rows) under a pressure gradient
-            along x and y (columns), divided by the flux through a uniform gap of height `mean_gap`. NaN where the gap
-            is closed.
-        percolates: True if the gap lets a fluid through along x, along y.
-        residual: upper less lower bound of the conductivity along an axis, over the conductivity; larger of x and y.
-        transmissivity: conductivity times mean_gap³/12, length³; zero where the gap is closed.
+        conductivity: [[xx, xy], [yx, yy]], dimensionless: mean flux along x and y (rows) under a pressure gradient
+            along x and y (columns), divided by the flux through a uniform gap of height `mean_gap`. NaN if the gap is
+            closed.
+        percolates: True if the gap is open to flow along x, along y.
+        residual: upper minus lower bound of the conductivity, divided by the conductivity; larger of x and y.
+        transmissivity: conductivity times mean_gap³/12, length³; zero if the gap is closed.
         conductivity_limit, conductivity_limit_error, conductivity_grid_error: estimate on an infinitely fine grid, its
-            error and the grid error, on the diagonal; NaN where unknown. Not with `grid_error="none"`.
+            error and the grid error, on the diagonal; NaN if unknown. Absent with `grid_error="none"`.
 
     Example:
         >>> c.flow().conductivity.shape
@@ -84,13 +84,13 @@ class Flow(Measured):
 
 
 class Adhesion(Measured):
-    """Numbers of an attraction on the surface and grid of a contact, from `Contact.adhesion` (docs/laws/adhesion.md).
+    """Adhesion numbers of a law on the surface and grid of a contact, from `Contact.adhesion` (docs/laws/adhesion.md).
 
     Attributes:
         work: work of adhesion, stress * length.
         range, process_zone: range of the law and width of its process zone, length.
-        process_zone_points, process_zone_needed: width of the process zone in grid steps, and the smallest width that
-            is solved without `coarse`; without unit.
+        process_zone_points, process_zone_needed: width of the process zone in grid steps, and the smallest width
+            solved without `coarse`; dimensionless.
         wang_zhou_muser, tabor, pastewka_robbins: dimensionless numbers of adhesion.
 
     Example:
@@ -110,12 +110,12 @@ class Adhesion(Measured):
 
 
 class Gradient(Record):
-    """Derivatives of a number L of a contact with respect to its inputs, from `Contact.vjp`.
+    """Derivatives of a scalar L of a contact with respect to its inputs, from `Contact.vjp`.
 
     Attributes:
-        heights: derivative by the height of each point [x, y], 1 / length times the unit of L; read-only.
-        load: derivative by the mean pressure, or by the approach if that is `fixed`.
-        modulus: derivative by E* (stress), with all moduli of the body in proportion.
+        heights: dL/d(height) at each point [x, y], unit of L divided by length; read-only.
+        load: dL/d(mean pressure), or dL/d(approach) if the approach is `fixed`.
+        modulus: dL/dE*, E* in stress, with all moduli of the body scaled together.
         fixed: the prescribed load, "pressure" or "approach".
         error: relative error of the linear problem, at most 1e-8.
 
@@ -134,14 +134,14 @@ class Gradient(Record):
 class Contact(Result, Numbers, Fields):
     """A contact at rest under one load. It is immutable and can be pickled.
 
-    Numbers and fields are properties, defined in their docstrings; the numbers are also keys of a mapping. A number
-    that does not exist is NaN, and `undefined` has the reason. Lengths and stresses are in the units of the surface and
-    the body. With a law, `pressure` and `mean_pressure` include the attraction. With a lower surface, numbers and
-    fields belong to the upper face.
+    Numbers and fields are properties, defined in their docstrings; numbers are also keys of a mapping. An undefined
+    number is NaN, with the reason in `undefined`. Lengths and stresses have the units of surface and body. With a law,
+    `pressure` and `mean_pressure` include the attraction. With a lower surface, numbers and fields belong to the upper
+    face.
 
     Attributes:
         surface, body, law: the arguments.
-        undefined: reasons why numbers are NaN, by name; present only if a number is NaN.
+        undefined: reasons why numbers are NaN, by name; present only if there are any.
 
     Example:
         >>> c = gfmd.contact(s, gfmd.Body(), p_star=0.05)
@@ -192,41 +192,41 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def boundary(self) -> str:
-        """The surroundings of the surface by name, "periodic" or "free"."""
+        """Boundary condition at the edges of the surface by name, "periodic" or "free"."""
         return str(self._settings.description["boundary"])
 
     @property
     def hardness(self) -> Union[float, Array, None]:
-        """The hardness, which limits the pressure (stress), a number or an array [x, y]; None without one."""
+        """Hardness, the largest pressure (stress), a number or an array [x, y]; None without one."""
         return self._settings.arrays.get("hardness", self._settings.description.get("hardness"))
 
     @property
     def components(self) -> str:
-        """The unknown components of the surface displacement, by name ("normal", "all", "held")."""
+        """Displacement components solved for, by name ("normal", "all", "held")."""
         return str(self._settings.description.get("components", "normal"))
 
     @property
     def finite_slope(self) -> bool:
-        """True if slopes were not assumed small, and points of the body met the height at their displaced position."""
+        """True if finite slopes were allowed, so that points of the body met the height where displaced."""
         return bool(self._settings.description.get("finite_slope"))
 
     @property
     def lower_surface(self) -> Optional[Surface]:
-        """The second rigid surface, below the slab, on the same points; None without one."""
+        """Second rigid surface, below the slab, on the same points; None without one."""
         return self._settings.lower_surface
 
     @property
     def repulsion(self) -> Array:
         """Repulsive part of the pressure [x, y], stress. Read-only.
 
-        With a law, it is the wall pressure or, where no wall presses, the pressure in excess of the unbalanced rest.
-        Without a law, it is the pressure.
+        With a law, it is the wall pressure or, without a wall, the pressure above the equilibrium residual. Without a
+        law, it is the pressure.
         """
         own = self._fields.get("repulsion")
         return frozen(np.maximum(self.pressure, 0.0)) if own is None else own
 
     def adhesion(self) -> Optional[Adhesion]:
-        """Returns the numbers of the attraction on this surface and grid, by name; None without attraction.
+        """Returns the adhesion numbers on this surface and grid, by name; None without attraction.
 
         Example:
             >>> c.adhesion() is None
@@ -240,7 +240,7 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
-        """True at the points in contact [x, y], where the surfaces repel; `area_fraction` counts them."""
+        """True at points in contact [x, y], where the surfaces repel; `area_fraction` is their share."""
         found: npt.NDArray[np.bool_] = np.asarray(self.repulsion > 0.0)
         found.flags.writeable = False
         return found
@@ -265,17 +265,17 @@ class Contact(Result, Numbers, Fields):
 
     @property
     def units(self) -> Units:
-        """The length unit and the stress unit of all numbers, None where unknown."""
+        """Length unit and stress unit of all numbers, None if unknown."""
         return known(self.surface.unit, self._settings.description.get("stress_unit"))
 
     def _units_shown(self) -> Units:
         return self.units
 
     def reason(self, name: str) -> Optional[str]:
-        """Returns the reason why a number is NaN; None if it has a value.
+        """Returns why a number is NaN; None if it has a value.
 
         Args:
-            name: the name of a number.
+            name: name of a number.
 
         Raises:
             InputError: no such number.
@@ -295,7 +295,7 @@ class Contact(Result, Numbers, Fields):
         return f"{count} more numbers: dict(c); fields: {', '.join(self._fields)}"
 
     def _posed(self) -> tuple[Any, Any]:
-        """Returns the problem, set up again, and the state."""
+        """Sets up the problem again. Returns it with the state."""
         settings = self._settings
         problem = _gfmd.Problem(
             {**settings.description, "unit": self.surface.unit}, {**settings.arrays, "surface": self.surface.heights}, 0
@@ -303,7 +303,7 @@ class Contact(Result, Numbers, Fields):
         return problem, problem.recall(self._fields, self.approach) if self._state is None else self._state
 
     def _measured(self, **options: Any) -> tuple[dict[str, Any], dict[str, tuple[Array, Array]]]:
-        """Measures statistics and flow. Returns the numbers, and the arrays of statistics with their axes by path."""
+        """Measures statistics and flow. Returns the numbers, and the statistics arrays with their axes by path."""
         problem, state = self._posed()
         record, arrays = problem.measure(state, options)
         found = {
@@ -312,10 +312,10 @@ class Contact(Result, Numbers, Fields):
         return of_load(record), found
 
     def patches(self) -> Patches:
-        """Measures the patches of points in contact, as `gfmd contact --statistics` does: a `Record` of arrays [patch].
+        """Measures the contact patches, as `gfmd contact --statistics` does. Returns a `Record` of arrays [patch].
 
         Raises:
-            InputError: a contact with a lower surface, which has two faces.
+            InputError: a contact with a lower surface (two faces).
 
         Example:
             >>> c.patches().area.sum() < 1.0
@@ -326,15 +326,15 @@ class Contact(Result, Numbers, Fields):
         return Patches({name: values for name, values in names.items() if name != "load"})
 
     def distributions(self) -> Record:
-        """Measures distributions and spectra, as `gfmd contact --statistics` does: a `Record` of arrays.
+        """Measures distributions and spectra, as `gfmd contact --statistics` does. Returns a `Record` of arrays.
 
         Probability densities over the whole surface: `pressure` (1/stress) against `pressure_at` (stress), `gap`
-        (1/length) against `gap_at` (length). With periodic boundaries, also `pressure_spectrum` (stress² length²)
-        against `wavenumber` (rad/length), and the autocorrelation of the pressure, `autocorrelation_x` and
-        `autocorrelation_y`, against `lag_x` and `lag_y` (length).
+        (1/length) against `gap_at` (length). Periodic boundaries add `pressure_spectrum` (stress² length²) against
+        `wavenumber` (rad/length), and the pressure autocorrelation, `autocorrelation_x` and `autocorrelation_y`,
+        against `lag_x` and `lag_y` (length).
 
         Raises:
-            InputError: a contact with a lower surface, which has two faces.
+            InputError: a contact with a lower surface (two faces).
 
         Example:
             >>> d = c.distributions()
@@ -358,10 +358,10 @@ class Contact(Result, Numbers, Fields):
 
     @_hints.hinted
     def flow(self) -> Flow:
-        """Computes the flow of a fluid through the gap by Reynolds' equation, as `gfmd contact --flow` does.
+        """Computes fluid flow through the gap by Reynolds' equation, as `gfmd contact --flow` does.
 
         Returns:
-            The conductivity, percolation and transmissivity, as a `Flow`. See `leak_rate` for the volume per time.
+            Conductivity, percolation and transmissivity as a `Flow`. See `leak_rate` for the volume per time.
 
         Raises:
             InputError: a profile, a lower surface.
@@ -385,18 +385,18 @@ class Contact(Result, Numbers, Fields):
     def leak_rate(
         self, *, viscosity: Optional[Quantity] = None, pressure_drop: Quantity, fluid: Optional[str] = None
     ) -> Array:
-        """Returns the leak rate (volume per time) through the gap of the whole cell, [2]: along x and along y.
+        """Returns the leak rate (volume per time) through the gap of the whole cell along x and along y, [2].
 
         Args:
-            viscosity: viscosity of the fluid, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the
-                length unit is unknown.
+            viscosity: fluid viscosity, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the length
+                unit is unknown.
             pressure_drop: pressure drop over the length of the cell along the flow, Pa, or a string with a unit, such
                 as "1 bar"; in stress if the length unit is unknown.
-            fluid: name of a fluid, such as "water", in place of `viscosity`; `gfmd materials` lists them.
+            fluid: fluid name, such as "water", in place of `viscosity`; `gfmd materials` lists them.
 
         Returns:
-            The leak rates in m³/s, where 1e-6 m³/s are 1 ml/s (length³/time if the length unit is unknown); zero where
-            the gap is closed.
+            Leak rates in m³/s; 1e-6 m³/s is 1 ml/s (length³/time if the length unit is unknown). Zero if the gap is
+            closed.
 
         Raises:
             InputError: a profile, a lower surface; arguments that are not positive; an unknown fluid.
@@ -412,21 +412,22 @@ class Contact(Result, Numbers, Fields):
     def conductance(
         self, k1: Optional[Quantity] = None, k2: Optional[Quantity] = None, *, conductor_height: Quantity = float("inf")
     ) -> float:
-        """Returns the conductance per area of the points in contact between conductors of heat or current, 1 / length.
+        """Returns the conductance per area of the points in contact, for heat or current, 1 / length.
 
-        With the conductivities of both, it returns the contact conductance: W/(m² K) for heat, S/m² for current.
+        Given the conductivities of both conductors, it returns the contact conductance: W/(m² K) for heat, S/m² for
+        current.
 
-        Without them it is the column `conductance` of `gfmd contact --statistics`: divided by the sum of the two
-        bodies' resistivities, it is the contact conductance per area. It excludes the resistance of the bulk; with
-        free boundaries it is the whole current divided by the area of the patch and by the whole potential difference.
-        It is valid for any elastic body, hardness and law. Infinite if all points of a periodic surface touch. NaN for
-        a profile with free boundaries on infinite conductors, with finite slopes, and with a lower surface.
+        Without them it is the column `conductance` of `gfmd contact --statistics`: divided by the sum of both
+        resistivities, it is the contact conductance per area. It excludes the bulk resistance; with free boundaries it
+        is the total current divided by the patch area and the total potential difference. It is valid for any elastic
+        body, hardness and law. Infinite if all points of a periodic surface touch. NaN for a profile with free
+        boundaries on infinite conductors, with finite slopes, and with a lower surface.
 
         Args:
             k1, k2: conductivities of both conductors, W/(m K) or S/m, or strings with a unit ("0.2 W/(m K)"); both or
                 neither. Per unit length of the surface if the length unit is unknown.
-            conductor_height: depth of the electrodes of both conductors below the surface, length, or a string with a
-                unit; infinite by default.
+            conductor_height: electrode depth in both conductors below the surface, length, or a string with a unit;
+                infinite by default.
 
         Raises:
             InputError: a depth that is not positive; with free boundaries, an electrode that is not deep enough.
@@ -460,22 +461,22 @@ class Contact(Result, Numbers, Fields):
     ) -> float:
         """Returns the conductance per area of the gas in the gap, W/(m² K), as `gfmd contact --gas` does.
 
-        It is the mean of k/(g + M) over all points, with the conductivity k of the gas, the gap g and the
-        temperature-jump length M; points in contact contribute nothing. Radiation is left out. The joint in a gas
-        conducts this plus `conductance(k1, k2)`.
+        It is the mean of k/(g + M) over all points, with gas conductivity k, gap g and temperature-jump length M;
+        points in contact contribute nothing. It excludes radiation. A joint in a gas conducts this plus
+        `conductance(k1, k2)`.
 
         Args:
-            gas: name of the gas; the length unit of the surface must be known.
-            temperature: temperature of the gas, 200 to 1000 K, or a string with a unit; 300 K by default.
-            pressure: pressure of the gas, Pa, at most 1 MPa, or a string with a unit ("10 kPa"); 101325 Pa by default.
+            gas: gas name; the surface must have a length unit.
+            temperature: gas temperature, 200 to 1000 K, or a string with a unit; 300 K by default.
+            pressure: gas pressure, Pa, at most 1 MPa, or a string with a unit ("10 kPa"); 101325 Pa by default.
             accommodation: thermal accommodation coefficients of both surfaces, or one number for both; by default
-                of engineering surfaces: air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29.
-            conductivity: conductivity of a gas given by numbers instead, W/(m K), or a string with a unit.
+                for engineering surfaces: air 0.86, nitrogen 0.85, argon 0.85, helium 0.37, hydrogen 0.29.
+            conductivity: conductivity of a gas defined by numbers, W/(m K), or a string with a unit.
             jump: temperature-jump length of that gas, in units of the surface, or a string with a unit.
 
         Raises:
-            InputError: a lower surface, which has two gaps; finite slopes; a gas in a state without known properties;
-                numbers that are not positive; a gas given in both ways, or in none.
+            InputError: a lower surface (two gaps); finite slopes; a gas state without known properties; numbers that
+                are not positive; a gas defined twice or not at all.
 
         Example:
             >>> c.gas_conductance(conductivity=0.026, jump=1e-4) > 0.0
@@ -521,29 +522,27 @@ class Contact(Result, Numbers, Fields):
         elastic_energy: float = 0.0,
         fixed: Optional[Literal["pressure", "approach"] | str] = None,
     ) -> Gradient:
-        """Returns the derivatives of a number L of this contact with respect to the heights, the load and the modulus.
+        """Returns the derivatives of a scalar L of this contact with respect to heights, load and modulus.
 
-        The arguments are the derivatives of L by the fields and numbers of the contact; the result is the
-        vector-Jacobian product of reverse-mode differentiation. It takes one linear solve, whatever the number of
-        heights. The set of points in contact is held fixed, which is exact for almost all surfaces and loads; areas
-        and counts of points have no derivatives. `gfmd.torch` and `gfmd.jax` wrap the contact as a differentiable
-        function.
+        The arguments are the derivatives of L with respect to fields and numbers of the contact; the result is the
+        vector-Jacobian product of reverse-mode differentiation. It takes one linear solve for any number of heights.
+        The points in contact are fixed, which is exact for almost all surfaces and loads; areas and point counts have
+        no derivatives. `gfmd.torch` and `gfmd.jax` wrap the contact as a differentiable function.
 
         Args:
-            pressure: derivative of L by the pressure of each point [x, y], 1 / stress times the unit of L; 0 by
-                default, like all others.
-            gap: derivative of L by the gap of each point [x, y]; ignored at points that a wall presses.
-            approach: derivative of L by the approach.
-            mean_pressure: derivative of L by the mean pressure.
-            mean_gap: derivative of L by the mean gap.
-            elastic_energy: derivative of L by the elastic energy per area.
-            fixed: the load that is prescribed while heights and modulus change, "pressure" or "approach"; by default
-                as in the contact ("pressure" for `p_star`).
+            pressure: dL/d(pressure) at each point [x, y], unit of L divided by stress; 0 by default, like all others.
+            gap: dL/d(gap) at each point [x, y]; ignored at points pressed by a wall.
+            approach: dL/d(approach).
+            mean_pressure: dL/d(mean pressure).
+            mean_gap: dL/d(mean gap).
+            elastic_energy: dL/d(elastic energy per area).
+            fixed: load kept constant while heights and modulus change, "pressure" or "approach"; by default the
+                prescribed load of the contact ("pressure" for `p_star`).
 
         Raises:
             InputError: arrays of the wrong shape; a contact with a hardness, finite slopes, all components, a lower
                 surface or a base that moves (not implemented); full contact under an approach that does not determine
-                the pressure; a state of a law where a small change causes a jump.
+                the pressure; a state of a law in which a small change causes a jump.
 
         Example:
             >>> round(c.vjp(approach=1.0).load * c.stiffness, 4)  # d(approach)/d(mean pressure)
@@ -597,7 +596,7 @@ class Contact(Result, Numbers, Fields):
         return interior(self, depths, **options)
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers as a pandas.DataFrame of one row; units in `attrs["units"]`.
+        """Returns the numbers as a pandas.DataFrame with one row; units in `attrs["units"]`.
 
         Raises:
             Error: pandas is not installed.
@@ -617,7 +616,7 @@ class Contact(Result, Numbers, Fields):
         return {"size": list(self.surface.size)}, ({**_config([self]), **units}, {**self._fields, **shear})
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the fields [y, x], with coordinates and units, and the scalars.
+        """Returns the fields [y, x] and scalars as an xarray.Dataset, with coordinates and units.
 
         In xarray's `.plot()`, x points to the right and y up.
 
@@ -631,7 +630,7 @@ class Contact(Result, Numbers, Fields):
         return _show.dataset([self]).isel(load=0)
 
     def to_pyvista(self) -> Any:
-        """Returns a pyvista.ImageData with height and the fields of the contact [x, y] as point data.
+        """Returns a pyvista.ImageData with the height and the contact fields [x, y] as point data.
 
         Raises:
             Error: pyvista is not installed.
@@ -646,7 +645,7 @@ class Contact(Result, Numbers, Fields):
 
         Args:
             field: "pressure", "gap", "displacement_z", or another field of the contact.
-            ax: the axes to draw into; new ones by default.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             InputError: an unknown field. Error: matplotlib is not installed.
@@ -665,11 +664,11 @@ class Contact(Result, Numbers, Fields):
 
 
 class Contacts(Result, Sequence[Contact]):
-    """A sequence of `Contact`, one for each load.
+    """A sequence of `Contact`, one per load.
 
-    The numbers of a contact become arrays [load], in the same units: `cs.area_fraction`, `cs.mean_pressure`; the parts
-    of `residual` are arrays, `lower` is a Record of arrays. The fields, such as `pressure`, `gap` and
-    `displacement_z`, become arrays [load, x, y].
+    Numbers become arrays [load], in the same units: `cs.area_fraction`, `cs.mean_pressure`. Each part of `residual` is
+    an array, `lower` is a Record of arrays. Fields, such as `pressure`, `gap` and `displacement_z`, become arrays
+    [load, x, y].
 
     Example:
         >>> cs = gfmd.contacts(s, gfmd.Body(), p_star=[0.01, 0.05])
@@ -729,7 +728,7 @@ class Contacts(Result, Sequence[Contact]):
 
     @property
     def units(self) -> Units:
-        """The length unit and the stress unit of all numbers, None where unknown."""
+        """Length unit and stress unit of all numbers, None if unknown."""
         return self._contacts[0].units if self._contacts else (None, None)
 
     def __eq__(self, other: object) -> bool:
@@ -739,7 +738,7 @@ class Contacts(Result, Sequence[Contact]):
         return hash(self._contacts)
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers as a pandas.DataFrame with a row for each load; units in `attrs["units"]`.
+        """Returns the numbers as a pandas.DataFrame with one row per load; units in `attrs["units"]`.
 
         Raises:
             InputError: an empty sequence. Error: pandas is not installed.
@@ -768,7 +767,7 @@ class Contacts(Result, Sequence[Contact]):
         """Draws contact area against reduced pressure with matplotlib. Returns the axes.
 
         Args:
-            ax: the axes to draw into; new ones by default.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             InputError: an empty sequence. Error: matplotlib is not installed.
@@ -815,7 +814,7 @@ _HEADS = {
 
 
 def _cell(contact: Contact, name: str, factor: float) -> str:
-    """Formats a number with a factor, with the digits that its grid error leaves certain, if it has a limit."""
+    """Formats a number times a factor, to the digits that its grid error leaves certain, if it has a limit."""
     limit, error = contact.get(f"{name}_limit"), contact.get(f"{name}_limit_error", math.nan)
     if limit is None:
         return f"{contact[name] * factor:.6g}"
@@ -823,7 +822,7 @@ def _cell(contact: Contact, name: str, factor: float) -> str:
 
 
 def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
-    """Returns the prescribed loads; the mean pressures if different quantities were prescribed."""
+    """Returns the prescribed loads, or the mean pressures if different quantities were prescribed."""
     given = [contact._settings.load for contact in contacts]
     if None not in given and len({load[0] for load in given if load}) == 1:
         return {given[0][0]: [load[1] for load in given if load]}  # type: ignore[index]
@@ -831,7 +830,7 @@ def _asked(contacts: Sequence[Contact]) -> dict[str, list[float]]:
 
 
 def _config(contacts: Sequence[Contact]) -> dict[str, Any]:
-    """Returns the configuration of contacts of one surface, as stored in a file."""
+    """Returns the configuration of contacts of one surface, as a file stores it."""
     return {**contacts[0]._settings.description, **_asked(contacts)}
 
 

@@ -30,7 +30,7 @@ class Outputs(NamedTuple):
 
 
 class Solver:
-    """The contact of one body under one kind of load, as a function of heights and load."""
+    """Contact of one body under one kind of load, as a function of heights and load."""
 
     def __init__(self, body: Body, size: Any, control: str, options: dict[str, Any]) -> None:
         self.body, self.size, self.control, self.options = as_body(body), size, control, options
@@ -47,14 +47,14 @@ class Solver:
         return [found.pressure, np.where(found.pressure > 0.0, 0.0, found.gap), *numbers]
 
     def pull(self, found: Contact, given: list[Any]) -> Gradient:
-        """Returns the derivatives by heights and load, given the derivatives by the outputs."""
+        """Returns the derivatives with respect to heights and load from the derivatives with respect to the outputs."""
         fields = dict(zip(FIELDS, (np.asarray(field, dtype=np.float64) for field in given[:2])))
         numbers = dict(zip(NUMBERS, (float(value) for value in given[2:])))
         return found.vjp(**fields, **numbers, fixed=self.control)  # type: ignore[arg-type]
 
 
 def controlled(pressure: Any, approach: Any) -> tuple[str, Any]:
-    """Returns the kind of the load and its value."""
+    """Returns the kind and value of the load."""
     given = [(name, value) for name, value in (("pressure", pressure), ("approach", approach)) if value is not None]
     if len(given) != 1:
         raise InputError("the load must be given by one of pressure, approach")

@@ -1,4 +1,4 @@
-"""The exceptions of the package."""
+"""Exceptions of the package."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ __all__ = ["Error", "InputError", "Interrupted", "NotConverged"]
 
 
 class Error(Exception):
-    """The base class of all errors of this package except `Interrupted`."""
+    """Base class of all errors of this package except `Interrupted`."""
 
 
 class InputError(Error, ValueError):
-    """Invalid input. The message has the argument, the value found and the allowed values. Nothing was computed.
+    """Invalid input; nothing was computed. The message names the argument, the value found and the allowed values.
 
     Attributes:
-        argument: name of the argument, or None if the message is not about a single one.
+        argument: argument name, or None if the message is not about a single argument.
         found: value found, as text, or None.
         allowed: allowed values in words, or None.
     """
@@ -34,10 +34,9 @@ class InputError(Error, ValueError):
 
 
 class NotConverged(Error):
-    """A solve that did not reach its tolerance. `state` is the partial result, or None.
+    """A solve that did not reach its tolerance, with the partial result in `state`, or None.
 
-    For a path or a punch, `state.not_converged` has the unmet criteria, the residual against the iterations, and
-    advice.
+    For a path or punch, `state.not_converged` has the unmet criteria, the residual against iterations, and advice.
     """
 
     def __init__(self, text: str, state: Any = None) -> None:
@@ -49,7 +48,7 @@ class NotConverged(Error):
 
 
 class Interrupted(KeyboardInterrupt):
-    """A computation stopped by Ctrl-C. `state` is the partial result, or None.
+    """A computation stopped by Ctrl-C, with the partial result in `state`, or None.
 
     It is a `KeyboardInterrupt`, so that `except Exception` does not swallow it.
     """

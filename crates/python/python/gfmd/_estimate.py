@@ -1,4 +1,4 @@
-"""Estimates of contacts from spectrum and highest points of a surface, without a solution."""
+"""Estimates of contacts from the surface's spectrum and highest points."""
 
 from __future__ import annotations
 
@@ -19,25 +19,24 @@ from ._units import Units
 
 
 class Estimate(Record):
-    """Numbers of contacts estimated from spectrum and highest points of the surface.
+    """Numbers of contacts estimated from the surface's spectrum and highest points.
 
-    Each has its error: 95 % of solved contacts deviate by less. An estimate that is not known is NaN.
+    Each has an error: 95 % of solved contacts deviate by less. An unknown estimate is NaN.
 
     Attributes:
-        p_star, mean_pressure: the loads [load], without unit and stress.
-        area_fraction, area_fraction_error: contact area fraction [load], without unit.
+        p_star, mean_pressure: loads [load], dimensionless and stress.
+        area_fraction, area_fraction_error: contact area fraction [load], dimensionless.
         mean_gap, mean_gap_error: mean gap [load], length.
-        stiffness, stiffness_error: slope of the mean pressure against the approach [load], stress/length.
-        rms_pressure, rms_pressure_error: rms pressure on the points in contact [load], stress.
+        stiffness, stiffness_error: slope of mean pressure against approach [load], stress/length.
+        rms_pressure, rms_pressure_error: rms pressure at points in contact [load], stress.
         max_pressure, max_pressure_error: largest pressure [load], stress.
-        percolation_distance, percolation_distance_error: area fraction of percolation less the area fraction [load].
+        percolation_distance, percolation_distance_error: area fraction at percolation minus area fraction [load].
         percolation_area_fraction, percolation_area_fraction_error: area fraction at which contacts percolate.
-        measured: surfaces whose computed contacts give the errors; missing if none are like this surface.
+        measured: surfaces whose computed contacts give the errors; absent if none is like this surface.
         plasticity_index: E* times the rms gradient, divided by the hardness; with `hardness` only.
-        hurst, eps_f_inv: Hurst exponent and ratio of the wavelengths of the self-affine spectrum most like the one of
-            the surface; NaN if there is none.
-        rms_height, rms_gradient, e_star: of the surface, length and without unit, and contact modulus, stress.
-        undefined: reasons why numbers are NaN, by name; present only if a number is NaN.
+        hurst, eps_f_inv: Hurst exponent and wavelength ratio of the closest self-affine spectrum; NaN if there is none.
+        rms_height, rms_gradient, e_star: rms height, length, rms gradient, dimensionless, and contact modulus, stress.
+        undefined: reasons why numbers are NaN, by name; present only if there are any.
         unit, stress_unit: units of lengths and stresses, if known.
         warnings: a Record for each warning: `code`, `text`.
 
@@ -77,14 +76,14 @@ class Estimate(Record):
 
     @property
     def units(self) -> Units:
-        """The length unit and the stress unit of all numbers, None where unknown."""
+        """Length unit and stress unit of all numbers, None if unknown."""
         return self.get("unit"), self.get("stress_unit")
 
     def reason(self, name: str) -> Optional[str]:
-        """Returns the reason why a number of a load is NaN, of the last of several such loads; None if it has values.
+        """Returns why a number is NaN, at the last load where it is; None if it has values.
 
         Args:
-            name: the name of a number.
+            name: name of a number.
 
         Raises:
             InputError: no such number.
@@ -119,12 +118,12 @@ def estimate(
     hardness: Optional[Quantity] = None,
     stress_unit: Optional[str] = None,
 ) -> Estimate:
-    """Estimates contacts from spectrum and highest points of a surface, without a solution, as `gfmd estimate` does.
+    """Estimates contacts from the surface's spectrum and highest points, without a solution, as `gfmd estimate` does.
 
     Args:
-        surface: as in `contact`; periodic, and no profile.
+        surface: as in `contact`; periodic, not a profile.
         body: an elastic half-space.
-        pressure, p_star, force: the loads, one of the three, a number or a sequence (stress, 1, stress * length^2), or
+        pressure, p_star, force: loads by one of the three, a number or a sequence (stress, 1, stress * length^2), or
             strings with a unit, such as "10MPa", if the surface has one; by default reduced pressures from 0.001 to 1.
         hardness: largest pressure, stress, for the plasticity index.
         stress_unit: unit of stresses given without one, as in `contact`.

@@ -1,4 +1,4 @@
-"""Laws of contacts for finite elements, as text."""
+"""Contact laws for finite elements, as text."""
 
 from __future__ import annotations
 
@@ -82,17 +82,17 @@ def fe_table(
     conductivity: Optional[Sequence[Quantity]] = None,
     flow: bool = False,
 ) -> str:
-    """Returns the law of a contact for finite elements as text, as `gfmd contact --export-law` does.
+    """Returns a contact law for finite elements as text, as `gfmd contact --export-law` does.
 
-    It has pressure against mean gap, area, stiffness, conductance and transmissivity, in SI units, with their errors.
+    It contains pressure against mean gap, area, stiffness, conductance and transmissivity, in SI units, with errors.
 
     Args:
-        results: contacts of one surface under two or more loads, or several of them, of surfaces of one kind (seeds)
-            under the same loads: then the numbers are means, with their standard errors.
-        format: "csv" (a table with all numbers), "abaqus" (keywords of surface behaviour and gap conductance), or
-            "ansys" (tables of APDL).
+        results: contacts of one surface under two or more loads, or several of these, of surfaces of one kind (seeds)
+            under the same loads; the numbers are then means, with standard errors.
+        format: "csv" (table with all numbers), "abaqus" (keywords for surface behaviour and gap conductance), or
+            "ansys" (APDL tables).
         conductivity: thermal conductivities of both bodies, W/(m K), for the contact conductance.
-        flow: also compute the transmissivity of the gap, with one problem of flow for each load.
+        flow: also compute the gap transmissivity, with one flow problem per load.
 
     Raises:
         InputError: one load only, unknown units, different loads, an attraction, free boundaries, two interfaces, a

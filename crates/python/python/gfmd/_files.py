@@ -35,7 +35,7 @@ _ARRAYS = {
 
 
 def _stored(name: str, group: str, given: Sequence[float]) -> Surface:
-    """Reads a surface from a file; the size `given` comes from the configuration."""
+    """Reads a surface from a file, with the size `given` by the configuration."""
     heights, size, unit, *_ = _gfmd.read(f"{name}:{group}/height")
     if len(given) == 2:
         size = (given[0], given[1])
@@ -109,13 +109,13 @@ def _study(name: str) -> Study:
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path, Slide, Study]:
-    """Reads a contact, contacts of several loads, a path, steady sliding or a study from a file.
+    """Reads a contact, contacts under several loads, a path, steady sliding or a study from a file.
 
-    The file is one of the program with `--out`, or of `save`. Nothing is solved. Paths and steady sliding have the
-    largest part of each residual alone, as their files.
+    The file comes from `--out` or `save`. Nothing is solved. Paths and steady sliding have only the largest part of
+    each residual, as their files do.
 
     Args:
-        path: the name of the HDF5 file.
+        path: HDF5 file name.
 
     Raises:
         InputError: not a file of these results.

@@ -1,4 +1,4 @@
-"""Options as functions take them: checked by their types in a generated table, and shown by `help`."""
+"""Options of functions, checked by their types in a generated table, and shown by `help`."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _text_or_number(name: str, value: object) -> Any:
     return word(name, value) if isinstance(value, str) else number(name, value)
 
 
-# Checks of the types that need no more; a function checks the others itself.
+# Checks for types that need no more; functions check the others themselves.
 _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "bool": flag,
     "float": number,
@@ -55,7 +55,7 @@ def _checked(name: str, value: Any, of: str) -> Any:
 
 
 def given(options: Mapping[str, Any], table: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Checks options by a table. Returns them without the ones that have no value."""
+    """Checks options by a table. Returns the options with a value."""
 
     def is_left_out(name: str, value: Any) -> bool:
         is_empty = value.size == 0 if isinstance(value, np.ndarray) else isinstance(value, (list, tuple)) and not value
@@ -66,7 +66,7 @@ def given(options: Mapping[str, Any], table: Mapping[str, Mapping[str, Any]]) ->
 
 
 def _documented(text: str, table: Mapping[str, Mapping[str, Any]]) -> str:
-    """Returns the docstring of a function with the meaning of each option that it does not describe."""
+    """Returns the docstring of a function, with meanings added for options that it does not describe."""
     before, raises, behind = text.partition("\n\n    Raises:")
     lines = []
     for name, row in table.items():
@@ -77,8 +77,8 @@ def _documented(text: str, table: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def taking(options: type) -> Callable[[_Function], _Function]:
-    """Decorates a function that takes the options of a class: checks them, and answers an unknown one with the right
-    name. Its signature and docstring have every option, unless it documents `options` as a whole.
+    """Decorates a function that takes the options of a class: checks them, and suggests the right name for an unknown
+    one. Its signature and docstring have every option, unless it documents `options` as a whole.
     """
     table = {name: TABLES[options.__name__][name] for name in options.__annotations__}
 

@@ -83,7 +83,7 @@ def _first(text: str) -> str:
 
 
 def _known(name: str, names: dict[str, tuple[str, ...]], allowed: Iterable[str]) -> Optional[str]:
-    """Returns the replacement for a name; None if there is no similar one."""
+    """Returns a replacement for a name; None if none is similar."""
     there = set(allowed)
     for right, others in names.items():
         if name in others and _first(right) in there:
@@ -113,7 +113,7 @@ def attribute(name: str, allowed: Iterable[str]) -> str:
 
 
 def hinted(function: _Function) -> _Function:
-    """Decorates a function to answer an unknown argument with the right name."""
+    """Decorates a function to suggest the right name for an unknown argument."""
     parameters = inspect.signature(function).parameters
     names = [name for name, of in parameters.items() if name != "self" and of.kind is not of.POSITIONAL_ONLY]
     takes_more = any(of.kind is of.VAR_KEYWORD for of in parameters.values())

@@ -21,16 +21,16 @@ from ._units import attributes
 
 
 class KappaSweep(Computed):
-    """A kappa sweep, with the file, the page and the figures of `gfmd report kappa.h5`.
+    """A kappa sweep, with the file, page and figures of `gfmd report kappa.h5`.
 
     Sweeps are equal if all their numbers except the times are equal.
 
     Attributes:
         points: a Record for each discretisation and load: `dim`, `hurst`, `eps_t_inv`, `eps_f_inv`, `eps_c_inv`, `n`,
-            `p_star`, `realisations`, `kappa`, `kappa_sem`, `kappa_corrected`, `kappa_corrected_sem`; all without unit.
-        fit: the extrapolation: `kappa_tfc`, `ci95` (statistical), `total_ci95` (with the error of the form), `terms`
+            `p_star`, `realisations`, `kappa`, `kappa_sem`, `kappa_corrected`, `kappa_corrected_sem`; all dimensionless.
+        fit: extrapolation: `kappa_tfc`, `ci95` (statistical), `total_ci95` (with the fit form error), `terms`
             (`axis`, `coefficient`, `exponent` ...) and so on.
-        fits: the fits for all Hurst exponents, loads and ways to count area.
+        fits: fits for all Hurst exponents, loads and area counts.
         theory: theoretical limits: `persson`, `bush_gibson_thomas`.
         seconds: wall time.
         warnings: a Record for each warning of the computation: `code`, `text`.
@@ -48,7 +48,7 @@ class KappaSweep(Computed):
     warnings: list[Record]
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the points [point].
+        """Returns the points [point] as an xarray.Dataset.
 
         Raises:
             Error: xarray is not installed.
@@ -62,7 +62,7 @@ class KappaSweep(Computed):
         return _show.needed("xarray", "to_xarray").Dataset(columns, point)
 
     def to_dataframe(self) -> Any:
-        """Returns the points as a pandas.DataFrame with a row for each discretisation and load; all without unit.
+        """Returns the points as a pandas.DataFrame with one row per discretisation and load; all dimensionless.
 
         Raises:
             Error: pandas is not installed.
@@ -75,16 +75,15 @@ class KappaSweep(Computed):
         return _show.framed(columns, dict(zip(columns, columns)), self.units)
 
     def _columns(self) -> dict[str, list[Any]]:
-        """Returns the numbers of the points by name, with NaN in place of None."""
+        """Returns the point numbers by name, with NaN in place of None."""
         names = dict.fromkeys(name for point in self.points for name in point)
         return {name: [np.nan if point.get(name) is None else point[name] for point in self.points] for name in names}
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws kappa at the load of the fit against the number of points along a side, and the limit, with matplotlib.
-        Returns the axes.
+        """Draws kappa at the load of the fit against points per side, and its limit, with matplotlib. Returns the axes.
 
         Args:
-            ax: the axes to draw into; new ones by default.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             Error: matplotlib is not installed.
@@ -121,11 +120,11 @@ def kappa_sweep(
     resume: bool = False,
     threads: Optional[int] = None,
 ) -> KappaSweep:
-    """Computes kappa in the thermodynamic, fractal and continuum limit, with its uncertainty, from many contacts.
+    """Extrapolates kappa from many contacts to the thermodynamic, fractal and continuum limit, with uncertainty.
 
     Args:
-        config: the name of a preset ("smoke", "default" ...), the path of a TOML file, or a dict of its contents.
-            Moduli of the body may be strings with a unit ("70GPa"); all other values are ratios without a unit.
+        config: preset name ("smoke", "default" ...), path of a TOML file, or a dict of its contents.
+            Moduli of the body may be strings with a unit ("70GPa"); all other values are dimensionless ratios.
         out: HDF5 file to write, with figures next to it; nothing is written by default.
         resume: continue an interrupted sweep to `out`.
         threads: number of threads; all cores by default.
@@ -134,7 +133,7 @@ def kappa_sweep(
         InputError: an invalid configuration; nothing was computed.
         NotConverged: a contact of the sweep did not converge.
         Interrupted: finished runs are kept in a journal next to `out`; `.state.out` is the file to resume to, in a new
-            folder if `out` was not given, and `.state.runs` the number of finished runs.
+            folder without `out`, and `.state.runs` the number of finished runs.
 
     Example:
         >>> k = gfmd.kappa_sweep("smoke")

@@ -17,7 +17,7 @@ from ._units import metre
 
 
 def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_gap: Any) -> Array:
-    """Returns conductivity times mean gap³/12, length³; zero where a closed gap has no conductivity."""
+    """Returns conductivity times mean gap³/12, length³; zero if the gap is closed."""
     through: Array = (
         np.where(np.isnan(conductivity) & ~percolates, 0.0, conductivity) * np.asarray(mean_gap) ** 3 / 12.0
     )
@@ -25,7 +25,7 @@ def transmissivity(conductivity: Array, percolates: npt.NDArray[np.bool_], mean_
 
 
 def viscosity_of(fluid: Optional[str], viscosity: Optional[Quantity]) -> Quantity:
-    """Returns the given viscosity, or the viscosity of the fluid with a name."""
+    """Returns the given viscosity, or the viscosity of a named fluid."""
     if fluid is None:
         if viscosity is None:
             raise InputError("viscosity is missing; give it, or the name of a fluid")
@@ -45,9 +45,9 @@ def rate(
     fluid: tuple[Optional[str], Optional[Quantity]],
     pressure_drop: Quantity,
 ) -> Array:
-    """Returns the volume per time through the cell for flow along x and y (last axis), from the transmissivities.
+    """Returns the volume per time through the cell along x and y (last axis), from the transmissivities.
 
-    The `fluid` is its name and its viscosity; exactly one of both is given.
+    `fluid` is a name and a viscosity, exactly one of them given.
     """
     viscosity = viscosity_of(*fluid)
     thickness, drop = in_units("viscosity", viscosity, "stress*time"), in_units(
@@ -69,17 +69,17 @@ class Leaks:
     def leak_rate(
         self, *, viscosity: Optional[Quantity] = None, pressure_drop: Quantity, fluid: Optional[str] = None
     ) -> Array:
-        """Returns the leak rate (volume per time) through the gap after each step, [step, 2]: along x and along y.
+        """Returns the leak rate (volume per time) through the gap along x and along y after each step, [step, 2].
 
         Args:
-            viscosity: viscosity of the fluid, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the
-                length unit is unknown.
+            viscosity: fluid viscosity, Pa s, or a string with a unit, such as "1 mPa*s"; in stress * time if the length
+                unit is unknown.
             pressure_drop: pressure drop over the length of the cell along the flow, Pa, or a string with a unit, such
                 as "1 bar"; in stress if the length unit is unknown.
-            fluid: name of a fluid, such as "water", in place of `viscosity`; `gfmd materials` lists them.
+            fluid: fluid name, such as "water", in place of `viscosity`; `gfmd materials` lists them.
 
         Returns:
-            The leak rates in m³/s (length³/time if the length unit is unknown); zero where the gap is closed.
+            Leak rates in m³/s (length³/time if the length unit is unknown); zero if the gap is closed.
 
         Raises:
             InputError: a result without flow; arguments that are not positive; an unknown fluid.

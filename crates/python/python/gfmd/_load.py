@@ -17,9 +17,9 @@ LOADS = {"pressure": "stress", "p_star": "1", "force": "stress*length^2", "appro
 
 
 class Residual(Residuals):
-    """Parts of the residual by name, all without unit; arrays for several loads, steps or states.
+    """Residual parts by name, all dimensionless; arrays for several loads, steps or states.
 
-    `largest` is the largest part, for each of them; `float(residual)` is the largest of all. NaN if a part is NaN.
+    `largest` is the largest part at each; `float(residual)` is the largest of all. NaN if a part is NaN.
 
     Example:
         >>> float(c.residual) <= 1e-8, c.residual.load <= 1e-8
@@ -30,7 +30,7 @@ class Residual(Residuals):
 
     @property
     def largest(self) -> Any:
-        """The largest part, a number or an array [load], [step] or [state]; without unit."""
+        """Largest part, a number or an array [load], [step] or [state]; without unit."""
         parts = [np.asarray(part, dtype=np.float64) for part in self._values.values()]
         found = np.asarray(np.max(parts, axis=0) if parts else math.nan)
         return float(found) if found.ndim == 0 else frozen(found)
@@ -46,13 +46,13 @@ class Residual(Residuals):
 
 
 def residual_of(table: Mapping[str, Any]) -> Residual:
-    """Returns the residual of steps or states from the columns of a table, `residual_...`."""
+    """Returns the residual of steps or states from table columns, `residual_...`."""
     start = "residual_"
     return Residual({name[len(start) :]: values for name, values in table.items() if name.startswith(start)})
 
 
 def residual_of_all(parts: Sequence[Residual]) -> Residual:
-    """Returns the residuals of loads as one of arrays [load]."""
+    """Returns the residuals of loads as one residual of arrays [load]."""
     names = dict.fromkeys(name for residual in parts for name in residual)
     return Residual({name: frozen(np.array([float(residual.get(name, 0.0)) for residual in parts])) for name in names})
 

@@ -35,21 +35,21 @@ def many(
 ) -> Iterator[Union[Contact, Contacts]]:
     """Computes the contacts of many surfaces with one body in parallel, each on one thread.
 
-    Yields the contacts in the order of the surfaces while the next ones are computed. At most twice as many contacts as
-    workers are in memory, unless the caller keeps them. Surfaces may come from a generator. Results do not depend on
-    the number of workers.
+    Yields the contacts in the order of the surfaces while computing the next. At most two contacts per worker are in
+    memory, unless the caller keeps them. Surfaces may come from a generator. Results do not depend on the number of
+    workers.
 
     Args:
         surfaces: surfaces as in `contact`.
         body: the elastic body.
-        pressure, p_star, force, approach: the load, one of the four, one number or several (stress, 1,
-            stress * length^2, length).
-        workers: number of contacts computed at once; by default the number of cores available to this process.
+        pressure, p_star, force, approach: load by one of the four, one number or several (stress, 1, stress * length^2,
+            length).
+        workers: number of contacts computed at once; by default the cores available to this process.
         options: further arguments of `contact`, except `threads` and `start`.
 
     Raises:
-        InputError, NotConverged, Interrupted: as in `contact`, raised in the place of that surface; the message has its
-            number, from 0. An exception of the generator is raised after the contacts of all earlier surfaces.
+        InputError, NotConverged, Interrupted: as in `contact`, raised in place of that contact; the message has the
+            surface number, from 0. An exception of the generator is raised after all earlier contacts.
 
     Example:
         >>> rough = (gfmd.self_affine(n=64, seed=seed) for seed in range(4))

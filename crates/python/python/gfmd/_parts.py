@@ -1,4 +1,4 @@
-"""Parts of a contact beside its body and its law."""
+"""Parts of a contact beside body and law."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ class Wear:
     """Wear of both surfaces together by Archard's law, a part of a `path`.
 
     Args:
-        coefficient: wear coefficient divided by the hardness, 1/stress: depth lost per repulsive pressure and length of
-            sliding. It may be a string with a unit, such as "1e-15/Pa" or "1e-6 mm^3/N/m", if the surface has one.
-        by: the sliding that wears: "distance", the distance that is given to the path, or "slip", the slip of each
-            point, with friction.
+        coefficient: wear coefficient divided by the hardness, 1/stress: depth lost per repulsive pressure and sliding
+            distance. It may be a string with a unit, such as "1e-15/Pa" or "1e-6 mm^3/N/m", if the surface has one.
+        by: sliding that causes wear: "distance", the distance given to the path, or "slip", the slip of each point,
+            with friction.
 
     Raises:
-        InputError: a coefficient that is not positive and finite, or another word.
+        InputError: a coefficient that is not positive and finite, an unknown name.
 
     Example:
         >>> gfmd.Wear("1e-15/Pa", by="slip")

@@ -34,17 +34,17 @@ if TYPE_CHECKING:
 # Largest difference between a path and the same path followed again, relative to the largest of its values.
 _ALIKE = 1e-6
 
-# Reason why a path that was not followed in this session has no derivatives.
+# Reason why a path not followed in this session has no derivatives.
 _READ = "the path was read from a file; it must be a result of gfmd.path, for derivatives"
 
 
 class PathGradient(Record):
-    """Derivatives of a number L of a path with respect to its inputs, from `Path.vjp`.
+    """Derivatives of a scalar L of a path with respect to its inputs, from `Path.vjp`.
 
     Attributes:
-        heights: derivative by the height of each point [x, y], 1 / length times the unit of L; read-only.
-        loads: derivative by the mean pressure prescribed at each step [step], or by the approach; read-only.
-        modulus: derivative by E* (stress), with all moduli of the body in proportion.
+        heights: dL/d(height) at each point [x, y], unit of L divided by length; read-only.
+        loads: dL/d(mean pressure) prescribed at each step [step], or dL/d(approach); read-only.
+        modulus: dL/dE*, E* in stress, with all moduli of the body scaled together.
         error: largest relative error of the linear problems, at most 1e-8.
 
     Example:
@@ -64,39 +64,39 @@ class Path(Leaks, Computed, StepFields):
     """A contact along a path.
 
     Attributes:
-        steps: numbers of the steps, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints
-            that were not reached.
-        hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
-        lower_surface: the given second surface, a `Surface`, and
+        steps: step numbers, a `Record` of arrays [step]. Fields are given at the waypoints; NaN at waypoints that were
+            not reached.
+        hardness: given hardness, stress, a number or an array [x, y]; with a hardness only.
+        lower_surface: given second surface, a `Surface`, and
         lower: its description, rms gradient and rms height; with one only.
-        wear: the given wear, a `Wear`; with wear only, as are
+        wear: given wear, a `Wear`; with wear only, as are
         coefficient: its coefficient as a number, 1/stress, and
         wear_volume: mean depth lost at the end, length, at the upper face of a slab between two surfaces; None if no
             step was solved.
-        adhesion: numbers of the attraction on this grid before the solve, an `Adhesion`; with an attraction only.
+        adhesion: adhesion numbers on this grid before the solve, an `Adhesion`; with an attraction only.
         dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the step
-            errors; None if unknown. The error is also None if one of its terms is unknown. If there are several causes,
-            `steps` has the part of each: `lost_friction`, `lost_wear` and so on.
-        work_imbalance: sum of the imbalances of work and energy of the steps, stress * length; where `steps` has it. A
-            first step that loads at once, in no time and no distance, is left out.
+            errors; None if unknown. The error is also None if one of its terms is unknown. With several causes, `steps`
+            has the part of each: `lost_friction`, `lost_wear` and so on.
+        work_imbalance: sum of the work and energy imbalances of the steps, stress * length; present if `steps` has
+            them. It excludes a first step of zero duration and distance.
         sliding: stiffness and friction of each leg with lateral motion: `leg`, `tangential_stiffness` (stress/length),
             `friction_coefficient`.
-        lowest_mean_pressure: lowest mean pressure, stress; negative if the surfaces were pulled.
-        grid_error: how the grid error was found: `mode`, `n`, `assumes`, `orders`.
+        lowest_mean_pressure: lowest mean pressure, stress; negative under tension.
+        grid_error: how the discretisation error was estimated: `mode`, `n`, `assumes`, `orders`.
         lowest_mean_pressure_limit, dissipated_limit, each with `_limit_error` and `_grid_error`: with
             `grid_error="refine"`, their values on an infinitely fine grid, from the difference between two grids.
             `steps` has the same for its numbers.
-        parted_at: the step where the surfaces parted under their load, or None.
+        parted_at: step at which the surfaces parted under their load, or None.
         undefined: reasons why arrays of `steps` are NaN at some steps, by name.
         warnings: a Record for each warning of the computation: `code`, `text`.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
-        yield_stress, hardening, hardening_curve, kinematic_hardening: yield stress and hardening of a body that yields,
-            as given, in numbers.
-        cells, coarsening: thickness, length, of each cell of a body that yields, from the surface down, and its grid
-            step divided by the grid step of the surface.
+        yield_stress, hardening, hardening_curve, kinematic_hardening: yield stress and hardening of a yielding body,
+            as numbers.
+        cells, coarsening: thickness, length, of each cell of a yielding body, from the surface down, and its grid step
+            divided by the surface grid step.
         kept_strain: "waypoints" if `plastic_strain` knows all waypoints; absent otherwise.
-        surface, n, size, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: parameters of the
-            problem, and the number of extra solves.
+        surface, n, size, unit, rms_gradient, rms_height, e_star, law, direction, extra_solves: problem parameters, and
+            the number of additional solves.
 
     Example:
         >>> loop.steps.mean_pressure.shape, loop.pressure.shape
@@ -167,28 +167,28 @@ class Path(Leaks, Computed, StepFields):
         elastic_energy: npt.ArrayLike = 0.0,
         threads: Optional[int] = None,
     ) -> PathGradient:
-        """Returns the derivatives of a number L of this path with respect to the heights, the loads and the modulus.
+        """Returns the derivatives of a scalar L of this path with respect to heights, loads and modulus.
 
-        The arguments are the derivatives of L by the fields at the waypoints and by the numbers of the steps; the
-        result is the vector-Jacobian product of reverse-mode differentiation. The path is followed again, and each
-        step takes one linear solve, from the last to the first: a body that relaxes and surfaces that wear by a
-        distance pass the derivatives back to the steps before. The set of points in contact is held fixed at each
-        step, as in `Contact.vjp`; times and sliding distances are fixed.
+        The arguments are the derivatives of L with respect to the fields at the waypoints and the numbers of the steps;
+        the result is the vector-Jacobian product of reverse-mode differentiation. The path is followed again, with one
+        linear solve per step, from the last to the first: relaxation and wear by distance pass the derivatives back to
+        earlier steps. The points in contact of each step are fixed, as in `Contact.vjp`, and so are times and sliding
+        distances.
 
         Args:
-            pressure: derivative of L by the pressure of each point [waypoint, x, y]; 0 by default, like all others.
-            gap: derivative of L by the gap of each point [waypoint, x, y]; ignored at points that a wall presses.
-            approach: derivative of L by the approach of each step [step], or one number for all steps, like
-            mean_pressure: derivative of L by the mean pressure,
-            mean_gap: derivative of L by the mean gap, and
-            elastic_energy: derivative of L by the elastic energy per area.
+            pressure: dL/d(pressure) at each point [waypoint, x, y]; 0 by default, like all others.
+            gap: dL/d(gap) at each point [waypoint, x, y]; ignored at points pressed by a wall.
+            approach: dL/d(approach) of each step [step], or one number for all steps, like
+            mean_pressure: dL/d(mean pressure),
+            mean_gap: dL/d(mean gap), and
+            elastic_energy: dL/d(elastic energy per area).
             threads: number of threads; all cores by default.
 
         Raises:
-            InputError: arrays of the wrong shape; a path with friction, a hardness, a body that yields, all
-                components, a lower surface or a base that moves (not implemented); full contact under an approach that
-                does not determine the pressure; a state of a law where a small change causes a jump; a path that is
-                not complete, or was read from a file. Error: the path followed again passes a jump in another way.
+            InputError: arrays of the wrong shape; a path with friction, a hardness, a yielding body, all components, a
+                lower surface or a base that moves (not implemented); full contact under an approach that does not
+                determine the pressure; a state of a law in which a small change causes a jump; a path that is
+                incomplete, or was read from a file. Error: the path followed again jumps differently.
 
         Example:
             >>> rubber = gfmd.Body(prony=[(1.0, 0.5)])
@@ -240,23 +240,23 @@ class Path(Leaks, Computed, StepFields):
 
     @property
     def residual(self) -> Residual:
-        """The parts of the residual by name, arrays [step], without unit; `residual.largest` is the largest part."""
+        """Parts of the residual by name, arrays [step], without unit; `residual.largest` is the largest part."""
         return residual_of(self.steps)
 
     @property
     def plastic_displacement(self) -> Array:
-        """The normal displacement by plastic strain [waypoint, x, y], length; unloaded, the residual topography."""
+        """Normal displacement due to plastic strain [waypoint, x, y], length; unloaded, the residual topography."""
         field: Array = self.plastic_displacement_z
         return field
 
     def plastic_strain(self, waypoint: int = -1) -> Array:
-        """Returns the equivalent plastic strain below the surface, interpolated to the grid of the surface.
+        """Returns the equivalent plastic strain below the surface, interpolated to the surface grid.
 
         Args:
-            waypoint: -1, after the last step; or another one, of a path with `kept_strain="waypoints"`.
+            waypoint: -1 for the state after the last step; others need `kept_strain="waypoints"`.
 
         Returns:
-            The strain, shape [cell, x, y]; NaN at a waypoint that was not reached.
+            Strain, shape [cell, x, y]; NaN at a waypoint that was not reached.
 
         Raises:
             InputError: a waypoint whose strain is not kept, or a body that does not yield. Error: the file cannot be
@@ -294,7 +294,7 @@ class Path(Leaks, Computed, StepFields):
         return self._answer("steps", names, answers)
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers of the steps as a pandas.DataFrame with a row for each step; units in `attrs["units"]`.
+        """Returns the step numbers as a pandas.DataFrame with one row per step; units in `attrs["units"]`.
 
         Raises:
             Error: pandas is not installed.
@@ -306,18 +306,18 @@ class Path(Leaks, Computed, StepFields):
         return _show.table_frame(self, self.steps)
 
     def plot(self, x: Optional[str] = None, y: Optional[str] = None, ax: Any = None) -> Any:
-        """Draws one number of the steps against another with matplotlib: filled where `x` rises, hollow where it falls.
+        """Draws one step number against another with matplotlib: filled where `x` rises, hollow where it falls.
         Returns the axes.
 
-        By default it draws the mean depth lost against the distance if the surfaces wear by distance, the shear against
-        the lateral displacement if the surface moves sideways, the contact area against time on a viscoelastic body,
-        and otherwise the mean pressure against the approach.
+        By default it draws mean depth lost against distance for wear by distance, shear against lateral displacement
+        for lateral motion, contact area against time for a viscoelastic body, and otherwise mean pressure against
+        approach.
 
         Args:
-            x, y: names of arrays in `steps`; of a vector, such as `lateral` or `mean_shear`, the component along
-                `direction` is drawn. `x="step"` is the number of the step. `y="losses"` draws the energy lost so far by
-                each cause, and their sum.
-            ax: the axes to draw into; new ones by default.
+            x, y: names of arrays in `steps`; for a vector, such as `lateral` or `mean_shear`, the component along
+                `direction`. `x="step"` is the step number. `y="losses"` draws the energy lost so far by each cause, and
+                the sum.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             InputError: an unknown name. Error: matplotlib is not installed.
@@ -334,7 +334,7 @@ class Path(Leaks, Computed, StepFields):
         return _show.loop(along, self._column(default[1] if y is None else y), self.units, ax)
 
     def _axes(self) -> tuple[str, str]:
-        """Returns the names of the two numbers that are drawn by default."""
+        """Returns the names of the two numbers drawn by default."""
         steps = self.steps
 
         def varies(name: str) -> bool:
@@ -349,7 +349,7 @@ class Path(Leaks, Computed, StepFields):
         return ("approach", "mean_pressure") if "approach" in steps else ("step", "mean_pressure")
 
     def _column(self, name: Any) -> tuple[str, Array]:
-        """Returns the name and the values of a number of the steps, of a vector along the direction."""
+        """Returns the name and values of a step number; for a vector, its component along the direction."""
         if name == "step" and "step" not in self.steps:
             return name, np.arange(float(len(self.steps.mean_pressure)))
         if isinstance(name, str) and name in self.steps and np.shape(self.steps[name])[1:] == (2,):
@@ -357,13 +357,13 @@ class Path(Leaks, Computed, StepFields):
         return _show.column(self.steps, name)
 
     def _losses(self) -> dict[str, Array]:
-        """Returns the energy lost so far by cause, and in all."""
+        """Returns the energy lost so far by each cause, and in total."""
         causes = [name for name in self.steps if name.startswith("lost_") and self.steps[name].ndim == 1]
         causes = [name for name in causes if not name.endswith(("_limit", "_error"))]
         return {name: np.nancumsum(self.steps[name]) for name in [*causes, "dissipated"]}
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the scalars [step] and the fields [waypoint, y, x].
+        """Returns the scalars [step] and fields [waypoint, y, x] as an xarray.Dataset.
 
         Raises:
             Error: xarray is not installed.
@@ -376,7 +376,7 @@ class Path(Leaks, Computed, StepFields):
 
 
 def _spread(field: Array, points: list[int]) -> Array:
-    """Returns a periodic field on a finer grid, linear between its points."""
+    """Interpolates a periodic field linearly to a finer grid."""
     for axis, (coarse, fine) in enumerate(zip(field.shape, points)):
         times = fine // coarse
         next_one = np.roll(field, -1, axis)
@@ -386,7 +386,7 @@ def _spread(field: Array, points: list[int]) -> Array:
 
 
 def _column(values: list[Any]) -> Any:
-    """Returns a column of the steps as an array, with NaN for missing values and components; of groups a Record."""
+    """Returns a column of the steps as an array, with NaN for missing values and components; groups as a Record."""
     if any(isinstance(value, dict) for value in values):
         names = dict.fromkeys(name for value in values if value for name in value)
         return Record({name: _column([value and value.get(name) for value in values]) for name in names})
@@ -414,7 +414,7 @@ def _measured(step: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-# Keys of the report that are named as in `Body`.
+# Report keys named as in `Body`.
 _OF_BODY = {"yield": "yield_stress", "kinematic": "kinematic_hardening"}
 
 
@@ -443,8 +443,8 @@ def _is_list(value: Any) -> bool:
 
 
 def _lateral_keys(value: Any) -> dict[str, Any]:
-    """Returns the configuration keys of lateral displacements: values along the direction, or a pair of such values,
-    along it and at a right angle to it, each of which may be None.
+    """Returns the configuration keys of lateral displacements: values along the direction, or a pair (along,
+    perpendicular), each possibly None.
     """
     parts = list(value) if _is_list(value) else []
     if not any(_is_list(part) for part in parts):
@@ -459,7 +459,7 @@ def _lateral_keys(value: Any) -> dict[str, Any]:
 
 
 def _check_distance(wear: Optional[Wear], distance: Any) -> None:
-    """Checks that a path has distances if it wears by them, and only then."""
+    """Checks that a path has distances if, and only if, it wears by distance."""
     if wear is not None and wear.by == "distance":
         if distance is None:
             raise InputError("distance is missing; it is needed with wear by distance", "distance")
@@ -484,60 +484,58 @@ def path(
     wear: Optional[Wear] = None,
     **options: Unpack[PathOptions],
 ) -> Path:
-    """Follows a contact along a path of loads, approaches and lateral displacements, each step started from the last.
+    """Follows a contact along a path of loads, approaches and lateral displacements, each step from the last.
 
     Args:
         surface, body: as in `contact`.
         pressure, p_star, force, approach: waypoints of one of the four (stress, 1, stress * length^2, length), a
-            number or a sequence; negative values pull. All may be strings with a unit, such as "1MPa", "5N", if the
-            surface has one.
+            number or a sequence; negative for tension or separation. All may be strings with a unit, such as "1MPa",
+            "5N", if the surface has one.
         lateral: lateral displacements of the rigid surface at the waypoints, length: values along `direction`, or a
-            pair of such values, `(along, across)`, along `direction` and at a right angle to it. With friction, or
-            with a law that shears.
+            pair `(along, across)`, along `direction` and perpendicular to it. With friction or a law that shears.
         time: durations of the legs, with a viscoelastic body (`Body(prony=...)`): a number or a sequence. Each leg ends
             at a waypoint. "2 h", "1 d" are in seconds if the lengths have a unit. The first leg begins at first touch;
             a leg of zero duration is a jump.
         distance: sliding distances of the legs, length, as in `wear`; with `wear=gfmd.Wear(..., by="distance")`.
         direction: direction of the lateral displacements, degrees from x.
         law: as in `contact`.
-        friction: coefficient of friction (Coulomb).
-        shear_strength: strength of the interface (Tresca), stress: limit of the shear of all points in contact. With
-            `friction` too, the smaller of both limits holds at each point.
-        friction_of: pressure to which friction is proportional beside a law: "repulsion", the pressure between the
-            touching points, or "net", the repulsion less the attraction.
-        wear: wear of both surfaces, a `Wear`, by the distances given as `distance` or by their own slip.
+        friction: friction coefficient (Coulomb).
+        shear_strength: interface strength (Tresca), stress: shear limit of all points in contact. With `friction` too,
+            the smaller limit holds at each point.
+        friction_of: pressure to which friction is proportional beside a law: "repulsion", the pressure between
+            touching points, or "net", the repulsion minus the attraction.
+        wear: wear of both surfaces, a `Wear`, by the given `distance` or by their own slip.
         hardness: largest pressure, stress, as in `contact`; the plastic depth is kept. Beside a law it limits the
-            pressure on the body, the repulsion less the attraction.
-        lower_surface: a second rigid surface below a slab, as in `contact`; law, hardness and wear act at both
-            faces, and wear by a distance only.
-        cells: cells below the surface of a body that yields (`Body(yield_stress=...)`), in which the plastic strain is
-            constant in depth: "graded:0.5,1.12,3" by default (thickness of the first one in grid steps, thickness
-            divided by the thickness above, depth divided by the grid step of the cell), "uniform:N,DEPTH", or the
-            thickness of each, length.
-        coarsening: grid step of each cell divided by the grid step of the surface, powers of two, if `cells` has the
+            pressure on the body, the repulsion minus the attraction.
+        lower_surface: second rigid surface below a slab, as in `contact`; law, hardness and wear act at both faces,
+            and wear by distance only.
+        cells: cells below the surface of a yielding body (`Body(yield_stress=...)`), with plastic strain constant in
+            depth: "graded:0.5,1.12,3" by default (first thickness in grid steps, thickness divided by the thickness
+            above, depth divided by the grid step of the cell), "uniform:N,DEPTH", or the thickness of each, length.
+        coarsening: grid step of each cell divided by the surface grid step, powers of two, if `cells` has the
             thickness of each; 1 by default.
         kept_strain: states whose plastic strain `Path.plastic_strain` returns: "last", after the last step, or
-            "waypoints", at every waypoint, too: six numbers for each point of each cell.
+            "waypoints", also at every waypoint: six numbers for each point of each cell.
         boundary: "periodic", or "free" as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
         coarse: also solve a law with a process zone narrower than a tenth of a grid step.
         grid_error: as in `contact`; "refine" also follows the path on a grid with twice as many points along each side.
-        components: unknown components of the surface displacement, "normal", or "held" as in `contact`.
+        components: displacement components to solve for, "normal", or "held" as in `contact`.
         base_displacement, base_traction: displacement of the base, or traction on it, as in `contact`.
         statistics: measure patches and conductance of every step: `patches`, `largest_patch_fraction`, `conductance`
             and so on in `steps`; in files also distributions and spectra at the waypoints.
-        conductor_height, conductivity: depth of the electrodes of the two conductors, length, and their
-            conductivities, W/(m K), for `steps.contact_conductance`; with `statistics`.
-        flow: compute the flow of a fluid through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in
-            `steps`, and `leak_rate`.
-        steps: number of steps from one waypoint to the next; or a sequence with a number for each leg. A leg of zero
-            duration and no distance is one step.
+        conductor_height, conductivity: electrode depth in both conductors, length, and their conductivities, W/(m K),
+            for `steps.contact_conductance`; with `statistics`.
+        flow: compute fluid flow through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in `steps`,
+            and `leak_rate`.
+        steps: number of steps between waypoints, or a sequence with a number for each leg. A leg of zero duration and
+            distance is one step.
         tolerance, max_iterations: limits for each step, as in `contact`.
         energy_tolerance, energy_solves: accuracy of the dissipated energy, and of the shear with friction; see
             docs/interface.md.
         stiffness_tolerance: largest relative error of `steps.stiffness` of a hard wall, as in `contact`.
         threads: number of threads; all cores by default.
-        out: HDF5 file to write, as with `gfmd path --out`. Unlike in `save`, its name is checked before the first step.
+        out: HDF5 file to write, as with `gfmd path --out`. Unlike `save`, it checks the name before the first step.
 
     Raises:
         InputError: invalid arguments; nothing was computed.
@@ -623,12 +621,12 @@ def friction(
     wear: Optional[Wear] = None,
     **options: Unpack[PathOptions],
 ) -> Path:
-    """Pushes a contact with friction sideways: a `path` with all components of displacement.
+    """Pushes a contact with friction sideways: a `path` with all displacement components.
 
     Args:
         surface, body: as in `contact`.
-        coefficient: Coulomb's coefficient of friction, or
-        shear_strength: strength of the interface (Tresca), stress; or both, as in `path`.
+        coefficient: friction coefficient (Coulomb), or
+        shear_strength: interface strength (Tresca), stress; or both, as in `path`.
         pressure, p_star, force, approach: waypoints, as in `path`.
         lateral: lateral displacements of the rigid surface at the waypoints, length, as in `path`.
         distance, wear: sliding distances and wear, as in `path`.
@@ -664,7 +662,7 @@ def wear(
     approach: Any = None,
     **options: Unpack[PathOptions],
 ) -> Path:
-    """Wears two surfaces that slide by Archard's law: running-in, shape, volume. It is a `path` with a `Wear`.
+    """Wears two sliding surfaces by Archard's law: running-in, shape, volume. It is a `path` with a `Wear`.
 
     Args:
         surface, body: as in `path`.

@@ -1,4 +1,4 @@
-"""Progress of computations longer than a second: a tqdm bar if it is installed, else a line."""
+"""Progress of computations longer than a second: a tqdm bar if installed, else a line."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def progress(shown: Optional[bool]) -> None:
     """Turns progress bars on or off for this process.
 
     Args:
-        shown: True or False; None, the default at the start, shows them on terminals and in notebooks only.
+        shown: True or False; None, the initial setting, shows them on terminals and in notebooks only.
 
     Raises:
         InputError: another value.
@@ -62,7 +62,7 @@ def hidden(is_hidden: bool) -> Iterator[None]:
 
 
 class Progress:
-    """A bar over `total` pieces that shows the iterations of each."""
+    """Bar over `total` pieces that shows the iterations of each."""
 
     def __init__(self, what: str, total: int = 1) -> None:
         self._what, self._total, self._done = what, total, 0

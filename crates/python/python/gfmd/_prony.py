@@ -20,19 +20,19 @@ class PronyFit(Record):
     """A Prony series fitted to measured moduli.
 
     Attributes:
-        young_long_term: Young's modulus when all has relaxed, stress.
+        young_long_term: fully relaxed Young's modulus, stress.
         young_long_term_error: its standard error, stress; NaN if the modulus was given, or without spare data.
         young_instantaneous: instantaneous Young's modulus, stress.
         prony: pairs of relaxation time, s, and fraction of the instantaneous modulus.
         branches: a Record for each branch: `time`, s, `modulus` and its standard error `modulus_error`, stress (None
             without spare data), `fraction`.
         storage_misfit, loss_misfit: rms relative misfits of storage and loss modulus.
-        options: the options of the program for a body with this series.
-        tried: a Record for each series that was tried: number of `branches`, and `misfit` of both moduli.
+        options: program options for a body with this series.
+        tried: a Record for each series tried: number of `branches`, and `misfit` of both moduli.
         points: a Record for each measured point: `frequency`, Hz, shifted by `log_a_t`, `storage`, `loss`,
-            `fitted_storage`, `fitted_loss`, stress, and `temperature`, if there is one.
-        stress_unit: unit of the moduli, with a unit only.
-        reference_temperature: T0 of the shift, with `wlf` only.
+            `fitted_storage`, `fitted_loss`, stress, and `temperature`, if any.
+        stress_unit: unit of the moduli, if any.
+        reference_temperature: reference temperature T0 of the shift, with `wlf` only.
         warnings: a Record for each warning of the fit: `code`, `text`.
 
     Example:
@@ -58,12 +58,12 @@ class PronyFit(Record):
 
     @property
     def units(self) -> Units:
-        """The length unit, which is None, and the stress unit of all numbers, None where unknown."""
+        """Length unit, which is None, and stress unit of all numbers, None if unknown."""
         return None, self.get("stress_unit")
 
     @property
     def series(self) -> list[tuple[float, float]]:
-        """The series for `prony` of a body, pairs of relaxation time, s, and fraction without unit.
+        """Series for `prony` of a body, pairs of relaxation time, s, and fraction without unit.
 
         Example:
             >>> fit = gfmd.prony(frequency=[0.1, 1, 10], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1], branches=1)
@@ -74,7 +74,7 @@ class PronyFit(Record):
 
     @property
     def young(self) -> Union[float, str]:
-        """The long-term Young's modulus for `young` of a body, stress, a text with its unit or a number without one.
+        """Fully relaxed Young's modulus for `young` of a body, stress, a text with its unit or a number without one.
 
         Example:
             >>> curves = dict(frequency=[0.1, 1, 10], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1])
@@ -85,7 +85,7 @@ class PronyFit(Record):
         return self.young_long_term if unit is None else f"{self.young_long_term!r} {unit}"
 
     def to_dataframe(self) -> Any:
-        """Returns the branches as a pandas.DataFrame with a row for each; units in `attrs["units"]`.
+        """Returns the branches as a pandas.DataFrame with one row per branch; units in `attrs["units"]`.
 
         Raises:
             Error: pandas is not installed.
@@ -104,10 +104,10 @@ class PronyFit(Record):
         return made
 
     def plot(self, ax: Any = None) -> Any:
-        """Draws the measured and the fitted moduli against the frequency with matplotlib. Returns the axes.
+        """Draws measured and fitted moduli against frequency with matplotlib. Returns the axes.
 
         Args:
-            ax: the axes to draw into; new ones by default.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             Error: matplotlib is not installed.
@@ -135,7 +135,7 @@ class PronyFit(Record):
 
 
 def _table(columns: dict[str, Any]) -> str:
-    """Returns the table of columns of equal length, with all digits."""
+    """Returns a table of columns of equal length, with all digits."""
     found = {name: numbers(name, values) for name, values in columns.items() if values is not None}
     for name in ("frequency", "storage", "loss"):
         if name not in found:
@@ -167,13 +167,13 @@ def prony(
     Args:
         dma: file with the columns frequency, storage and loss, and temperature or log_a_t; or the columns as arrays:
         frequency, storage, loss: frequencies, Hz, and moduli, stress.
-        temperature: temperatures of the points, with `wlf`.
-        log_a_t: decimal logarithms of the shift factors of the points.
-        wlf: C1, C2 and T0 of the equation of Williams, Landel and Ferry, in the unit of the temperatures.
+        temperature: temperature of each point, with `wlf`.
+        log_a_t: decimal logarithm of the shift factor of each point.
+        wlf: C1, C2 and reference temperature T0 of the Williams-Landel-Ferry equation, in the temperature unit.
         stress_unit: unit of moduli without one.
-        branches: number of relaxation times; by default the fewest branches that fit well.
+        branches: number of relaxation times; by default the fewest that fit well.
         times: relaxation times, s.
-        long_term: long-term modulus from another test, stress; by default it is fitted.
+        long_term: fully relaxed modulus from another test, stress; fitted by default.
 
     Raises:
         InputError: data or arguments that give no series.

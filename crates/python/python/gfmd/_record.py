@@ -20,7 +20,7 @@ _FEW, LINES, _WIDTH = 6, 15, 118
 
 
 def table(columns: Mapping[str, Sequence[str]], most: int) -> str:
-    """Formats columns of equal length below their names, in at most this number of lines below the first one."""
+    """Formats columns of equal length below their names, in at most this number of further lines."""
     count = max((len(cells) for cells in columns.values()), default=0)
     first, last = (count, 0) if count < most else (most // 2 - 1, most - most // 2 - 1)
     rows = [["", *columns]]
@@ -33,7 +33,7 @@ def table(columns: Mapping[str, Sequence[str]], most: int) -> str:
 
 
 def cut(text: str, width: int = _WIDTH) -> str:
-    """Returns a text in one line of at most this length."""
+    """Returns a text as one line of at most this length."""
     line = " ".join(text.split())
     return line if len(line) <= width else line[: width - 3] + "..."
 
@@ -67,7 +67,7 @@ def _of_array(values: Any) -> str:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Returns True if two values of results are equal, whatever the wall times; NaN equals NaN."""
+    """Returns True if two result values are equal apart from wall times; NaN equals NaN."""
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         if not (isinstance(one, np.ndarray) and isinstance(other, np.ndarray)) or one.dtype.kind != other.dtype.kind:
             return False
@@ -94,7 +94,7 @@ class Record(Mapping[str, Any]):
         (True, True)
     """
 
-    # Names of the values to show first.
+    # Names of values to show first.
     _main: tuple[str, ...] = ()
     _values: dict[str, Any]
     _known: Units
@@ -117,7 +117,7 @@ class Record(Mapping[str, Any]):
 
     @classmethod
     def _declared(cls) -> list[str]:
-        """Returns the names of the values that records of this class may have, from the generated classes."""
+        """Returns the possible value names of this class, from the generated classes."""
         made = [
             kind for kind in cls.__mro__ if kind.__module__ == f"{__package__}._columns" and issubclass(kind, Record)
         ]
@@ -151,7 +151,7 @@ class Record(Mapping[str, Any]):
         return hash((type(self).__name__, frozenset(name for name in self._values if name != "seconds")))
 
     def _units_shown(self) -> Units:
-        """Returns the length unit and the stress unit of the values, None where unknown."""
+        """Returns the length unit and stress unit of the values, None if unknown."""
         return self._known
 
     def _short(self) -> str:
@@ -159,7 +159,7 @@ class Record(Mapping[str, Any]):
         return ", ".join(f"{name} {self._text(name, value)}" for name, value in self._values.items())
 
     def _text(self, name: str, value: Any) -> str:
-        """Formats a value: a number with its unit, and with the digits that its grid error leaves certain."""
+        """Formats a value; a number with its unit, to the digits that its grid error leaves certain."""
         if isinstance(value, float):
             limit, error = self.get(f"{name}_limit"), self.get(f"{name}_limit_error", math.nan)
             return _units.text(name, value, self._units_shown(), limit, error)
@@ -175,7 +175,7 @@ class Record(Mapping[str, Any]):
         return type(self).__name__
 
     def _rest(self, count: int) -> str:
-        """Returns the last line of the representation, about the values that it leaves out."""
+        """Returns the last line of the representation, about omitted values."""
         return f"{count} more values: dict(r)"
 
     def __repr__(self) -> str:
@@ -200,7 +200,7 @@ class Measured(Record):
 
     @property
     def units(self) -> Units:
-        """The length unit and the stress unit of all numbers, None where unknown."""
+        """Length unit and stress unit of all numbers, None if unknown."""
         return self._known
 
 
@@ -217,7 +217,7 @@ def by_name(reasons: Mapping[str, list[str]]) -> dict[str, str]:
 
 
 def reason_of(values: Mapping[str, Any], name: str) -> Optional[str]:
-    """Returns the reason why a number of a result is NaN; None if it has a value."""
+    """Returns why a number of a result is NaN; None if it has a value."""
     if name not in values:
         raise InputError(f"name is {shown(name)}; it must be one of {', '.join(values)}")
     found: Optional[str] = values.get("undefined", {}).get(name)

@@ -1,4 +1,4 @@
-"""Results with the file, page and figures of the program."""
+"""Results with file, page and figures of the program."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
 
 
 class Result:
-    """A result with the file, the page and the figures that the program makes from it, as tables, and with a plot.
+    """A result, with the file, page and figures of the program, tables and a plot.
 
     `Contact`, `Contacts`, `Path`, `Slide`, `Punch`, `FieldsBelow`, `KappaSweep` and `Study` are results.
 
@@ -37,11 +37,11 @@ class Result:
 
     @property
     def units(self) -> Units:
-        """The length unit and the stress unit of all numbers, None where unknown."""
+        """Length unit and stress unit of all numbers, None if unknown."""
         raise NotImplementedError
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers as a pandas.DataFrame, units in `attrs["units"]`: a row for each load, step or depth.
+        """Returns the numbers as a pandas.DataFrame with one row per load, step or depth; units in `attrs["units"]`.
 
         Raises:
             Error: pandas is not installed.
@@ -79,11 +79,11 @@ class Result:
         """Writes the same HDF5 file as the command with `--out`, for `gfmd check`, `gfmd report` and others.
 
         Args:
-            path: the name of the file.
+            path: file name.
 
         Raises:
-            InputError, Error: a file that cannot be written, or the input file of the surface. An existing file of this
-                name is kept then.
+            InputError, Error: a file that cannot be written, or the input file of the surface. An existing file is then
+                kept.
 
         Example:
             >>> loop.save("loop.h5")
@@ -94,10 +94,10 @@ class Result:
         self._write(target)
 
     def report(self, path: str | os.PathLike[str]) -> None:
-        """Writes the HTML page of `gfmd report` for the result.
+        """Writes the HTML page of `gfmd report`.
 
         Args:
-            path: the name of the page.
+            path: page name.
 
         Raises:
             InputError, Error: a page that cannot be written; an existing file that is not a report is not replaced.
@@ -111,7 +111,7 @@ class Result:
             _gfmd.write_page(file, page)
 
     def figures(self) -> dict[str, str]:
-        """Returns the figures of the page as SVG, by name and in the order of the page. Notebooks show them.
+        """Returns the figures of the page as SVG by name, in page order. Notebooks show them.
 
         Raises:
             InputError, Error: a result without a state, or without a file.
@@ -124,7 +124,7 @@ class Result:
             return Figures(_gfmd.figures(file))
 
     def _pictures(self, points: int) -> str:
-        """Returns the first two figures of the page for a notebook, if the result is small enough to draw quickly."""
+        """Returns the first two figures of the page for a notebook, if they are quick to draw."""
         if points > _MOST_POINTS:
             return ""
         try:
@@ -139,10 +139,10 @@ class Result:
         return kept._repr_html_()
 
     def save_figures(self, folder: str | os.PathLike[str]) -> list[str]:
-        """Writes the `figures` as NAME.svg to a folder, created if it does not exist. Returns their paths.
+        """Writes the `figures` as NAME.svg to a folder, created if missing. Returns their paths.
 
         Args:
-            folder: the name of the folder.
+            folder: folder name.
 
         Raises:
             InputError, Error: as in `figures`; a folder or a file that cannot be written.
@@ -175,7 +175,7 @@ class Figures(dict[str, str]):
 
 
 class File:
-    """The file of a result, written when needed: its fields and the rest."""
+    """File of a result, written when needed: its fields and the rest."""
 
     def __init__(self, draft: Optional[_gfmd.FileDraft], fields: dict[str, Array]) -> None:
         self.draft, self.fields = draft, fields
@@ -193,7 +193,7 @@ class File:
 
 
 class Contents:
-    """The bytes of a file."""
+    """Bytes of a file."""
 
     def __init__(self, contents: bytes) -> None:
         self.contents = contents
@@ -206,7 +206,7 @@ class Contents:
 
 
 class Computed(Result, Record):
-    """The result of a command, with its file."""
+    """Result of a command, with its file."""
 
     _file: File | Contents
 
@@ -222,14 +222,14 @@ class Computed(Result, Record):
 
     @property
     def units(self) -> Units:
-        """The length unit and the stress unit of all numbers, None where unknown."""
+        """Length unit and stress unit of all numbers, None if unknown."""
         return _units.known(self.get("unit"), self.get("stress_unit"))
 
     def _units_shown(self) -> Units:
         return self.units
 
     def _answer(self, steps: str, names: tuple[str, ...], others: tuple[str, ...]) -> str:
-        """Formats the main numbers: `names` of `steps` in a table, `others` below, and where the rest is."""
+        """Formats the main numbers: `names` of `steps` in a table, `others` below, and where to find the rest."""
         of, units = self[steps], self.units
         columns: dict[str, list[str]] = {}
         for name in names:
@@ -261,7 +261,7 @@ class Computed(Result, Record):
 
 
 def _cells(values: Array, factor: float, limits: Optional[Array] = None, errors: Optional[Array] = None) -> list[str]:
-    """Formats the cells of a column, with the digits that their grid errors leave certain, if they have limits."""
+    """Formats the cells of a column to the digits that their grid errors leave certain, if they have limits."""
     if limits is None or errors is None:
         return [f"{value * factor:.6g}" for value in values.tolist()]
     return [_gfmd.with_limit(*(number * factor for number in row)) for row in zip(values, limits, errors)]

@@ -1,4 +1,4 @@
-"""Surfaces of a shape from its closed form: spheres, cones, punches, waves, smooth or rough."""
+"""Surfaces of closed-form shapes: spheres, cones, punches, waves, smooth or rough."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class ShapeOptions(TypedDict, total=False):
-    """Arguments of `self_affine` beside the shape: grid, cell, and the roughness on the shape."""
+    """Arguments of `self_affine` beside the shape: grid, cell, and roughness."""
 
     n: Union[int, tuple[int, int], None]
     size: Size
@@ -38,7 +38,7 @@ class ShapeOptions(TypedDict, total=False):
 
 
 def _made(kind: str, options: ShapeOptions, **values: Union[Quantity, None]) -> Surface:
-    """Returns the surface of a shape, whose values that are None are left out."""
+    """Returns the surface of a shape, omitting values that are None."""
     entries = ",".join(f"{key}={value}" for key, value in values.items() if value is not None)
     if "shape" in dict(options):
         raise TypeError(f"{kind.replace('-', '_')} has no argument 'shape'; it is the shape itself")
@@ -52,12 +52,12 @@ def _length(name: str, value: Optional[Quantity]) -> Optional[Quantity]:
 def sphere(radius: Quantity, **options: Unpack[ShapeOptions]) -> Surface:
     """Makes a sphere, as `gfmd surface --shape sphere:R=` does.
 
-    Its top is in the middle of the cell, at height 0: a point of the grid, if the numbers of points are even. Beyond
-    the equator the surface is flat, a radius below the top. A shape is usually pressed with `boundary="free"`; with
-    periodic boundaries it is an array of shapes.
+    Its top is in the middle of the cell, at height 0: a grid point if the numbers of points are even. Beyond the
+    equator the surface is flat, one radius below the top. Shapes are usually pressed with `boundary="free"`; periodic
+    boundaries give an array of shapes.
 
     Args:
-        radius: the radius, length.
+        radius: radius, length.
         options: `n`, `size`, `unit`, and arguments of `self_affine`; with `hurst`, `rms_gradient` or `rms_height` the
             sphere is rough.
 
@@ -121,11 +121,11 @@ def ellipsoid(semi_axes: tuple[Quantity, Quantity, Quantity], **options: Unpack[
 
 
 def cylinder(radius: Quantity, *, axis: Literal["x", "y"] = "y", **options: Unpack[ShapeOptions]) -> Surface:
-    """Makes a cylinder that lies on its side, as `gfmd surface --shape cylinder:R=` does.
+    """Makes a cylinder lying on its side, as `gfmd surface --shape cylinder:R=` does.
 
     Args:
-        radius: the radius, length.
-        axis: direction of its axis, "x" or "y"; "y" for a profile (`dim=2`).
+        radius: radius, length.
+        axis: axis direction, "x" or "y"; "y" for a profile (`dim=2`).
         options: as in `sphere`.
 
     Raises:
@@ -142,7 +142,7 @@ def cone(slope: float, **options: Unpack[ShapeOptions]) -> Surface:
     """Makes a cone, as `gfmd surface --shape cone:slope=` does.
 
     Args:
-        slope: tangent of the angle between its face and the surface of the body, without unit.
+        slope: tangent of the angle between its face and the surface of the body, dimensionless.
         options: as in `sphere`.
 
     Raises:
@@ -159,8 +159,8 @@ def wedge(slope: float, *, axis: Literal["x", "y"] = "y", **options: Unpack[Shap
     """Makes a wedge, as `gfmd surface --shape wedge:slope=` does.
 
     Args:
-        slope: tangent of the angle between its faces and the surface of the body, without unit.
-        axis: direction of its edge, "x" or "y"; "y" for a profile (`dim=2`).
+        slope: tangent of the angle between its faces and the surface of the body, dimensionless.
+        axis: edge direction, "x" or "y"; "y" for a profile (`dim=2`).
         options: as in `sphere`.
 
     Raises:
@@ -178,13 +178,13 @@ def flat_punch(
 ) -> Surface:
     """Makes a flat round punch with a rounded edge, as `gfmd surface --shape flat-punch:a=,R=` does.
 
-    The flat face is at height 0. Around it the edge is a quarter of a circle, and around that a floor. A profile
-    (`dim=2`) is a strip. `punch` solves the problem of an ideal punch, also bonded.
+    The flat face is at height 0, surrounded by an edge, a quarter of a circle, and a floor. A profile (`dim=2`) is a
+    strip. `punch` solves the ideal punch, also bonded.
 
     Args:
         radius: radius of the flat face, half of its width in a profile, length.
-        edge: radius of the rounded edge, length; 0 for a sharp edge, which needs a depth.
-        depth: depth of the floor below the face, length; by default, and at least, the radius of the edge.
+        edge: edge radius, length; 0 for a sharp edge, which needs a depth.
+        depth: depth of the floor below the face, length; by default, and at least, the edge radius.
         options: as in `sphere`.
 
     Raises:
@@ -211,9 +211,9 @@ def wave(
     Along x it is A cos(2π x/λ), with two wavelengths A cos(2π x/λx) cos(2π y/λy), from the middle of the cell.
 
     Args:
-        amplitude: half of the height from valley to peak, length.
-        wavelength: wavelength along x, or along x and y, length; a whole number of them fits into the cell. By default
-            one wave along x.
+        amplitude: half the height from valley to peak, length.
+        wavelength: wavelength along x, or along x and y, length; a whole number must fit into the cell. By default one
+            wave along x.
         options: as in `sphere`.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Output with matplotlib, xarray, pandas, pyvista and for notebooks, if these packages are installed."""
+"""Output for matplotlib, xarray, pandas, pyvista and notebooks, if these packages are installed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def axes(ax: Any) -> Any:
 
 
 def field(values: Array, surface: Cell, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None) -> Any:
-    """Draws a map, or the curve of a profile; points in `contact`, if given, have their own colour."""
+    """Draws a map, or a curve for a profile; points in `contact`, if given, have their own colour."""
     named, component = (name[:-2], name[-1]) if name[:-1].endswith("displacement_") else (name, None)
     return map_of(values, surface.size, named, component, units or (surface.unit, None), ax, contact=contact)
 
@@ -50,7 +50,7 @@ def map_of(
     along: str = "x",
     contact: Any = None,
 ) -> Any:
-    """Draws a map of a number [x, y] in a cell, or a curve if there is one point across."""
+    """Draws a map of a number [x, y] in a cell, or a curve if there is only one point across."""
     ax = axes(ax)
     nx, ny = values.shape
     side, unit = readable("length", size[: 1 if ny == 1 else 2], units)
@@ -88,7 +88,7 @@ def map_of(
 
 
 def described(of: Any, name: str, units: Optional[Units] = None) -> dict[str, str]:
-    """Returns the attributes of a variable of a record: the first sentence of its definition, and its unit."""
+    """Returns the attributes of a record variable: the first sentence of its definition, and its unit."""
     found = attributes(name, of.units if units is None else units)
     defined = getattr(type(of), name, None)
     _, colon, text = (defined.__doc__ or "").partition(": ") if isinstance(defined, property) else ("", "", "")
@@ -96,7 +96,7 @@ def described(of: Any, name: str, units: Optional[Units] = None) -> dict[str, st
 
 
 def column(table: Record, name: Any) -> tuple[str, Array]:
-    """Returns the name and values of a scalar of the steps or states of a result."""
+    """Returns name and values of a step or state number."""
     table = flat(table)
     if not isinstance(name, str) or name not in table or table[name].ndim != 1:
         scalars = (key for key, values in table.items() if values.ndim == 1)
@@ -105,13 +105,13 @@ def column(table: Record, name: Any) -> tuple[str, Array]:
 
 
 def steps(result: Any, names: tuple[str, str], ax: Any) -> Any:
-    """Draws one scalar of the steps of a result against another."""
+    """Draws one step number of a result against another."""
     x, y = (column(result.steps, name) for name in names)
     return loop(x, y, result.units, ax)
 
 
 def states(result: Any, names: tuple[str, str], ax: Any) -> Any:
-    """Draws one scalar of the states of a result against another, with a curve for each load."""
+    """Draws one state number of a result against another, with one curve per load."""
     (along, x), (name, y) = (column(result.states, name) for name in names)
     ax = axes(ax)
     velocity = result.states.get("velocity", x)
@@ -133,14 +133,14 @@ def states(result: Any, names: tuple[str, str], ax: Any) -> Any:
 
 
 def caption(name: str, values: Array, units: Units) -> tuple[float, str]:
-    """Returns the factor to a readable unit, and the label of an axis."""
+    """Returns the factor to a readable unit, and the axis label."""
     factor, unit = readable(kind(name), values, units)
     words = name.replace("_", " ")
     return factor, words if unit == "1" else f"{words} ({unit})"
 
 
 def flat(table: Record) -> Record:
-    """Returns the columns of a table with the parts of groups beside the others, `group_part`."""
+    """Returns the columns of a table with groups flattened to `group_part`."""
     columns: dict[str, Any] = {}
     for name, values in table.items():
         parts = values.items() if isinstance(values, Record) else [("", values)]
@@ -149,7 +149,7 @@ def flat(table: Record) -> Record:
 
 
 def table_dataset(result: Any, table: Record, row: str, field_row: str) -> Any:
-    """Returns an xarray.Dataset of the scalars [row] and the fields [field_row, y, x] of a result."""
+    """Returns the scalars [row] and fields [field_row, y, x] of a result as an xarray.Dataset."""
     table = flat(table)
     units, count = result.units, max((len(values) for values in table.values()), default=0)
     along = {"velocity"} & set(table)
@@ -174,7 +174,7 @@ def table_dataset(result: Any, table: Record, row: str, field_row: str) -> Any:
 
 
 def table_frame(result: Any, columns: Record) -> Any:
-    """Returns the numbers of steps or states as a pandas.DataFrame; vector components end in the name of the axis."""
+    """Returns step or state numbers as a pandas.DataFrame; names of vector components end in the axis."""
     found: dict[str, Array] = {}
     names: dict[str, str] = {}
     for name, values in flat(columns).items():
@@ -195,7 +195,7 @@ def framed(columns: Any, names: dict[str, str], units: Units) -> Any:
 
 
 def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> Any:
-    """Draws numbers of steps: filled points where x rises, hollow points and a dashed line where it falls."""
+    """Draws step numbers: filled points where x rises, hollow points and a dashed line where it falls."""
     ax = axes(ax)
     (along, x_label), (values, y_label) = (
         (of * factor, label) for name, of in (x, y) for factor, label in [caption(name, of, units)]
@@ -228,7 +228,7 @@ def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> A
 
 
 def losses(x: tuple[str, Array], energies: dict[str, Array], units: Units, ax: Any) -> Any:
-    """Draws energies that are lost by several causes, and their sum, in one unit."""
+    """Draws the energy lost by each cause, and the sum, in one unit."""
     ax = axes(ax)
     x_factor, x_label = caption(*x, units)
     factor, label = caption("dissipated", np.concatenate(list(energies.values())), units)
@@ -287,7 +287,7 @@ def coordinates(surface: Cell) -> dict[str, Any]:
 
 
 def places(size: Sequence[float], n: Sequence[int], unit: Optional[str]) -> dict[str, Any]:
-    """Returns the coordinates of the points of a cell along x, and along y if there are lengths of both."""
+    """Returns the point coordinates of a cell along x, and along y if both lengths are given."""
     own = {} if unit is None else {"units": unit}
     return {
         axis: (axis, np.arange(points) * length / points, {"long_name": axis, **own})

@@ -1,4 +1,4 @@
-"""Steady sliding: friction by hysteresis and of the interface, flash temperature."""
+"""Steady sliding: hysteretic and interface friction, flash temperature."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 
 
 class Slide(Computed, StateFields):
-    """Steady states of a surface that slides over a body.
+    """Steady states of a surface sliding over a body.
 
     Attributes:
-        states: numbers of the states, every load at every velocity, a `Record` of arrays [state]. The parts of the
-            residual are `residual_...`. Fields are NaN at states that were not reached.
+        states: numbers of the states, every load at every velocity, a `Record` of arrays [state], with the residual
+            parts as `residual_...`. Fields are NaN at states that were not reached.
         direction: unit vector of the velocity.
         prony, moduli, relaxes, young_long_term, young_instantaneous: relaxation of a viscoelastic body.
-        hardness: the given hardness, stress, a number or an array [x, y]; with a hardness only.
-        grid_error: how the grid error was found: `mode`, `n`, `assumes`; with `grid_error="refine"` only.
+        hardness: given hardness, stress, a number or an array [x, y]; with a hardness only.
+        grid_error: how the discretisation error was estimated: `mode`, `n`, `assumes`; with `grid_error="refine"` only.
         warnings: a Record for each warning of the computation: `code`, `text`.
-        surface, n, size, unit, rms_gradient, rms_height, e_star: parameters of the problem.
+        surface, n, size, unit, rms_gradient, rms_height, e_star: problem parameters.
 
     Example:
         >>> rubber = gfmd.Body(prony=[(0.1, 0.3), (10.0, 0.4)])
@@ -64,7 +64,7 @@ class Slide(Computed, StateFields):
 
     @property
     def residual(self) -> Residual:
-        """The parts of the residual by name, arrays [state], without unit; `residual.largest` is the largest part."""
+        """Parts of the residual by name, arrays [state], without unit; `residual.largest` is the largest part."""
         return residual_of(self.states)
 
     def __repr__(self) -> str:
@@ -74,7 +74,7 @@ class Slide(Computed, StateFields):
         return self._answer("states", names, ())
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers of the states as a pandas.DataFrame with a row for each; units in `attrs["units"]`.
+        """Returns the state numbers as a pandas.DataFrame with one row per state; units in `attrs["units"]`.
 
         Raises:
             Error: pandas is not installed.
@@ -86,11 +86,11 @@ class Slide(Computed, StateFields):
         return _show.table_frame(self, self.states)
 
     def plot(self, x: str = "velocity", y: str = "friction", ax: Any = None) -> Any:
-        """Draws one scalar of the states against another with matplotlib, a curve for each load. Returns the axes.
+        """Draws one state number against another with matplotlib, one curve per load. Returns the axes.
 
         Args:
-            x, y: names of arrays in `states`. Velocities over more than a decade are on a logarithmic axis.
-            ax: the axes to draw into; new ones by default.
+            x, y: names of arrays in `states`. Velocities spanning more than a decade have a logarithmic axis.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             InputError: an unknown name. Error: matplotlib is not installed.
@@ -101,7 +101,7 @@ class Slide(Computed, StateFields):
         return _show.states(self, (x, y), ax)
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of the scalars [state] and the fields [state, y, x], with the velocity of each.
+        """Returns the scalars [state], including velocity, and fields [state, y, x] as an xarray.Dataset.
 
         Raises:
             Error: xarray is not installed.
@@ -136,7 +136,7 @@ def slide(
     approach: Any = None,
     **options: Unpack[SlideOptions],
 ) -> Slide:
-    """Slides a surface steadily over a body: friction by hysteresis, area, gap and flash temperature against velocity.
+    """Slides a surface steadily over a body: hysteretic friction, area, gap and flash temperature against velocity.
 
     Args:
         surface: as in `contact`.
@@ -148,17 +148,16 @@ def slide(
         direction: direction of the velocity, degrees from x.
         heat: conductivity and diffusivity of the body, then of the surface if it shares the heat: two or four numbers,
             or strings with a unit, such as ("0.2W/(m K)", "1e-7m^2/s").
-        friction: coefficient of friction of the interface, which slides at all points: the shear friction * pressure
-            lifts the surface of a compressible body, adds to the friction, and makes the heat friction * pressure *
+        friction: friction coefficient of the interface, which slides at all points: the shear friction * pressure
+            lifts the surface of a compressible body, adds to the friction, and generates the heat friction * pressure *
             velocity; required with `heat`.
         hardness: largest pressure, stress, a number or an array of the shape of the heights, as in `contact`.
         stress_unit: unit of stresses given without one, as in `contact`.
         tolerance, max_iterations: limits for each state, as in `contact`.
-        grid_error: "refine" to solve each state on a grid of twice as many points along each side, too, for the errors
-            of areas and frictions by the finite grid.
+        grid_error: "refine" to estimate the discretisation error of areas and frictions by also solving each state with
+            twice as many points along each side.
         threads: number of threads; all cores by default.
-        out: HDF5 file to write, as with `gfmd slide --out`. Unlike in `save`, its name is checked before the first
-            state.
+        out: HDF5 file to write, as with `gfmd slide --out`. Unlike `save`, it checks the name before the first state.
 
     Raises:
         InputError: invalid arguments; nothing was computed.

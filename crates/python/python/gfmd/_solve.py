@@ -31,7 +31,7 @@ _LAST: WeakKeyDictionary[Surface, tuple[tuple[Any, ...], Any]] = WeakKeyDictiona
 
 
 class _Setup:
-    """The checked description of a contact problem, and the native problem."""
+    """Checked description of a contact problem, and the native problem."""
 
     def __init__(
         self,
@@ -73,7 +73,7 @@ class _Setup:
         self.start = None if start is None else self._state(start)
 
     def _posed(self, problem: dict[str, Any], arrays: dict[str, Array]) -> Any:
-        """Returns the native problem, from the last contact of the surface if its inputs were the same."""
+        """Returns the native problem, reused from the last contact of the surface if its inputs are the same."""
         asked = (problem, {name: values.tobytes() for name, values in arrays.items()})
         last = _LAST.get(self.surface)
         if last is None or last[0] != asked:
@@ -113,7 +113,7 @@ class _Setup:
             raise InputError(f"{control} is {value}; it must be {'finite' if pulls else 'positive and finite'}")
 
     def tell(self, done: list[Contact], control: str, values: list[float]) -> None:
-        """Warns about slopes and strains that are not small, and about units that seem mixed up."""
+        """Warns about large slopes and strains, and about units that seem inconsistent."""
         slopes = self.problem.slopes(max((contact.max_pressure for contact in done), default=0.0))
         strain = self.problem.strain(max((contact.approach for contact in done), default=0.0))
         for warning in [*self.problem.unit_warnings(control, max(values)), slopes, strain]:
@@ -121,7 +121,7 @@ class _Setup:
                 warned(warning)
 
     def solve(self, control: str, value: float, start: Any, progress: Progress) -> Contact:
-        """Solves the contact under one load, from a state, or from the start set by the options."""
+        """Solves the contact under one load, from a state or from the start set by the options."""
         state, record, failure, raised = self.problem.solve(control, value, start, self.threads, progress.tick)
         parts = (self.surface, self.body, self.law)
         settings = self.settings._replace(load=(control, value))
@@ -137,14 +137,14 @@ class _Setup:
 
 
 def texts(value: Any) -> bool:
-    """Returns True if any argument is a quantity with a unit."""
+    """Returns True if any argument has a unit."""
     if isinstance(value, str):
         return True
     return isinstance(value, Iterable) and any(texts(entry) for entry in value)
 
 
 def _control(loads: dict[str, Any]) -> tuple[str, Any]:
-    """Returns the name and value of the load; refuses more than one."""
+    """Returns the name and value of the load. Refuses more than one."""
     found = [(name, value) for name, value in loads.items() if value is not None]
     if len(found) != 1:
         names = ", ".join(name for name, _ in found) or "none"
@@ -185,7 +185,7 @@ def contact(
     approach: Any = None,
     **options: Any,
 ) -> Any:
-    """Presses a rigid surface on an elastic body. Returns the contact at rest under one load, or several contacts.
+    """Presses a rigid surface against an elastic body. Returns the contact under one load, or several contacts.
 
     Args:
         surface: a Surface, an array [nx, ny] or [n] (cell length 1), or a SurfaceTopography object.
@@ -197,32 +197,33 @@ def contact(
             or
         approach: rigid approach beyond first touch, length, or a string with a unit. A sequence of loads returns
             `Contacts`, as `contacts` does, each started from the last.
-        boundary: "periodic" (default) or "free": the surface is a patch on an unbounded half-space, slab or stack of
-            layers. Its rms gradient is then computed from differences, and the approach is relative to points far away.
+        boundary: boundary condition at the edges of the surface: "periodic" (default), or "free" for a patch on an
+            unbounded half-space, slab or stack of layers. Its rms gradient is computed from differences, and the
+            approach is relative to points far away.
         law: law of adhesion or cohesion across the gap (`gfmd.law`); a hard wall by default.
         hardness: largest pressure of a hard wall, stress, a number or an array of the shape of the heights. Where it is
             reached, the surfaces are pressed into each other.
-        components: unknown components of the surface displacement: "normal" (default: u_z), "all" (u_z, and u_x and
-            u_y by the pressure; a dynamic solver moves all three against a periodic hard wall), or "held" (u_z, with
-            u_x and u_y held at zero).
-        finite_slope: points of the body meet the height at their displaced position, and pressures act along the normal
-            of the surface (a hard wall with periodic boundaries, one body, no hardness).
+        components: displacement components to solve for: "normal" (default: u_z), "all" (u_z, and u_x and u_y due to
+            the pressure; a dynamic solver moves all three against a periodic hard wall), or "held" (u_z, with u_x and
+            u_y held at zero).
+        finite_slope: do not assume small slopes: points of the body meet the height at their displaced position, and
+            pressures act along the surface normal (a hard wall with periodic boundaries, one body, no hardness).
         lower_surface: heights [nx, ny] of a second rigid surface below a slab, in place of its base, peaks towards the
             slab: a Surface with the points, cell and unit of the upper one, or an array. It may be flat.
         coarse: also solve a law with a process zone narrower than a tenth of a grid step, where single points jump.
-        range_continuation: start from the states for 8, 4 and 2 times the range of the law at the same work, one after
-            the other. Their iterations are not counted.
-        grid_error: source of the grid error of the numbers: "estimate" (default, from the solution itself), "refine"
+        range_continuation: start from the states for 8, 4 and 2 times the range of the law at the same work, in turn.
+            Their iterations are not counted.
+        grid_error: how to estimate the discretisation error: "estimate" (default, from the solution itself), "refine"
             (from a second solution with twice as many points along each side, at five times the cost), or "none".
-        accuracy: largest allowed relative grid error (95 %) of every number, such as 0.01 or "1%". The surface is
+        accuracy: target relative discretisation error (95 %) of every number, such as 0.01 or "1%". The surface is
             refined until all numbers meet it; the contact is computed on the refined surface.
-        solver: a name in docs/solvers.md; "auto" by default.
+        solver: solution method, a name in docs/solvers.md; "auto" by default.
         tolerance: largest allowed residual, 1e-15 to 0.1; 1e-8 by default.
         max_iterations: largest number of iterations; 100000 by default.
         threads: number of threads; all cores by default. Results do not depend on it.
-        start: a contact of the same surface to start from, for example at a smaller load, interrupted, or from a file.
+        start: contact of the same surface to start from, such as one at a smaller load, interrupted, or from a file.
         base_displacement: displacement of a bonded or sliding base, length: an array [nx, ny] of u_z, or [nx, ny, 3];
-            of a profile n values, or [n, 2].
+            for a profile n values, or [n, 2].
         base_traction: traction on the lower face of a plate (base="free"), stress, of mean zero, in the same form.
         dt, damping: time step and damping of the damped dynamics, as in `punch`.
         stiffness_tolerance: largest relative error of the stiffness of a hard wall, 5e-6 by default.
@@ -231,7 +232,7 @@ def contact(
     Raises:
         InputError: invalid arguments; nothing was computed.
         NotConverged: the tolerance was not reached, or the surfaces part; `.state` is the contact so far. If `accuracy`
-            needs a grid that does not fit into memory, `.state` is the contact on the last grid that did.
+            needs a grid larger than the memory, `.state` is the contact on the last grid that fitted.
         Interrupted: Ctrl-C; `.state` as above.
 
     Example:
@@ -260,14 +261,14 @@ def contact(
 
 
 def _of_stress(control: str, loads: list[Quantity]) -> list[Quantity]:
-    """Returns the loads whose unit has a stress in it."""
+    """Returns the loads whose unit contains a stress."""
     return [load for load in loads if isinstance(load, str) and "stress" in LOADS[control]]
 
 
 def _accurate(
     accuracy: Any, pair: tuple[Any, Any], loads: tuple[str, list[Quantity]], options: dict[str, Any]
 ) -> list[Contact]:
-    """Solves the contacts on the grid where all their numbers meet `accuracy`."""
+    """Solves the contacts on a grid on which all numbers meet `accuracy`."""
     (control, values), (surface, body) = loads, (as_surface(pair[0]), pair[1])
     given: dict[str, Any] = {control: values, **options}
     if options.get("start") is not None or options.get("grid_error") not in (None, "estimate"):
@@ -300,12 +301,11 @@ def contacts(
     approach: Any = None,
     **options: Unpack[ContactOptions],
 ) -> Contacts:
-    """Solves contacts under several loads, one after the other, each started from the last.
+    """Solves contacts under several loads in turn, each started from the last.
 
     Args:
         surface, body: as in `contact`.
-        pressure, p_star, force, approach: the loads, one of the four, a sequence (stress, 1, stress * length^2,
-            length).
+        pressure, p_star, force, approach: loads by one of the four, a sequence (stress, 1, stress * length^2, length).
         options: further arguments of `contact`; `start` and `range_continuation` apply to the first load.
 
     Raises:

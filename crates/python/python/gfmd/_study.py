@@ -27,21 +27,21 @@ _ROUNDING = 1e-12
 
 
 class Study(Computed):
-    """Contacts of all surfaces, seeds and bodies of a study, each under all loads, with file, page and figures.
+    """Contacts of all surfaces, seeds and bodies of a study under all loads, with file, page and figures.
 
     Attributes:
-        command: the command of the contacts: "contact", "path" or "slide".
-        dimensions: the names of the axes of all numbers: surface, seed, body, then load, step or load and velocity.
-        coordinates: a Record of the coordinates by dimension: names of surfaces and bodies, seeds, loads.
+        command: command of the contacts: "contact", "path" or "slide".
+        dimensions: axis names of all numbers: surface, seed, body, then load, step or load and velocity.
+        coordinates: a Record of the coordinates by dimension: surface and body names, seeds, loads.
         numbers: a Record of arrays [surface, seed, body, load] by name, as in `Contact`; NaN without a value. Lengths
             and stresses have the units `unit` and `stress_unit`.
         definitions: a Record of `units` and `long_name` of each number and each load, step or velocity.
         status: "solved" or "failed", an array of texts [surface, seed, body].
-        error: the reasons why contacts failed, an array of texts [surface, seed, body], empty for the others.
+        error: reasons why contacts failed, an array of texts [surface, seed, body]; empty for the others.
         means: a Record for each surface, body and load: the coordinates, and `numbers` with `mean`, `standard_error`
             and `count` over the seeds.
-        unit, stress_unit: units of length and of stress, None where unknown.
-        member_warnings: the warnings of each contact, an array of texts [surface, seed, body].
+        unit, stress_unit: units of length and stress, None if unknown.
+        member_warnings: warnings of each contact, an array of texts [surface, seed, body].
         seconds: wall time.
         warnings: a Record for each warning of the study itself: `code`, `text`.
 
@@ -71,7 +71,7 @@ class Study(Computed):
         return found
 
     def to_xarray(self) -> Any:
-        """Returns an xarray.Dataset of all numbers [surface, seed, body, load], with `status` and `error`.
+        """Returns all numbers [surface, seed, body, load] as an xarray.Dataset, with `status` and `error`.
 
         Raises:
             Error: xarray is not installed.
@@ -87,7 +87,7 @@ class Study(Computed):
         return _show.needed("xarray", "to_xarray").Dataset({**numbers, **members}, axes)
 
     def to_dataframe(self) -> Any:
-        """Returns the numbers as a pandas.DataFrame, a row for each surface, seed, body and load.
+        """Returns the numbers as a pandas.DataFrame with one row per surface, seed, body and load.
 
         Raises:
             Error: pandas is not installed.
@@ -102,13 +102,13 @@ class Study(Computed):
         return _show.framed(columns, dict(zip(columns, columns)), self.units)
 
     def plot(self, y: str = "area_fraction", ax: Any = None) -> Any:
-        """Draws the mean of a number over the seeds against the load, step or velocity with matplotlib.
+        """Draws the seed average of a number against load, step or velocity with matplotlib.
 
-        Each surface and body has a curve, with the standard error. Returns the axes.
+        Each surface and body has a curve with its standard error. Returns the axes.
 
         Args:
             y: name of an array in `numbers`.
-            ax: the axes to draw into; new ones by default.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             InputError: an unknown name. Error: matplotlib is not installed.
@@ -162,15 +162,15 @@ def study(
     progress: bool = True,
     threads: Optional[int] = None,
 ) -> Study:
-    """Computes many contacts: all surfaces, seeds and bodies of a study, each under all loads.
+    """Computes the contacts of all combinations of surfaces, seeds, bodies and loads of a study.
 
     Args:
-        config: the path of a TOML file, or a dict of its contents: `command` ("contact", "path" or "slide"), a dict of
+        config: path of a TOML file, or a dict of its contents: `command` ("contact", "path" or "slide"), a dict of
             that name with options of the command, and `study` with lists `surface`, `seed` and `body`, whose product is
             computed (docs/studies.md).
         out: HDF5 file to write; nothing is written by default.
         resume: continue an interrupted study to `out`.
-        progress: show a progress bar, as `gfmd.progress` says; False shows none.
+        progress: show a progress bar, according to `gfmd.progress`; False shows none.
         threads: number of threads; all cores by default.
 
     Raises:

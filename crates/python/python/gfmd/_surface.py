@@ -17,23 +17,23 @@ from ._record import Measured, Record, by_name, parsed, without_null
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
-# Continuation of a surface beyond its edges; None for the one of the surface itself.
+# Continuation of a surface beyond its edges; None to follow `is_periodic`.
 Boundary = Optional[Literal["periodic", "free"]]
 
-# Points left out of a fit: a mask [x, y], or a region as text.
+# Points excluded from a fit: a mask [x, y], or a region as text.
 Exclude = Union[npt.NDArray[np.bool_], str, None]
 
 
 class Statistics(Measured, SurfaceNumbers):
-    """Statistics of a surface. Lengths are in the unit of the heights; a number that does not exist is NaN.
+    """Statistics of a surface. Lengths are in the unit of the heights; an undefined number is NaN.
 
-    Height parameters of ISO 25178 (Sa, Sp, Sv, Ssk, Sku, Sdr) are relative to the mean height, without filter; Sq is
-    `rms_height`, Sz is `peak_to_valley`. Gradients, curvatures and moments come from the spectrum; names that end in
-    `_inside` come from differences without the periodic seam.
+    ISO 25178 height parameters (Sa, Sp, Sv, Ssk, Sku, Sdr) are relative to the mean height, without filter; Sq is
+    `rms_height`, Sz is `peak_to_valley`. Gradients, curvatures and moments come from the spectrum; names ending in
+    `_inside` come from differences, excluding the periodic seam.
 
     Attributes:
         n, size: points and lengths along x and y.
-        undefined: reasons why numbers are NaN, by name; present only if a number is NaN.
+        undefined: reasons why numbers are NaN, by name; present only if there are any.
 
     Example:
         >>> round(s.statistics().nayak, 1)
@@ -61,7 +61,7 @@ class Statistics(Measured, SurfaceNumbers):
 
 
 class _Origin(NamedTuple):
-    """Origin of heights: a description, metadata of the file, and True if the heights are known to repeat."""
+    """Origin of heights: description, file metadata, and True if the heights are known to repeat."""
 
     description: str
     file: dict[str, Any]
@@ -72,7 +72,7 @@ class _Origin(NamedTuple):
 
 
 class Surface:
-    """Heights of the rigid surface in a periodic cell. A surface is immutable: methods return new surfaces.
+    """Heights of a rigid surface in a periodic cell. It is immutable: methods return new surfaces.
 
     The heights are [x, y], with the peaks towards the body: the highest point touches first. A 1-D array is a profile
     (plane strain), kept as [n, 1].
@@ -80,12 +80,12 @@ class Surface:
     Args:
         heights: array of shape [nx, ny] or [n] of finite numbers (any real type, order or layout; it is copied once),
             or a SurfaceTopography object, with its size and unit.
-        size: lengths of the cell, L or (Lx, Ly), in the unit of the heights; 1 by default. L alone is the length along
-            x, and the spacing along y is the same as along x.
-        unit: the unit of heights and lengths, such as "um"; `to_unit` converts. With a unit, stresses and lengths may
-            be strings with units.
-        fill: method to fill undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined
-            points) or "nearest"; None refuses them.
+        size: cell size, L or (Lx, Ly), in the unit of the heights; 1 by default. L alone is the length along x, with
+            equal spacing along y.
+        unit: unit of heights and lengths, such as "um"; `to_unit` converts. With a unit, stresses and lengths may be
+            strings with units.
+        fill: how to fill undefined points (NaN or masked): "harmonic" (Laplace's equation between the defined points)
+            or "nearest"; None refuses them.
 
     Raises:
         InputError: an invalid shape or type, undefined or infinite points, a size that is not positive.
@@ -169,7 +169,7 @@ class Surface:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Lengths of the cell along x and y, n times the spacing, in the unit of the heights.
+        """Cell lengths along x and y, n times the spacing, in the unit of the heights.
 
         The second length is meaningless for a profile.
         """
@@ -177,7 +177,7 @@ class Surface:
 
     @property
     def unit(self) -> Optional[str]:
-        """The unit of heights and lengths, if known."""
+        """Unit of heights and lengths, if known."""
         return self._unit
 
     @property
@@ -187,12 +187,12 @@ class Surface:
 
     @property
     def description(self) -> str:
-        """The origin of the heights and how they were prepared."""
+        """Description of the origin and preparation of the heights."""
         return self._origin.description
 
     @property
     def undefined(self) -> int:
-        """The number of points that have, or had before they were filled, no height."""
+        """Number of points without a height, before any were filled."""
         return int(self._origin.file.get("undefined", 0))
 
     @property
@@ -202,12 +202,12 @@ class Surface:
 
     @property
     def channel(self) -> Optional[str]:
-        """The name of the channel of the heights in the file; None if it has no name."""
+        """Name of the height channel in the file; None if it has no name."""
         return self._origin.file.get("channel")
 
     @property
     def channels(self) -> list[str]:
-        """The names of all height maps in the file, for `gfmd.read(name, channel)`; numbers for maps without a name."""
+        """Names of all height maps in the file, for `gfmd.read(name, channel)`; numbers for unnamed maps."""
         return list(self._origin.file.get("channels", []))
 
     @property
@@ -217,12 +217,12 @@ class Surface:
 
     @property
     def rms_gradient(self) -> float:
-        """Root mean square of the full gradient, from the spectrum; without unit."""
+        """Rms of the full gradient, from the spectrum; without unit."""
         return float(self.statistics().rms_gradient)
 
     @property
     def rms_height(self) -> float:
-        """Root mean square of the heights about their mean, length."""
+        """Rms height about the mean, length."""
         return float(self.statistics().rms_height)
 
     def statistics(
@@ -234,19 +234,19 @@ class Surface:
         motif_edges: Literal["all", "leave-out", "periodic", None] = None,
         boundary: Boundary = None,
     ) -> Statistics:
-        """Returns the statistics: moments, Hurst exponent, cut-offs, parameters of ISO 25178 and ISO 21920.
+        """Returns the statistics: moments, Hurst exponent, cut-offs, ISO 25178 and ISO 21920 parameters.
 
-        ISO 21920 is for profiles: they have values after an L filter, whose index is the section length.
+        ISO 21920 parameters need a profile after an L filter, whose index is the section length.
 
         Args:
-            fit_range: (longest, shortest) wavelength for the fit of the Hurst exponent; from half of the cell to 4
-                spacings by default.
+            fit_range: (longest, shortest) wavelength of the Hurst exponent fit; half of the cell to 4 grid spacings by
+                default.
             features: True adds correlation lengths, direction, hills and dales: `sal` to `mean_dale_area`, as in
                 `gfmd surface --statistics`.
-            wolf: height of a hill above its saddle, or depth of a dale, below which it is pruned and joins its
-                neighbour, divided by the height range.
-            motif_edges: hills and dales that touch the edge: "all" count, "leave-out", or "periodic" ones continue
-                at the opposite edge; by default "periodic" if the boundary is, else "leave-out".
+            wolf: pruning threshold: height of a hill above its saddle, or depth of a dale, divided by the height range;
+                lower ones join their neighbour.
+            motif_edges: treatment of hills and dales at the edge: "all" count, "leave-out", or "periodic" (continue at
+                the opposite edge); by default "periodic" if the boundary is, else "leave-out".
             boundary: "periodic" or "free", for correlation lengths and motifs; by default according to `is_periodic`.
 
         Raises:
@@ -280,15 +280,15 @@ class Surface:
         return found
 
     def _section(self) -> Optional[float]:
-        """Returns the length of the sections of a profile, the index of its last L filter."""
+        """Returns the section length of a profile, the index of its last L filter."""
         of_filters = [step["l"] for step in self.preparation if step["step"] == "filter" and "l" in step]
         return float(of_filters[-1]) if of_filters else None
 
     def to_unit(self, unit: str) -> Surface:
-        """Returns the surface with heights and lengths in another unit.
+        """Converts heights and lengths to another unit.
 
         Args:
-            unit: the unit of length, such as "um", "nm", "m".
+            unit: unit of length, such as "um", "nm", "m".
 
         Raises:
             InputError: an unknown unit, a surface without a unit.
@@ -310,8 +310,8 @@ class Surface:
 
         Returns:
             A `Record` of the arrays `wavenumber` (rad/length, the mean of a ring) and `density` (length^4, or length^3
-            for a profile). The integral of `density` over all wave vectors is the mean square height. The density of
-            SurfaceTopography is larger by the factor (2 pi)^2, for a profile 2 pi.
+            for a profile). The integral of `density` over all wave vectors is the mean square height. SurfaceTopography
+            has (2 pi)^2 times this density, 2 pi times for a profile.
 
         Raises:
             InputError: an unknown window.
@@ -329,15 +329,15 @@ class Surface:
         """Returns the autocorrelation of the heights, as in `gfmd surface --statistics`.
 
         Args:
-            boundary: "periodic" averages over all points, "free" over the pairs of points inside; by default according
-                to `is_periodic`.
+            boundary: "periodic" averages over all points, "free" over pairs of points inside; by default according to
+                `is_periodic`.
 
         Returns:
             A `Record` of `radial` (mean over rings), `x` and, except for a profile, `y`, each with the arrays
-            `distance` (length, up to half of the cell), `difference` (half of the mean square height difference,
-            length², which SurfaceTopography calls the autocorrelation) and `autocorrelation` (1 minus the difference
+            `distance` (length, up to half of the cell), `difference` (half the mean square height difference, length²,
+            which SurfaceTopography calls the autocorrelation) and `autocorrelation` (1 minus the difference
             divided by the mean square height, f_ACF of ISO 25178 for periodic heights); `sal` (length) and `str`, Sal
-            and Str of ISO 25178, NaN if undefined; `map`, the autocorrelation [x, y] at distances of up to half of the
+            and Str of ISO 25178, NaN if undefined; `map`, the autocorrelation [x, y] at distances up to half of the
             cell in both directions, with distance zero in the middle.
 
         Raises:
@@ -364,7 +364,7 @@ class Surface:
 
         Returns:
             A `Record` of `height` (above the mean, length), `slope_x`, `slope_y` (forward differences) and `curvature`
-            (central second differences, averaged over x and y, 1/length). Quantities with a single value are left out.
+            (central second differences, averaged over x and y, 1/length), excluding quantities with a single value.
             Each has the arrays `value` (centres of 100 bins, at most 6 standard deviations from the mean), `density`
             (over all values) and `gaussian` (with the same mean and deviation), and the numbers `mean`, `deviation`,
             `outside` (share of values beyond the bins).
@@ -380,7 +380,7 @@ class Surface:
         return Record(self._texture("distributions", boundary)[0])
 
     def scale_dependence(self, *, boundary: Boundary = None) -> Record:
-        """Returns rms slope and curvature against the measurement distance, as in `gfmd surface --statistics`.
+        """Returns rms slope and curvature against measurement distance, as in `gfmd surface --statistics`.
 
         Args:
             boundary: "periodic" includes differences across the edges of the cell, "free" only differences inside; by
@@ -406,8 +406,8 @@ class Surface:
 
         Returns:
             A `Record` of the arrays `ratio` (material ratio, the share of points at or above a height) and `height`
-            (above the mean, length), and of `sk`, `spk`, `svk` (length), `smr1`, `smr2`, the parameters Sk to Smr2 of
-            ISO 25178; NaN for a flat surface.
+            (above the mean, length), and the numbers `sk`, `spk`, `svk` (length), `smr1`, `smr2`, Sk to Smr2 of ISO
+            25178; NaN for a flat surface.
 
         Example:
             >>> b = s.bearing_curve()
@@ -417,10 +417,10 @@ class Surface:
         return Record(self._texture("bearing_curve", None)[0])
 
     def report(self, path: Union[str, "os.PathLike[str]"], *, boundary: Boundary = None) -> None:
-        """Writes the HTML page of `gfmd surface --report`: all numbers and figures of the surface.
+        """Writes the HTML page of `gfmd surface --report`, with all numbers and figures of the surface.
 
         Args:
-            path: the name of the page.
+            path: name of the page.
             boundary: "periodic" or "free", as in `autocorrelation`.
 
         Raises:
@@ -434,7 +434,7 @@ class Surface:
         _gfmd.surface_report(self._heights, self._size, words, way, _check.path("path", path))
 
     def _keeps(self, name: str, path: str) -> None:
-        """Refuses to overwrite the file that the heights were read from."""
+        """Refuses to overwrite the source file of the heights."""
         source = self._origin.file.get("path")
         if source is not None and os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
             raise InputError(f"{name} is {_check.shown(path)}; it must be another file than the input of the surface")
@@ -445,7 +445,7 @@ class Surface:
         return self.is_periodic if boundary is None else boundary == "periodic"
 
     def _texture(self, part: str, boundary: Boundary) -> tuple[dict[str, Any], Optional[Array]]:
-        """Computes a function of the heights by name, with arrays and NaN in place of lists and null."""
+        """Computes a named function of the heights, with arrays and NaN in place of lists and null."""
         text, field = _gfmd.texture(self._heights, self._size, part, self._repeats(boundary))
 
         def reported(value: Any) -> Any:
@@ -458,12 +458,12 @@ class Surface:
         return {name: reported(value) for name, value in parsed(text)[part].items()}, field
 
     def detrend(self, trend: str = "plane", *, exclude: Exclude = None) -> Surface:
-        """Returns the surface without its trend; undefined points are left out of the fit and stay undefined.
+        """Subtracts a trend. Undefined points are excluded from the fit and stay undefined.
 
         Args:
             trend: "mean", "plane" (least squares), "slope" (the mean slope, so that opposite edges match on average),
                 "quadratic", "cubic" or "polynomial:D" (least squares, degree D in x and y together, up to 8).
-            exclude: points left out of the fit: a mask [x, y], or "X0:X1,Y0:Y1" in lengths from the corner.
+            exclude: points excluded from the fit: a mask [x, y], or "X0:X1,Y0:Y1" in lengths from the corner.
 
         Raises:
             InputError: an unknown name; points that do not determine the trend.
@@ -485,7 +485,7 @@ class Surface:
         return not np.isnan(self._heights).any()
 
     def _step(self, option: str, text: str, *, exclude: Exclude = None, repeats: bool = True) -> Surface:
-        """Returns the surface after one step of the preparation; `repeats` is False if a periodic one no longer is."""
+        """Applies one preparation step; `repeats` is False if a periodic surface no longer repeats."""
         excluded = None if exclude is None else self._mask("exclude", exclude)
         given = (self._unit, option, text, self.is_periodic)
         heights, size, words, record = _gfmd.prepared(self._heights, self._size, given, excluded)
@@ -510,7 +510,7 @@ class Surface:
 
     @property
     def preparation(self) -> list[dict[str, Any]]:
-        """The steps of the preparation in their order, each with its numbers and the rms gradient before and after it.
+        """Preparation steps in order, each with its numbers and the rms gradient before and after.
 
         Lengths are in the unit of the heights; gradients have no unit.
 
@@ -525,10 +525,10 @@ class Surface:
         x: tuple[Union[float, str, None], Union[float, str, None]] = (None, None),
         y: tuple[Union[float, str, None], Union[float, str, None]] = (None, None),
     ) -> Surface:
-        """Returns the part of the surface in a box.
+        """Crops the surface to a box.
 
         Args:
-            x, y: start and end along each axis, lengths from the corner; points with start <= position < end stay, and
+            x, y: start and end along each axis, lengths from the corner; points with start <= position < end stay.
                 None is an end of the surface.
 
         Raises:
@@ -542,7 +542,7 @@ class Surface:
         return self._step("crop", ",".join(":".join(pair) for pair in ends), repeats=False)
 
     def mask(self, points: Any) -> Surface:
-        """Returns the surface without heights at some points; fill them, or crop them away, before a contact.
+        """Marks points as undefined; fill them or crop them away before a contact.
 
         Args:
             points: a mask [x, y], "X0:X1,Y0:Y1" in lengths from the corner, "below:Z" or "above:Z".
@@ -568,10 +568,10 @@ class Surface:
         return _surface(heights, self._size, self._unit, origin)
 
     def fill(self, how: Literal["harmonic", "nearest"] = "harmonic") -> Surface:
-        """Returns the surface with heights at its undefined points.
+        """Fills the undefined points.
 
         Args:
-            how: "harmonic" (Laplace's equation between the defined points) or "nearest".
+            how: how to fill them, "harmonic" (Laplace's equation between the defined points) or "nearest".
 
         Raises:
             InputError: an unknown name; no defined point.
@@ -590,11 +590,11 @@ class Surface:
         return _surface(heights, self._size, self._unit, origin)
 
     def despike(self, threshold: float = 5.0, *, window: int = 5) -> Surface:
-        """Returns the surface without heights at spikes, points far from the median of the points around them.
+        """Marks spikes as undefined: points far from the median of their surroundings.
 
         Args:
-            threshold: distance from the local median that makes a spike, in robust standard deviations.
-            window: points along each side of the window of the median, odd.
+            threshold: least distance of a spike from the local median, in robust standard deviations.
+            window: points along each side of the median window, odd.
 
         Raises:
             InputError: numbers out of range; spikes at more than a tenth of the points.
@@ -606,11 +606,11 @@ class Surface:
         return self._step("despike", f"{number('threshold', threshold)!r},{integer('window', window)}")
 
     def descar(self, high: float = 0.666, low: float = 0.25, *, length: int = 16, width: int = 4) -> Surface:
-        """Returns the surface without heights at scars, line defects along x.
+        """Marks scars, line defects along x, as undefined.
 
         Args:
-            high, low: least distance from the rows beside a scar, somewhere and everywhere, in rms differences of rows.
-            length: least number of points along x.
+            high, low: least distance of a scar from adjacent rows, somewhere and everywhere, in rms row differences.
+            length: smallest number of points along x.
             width: largest number of rows.
 
         Raises:
@@ -626,12 +626,12 @@ class Surface:
     def level(
         self, lines: Literal["rows", "columns"] = "rows", how: str = "median", *, exclude: Exclude = None
     ) -> Surface:
-        """Returns the surface with level rows (lines along x) or columns.
+        """Levels the rows (lines along x) or columns.
 
         Args:
             lines: "rows" or "columns".
-            how: "mean", "median", "difference" (of neighbours, median) or "polynomial:D" of degree D in each line.
-            exclude: points left out, as in `detrend`.
+            how: "mean", "median", "difference" (median difference of neighbours) or "polynomial:D" (degree D per line).
+            exclude: points excluded from the fits, as in `detrend`.
 
         Raises:
             InputError: an unknown name; a profile.
@@ -652,16 +652,16 @@ class Surface:
         edges: Optional[Literal["periodic", "reflect", "regression"]] = None,
         degree: Optional[int] = None,
     ) -> Surface:
-        """Returns the surface after an S filter, an L filter, or both, with these nesting indices.
+        """Applies an S filter, an L filter, or both, with these nesting indices.
 
-        Half of the amplitude of a wave with the length of an index stays. The S filter removes shorter waves, and with
-        them gradient: p* at the same pressure rises. The L filter removes longer ones.
+        A wave as long as the index keeps half its amplitude. The S filter removes shorter waves and so lowers the
+        gradient: p* at the same pressure rises. The L filter removes longer ones.
 
         Args:
             s, l: nesting indices, lengths.
             kind: "gaussian" (ISO 16610-21, -61), "robust" (-31, -71) or "spline" (-22, profiles).
             edges: "periodic" (default if the surface repeats), "reflect", or "regression".
-            degree: degree of the regression, 0 to 2; by default 1, robust 2.
+            degree: regression degree, 0 to 2; 1 by default, 2 if robust.
 
         Raises:
             InputError: an index below two spacings or above the side; undefined points without regression.
@@ -680,14 +680,14 @@ class Surface:
     def resample(
         self, n: Union[int, tuple[int, int], None] = None, *, spacing: Union[float, str, None] = None
     ) -> Surface:
-        """Returns the surface on a coarser grid, after an S filter of four new spacings.
+        """Resamples to a coarser grid, after an S filter of four new spacings.
 
         Args:
             n: points along x, or along x and y.
-            spacing: distance of the points, length, instead of `n`.
+            spacing: grid spacing, length, in place of `n`.
 
         Raises:
-            InputError: more points than before; neither or both numbers.
+            InputError: more points than before; neither or both arguments.
 
         Example:
             >>> s.resample(32).n
@@ -701,7 +701,7 @@ class Surface:
         return self._step("resample", ",".join(str(integer("n", count, 1)) for count in counts), repeats=False)
 
     def periodise(self, way: str = "mirror") -> Surface:
-        """Returns one period of a surface that is not periodic.
+        """Makes one period of a surface that is not periodic.
 
         Args:
             way: "mirror" joins mirror images (four times the points, twice for a profile); "as-is" changes nothing.
@@ -719,13 +719,13 @@ class Surface:
         )
 
     def finer(self, times: int = 2) -> Surface:
-        """Returns the surface on a finer grid of the same cell, with Fourier interpolation between the points.
+        """Refines the grid of the same cell by Fourier interpolation.
 
         Args:
-            times: factor for the number of points along each side, 1 to 64.
+            times: refinement factor per side, 1 to 64.
 
         Raises:
-            InputError: a number out of range; more points than fit into memory.
+            InputError: a number out of range; more points than fit in memory.
 
         Example:
             >>> f = s.finer(2)
@@ -738,7 +738,7 @@ class Surface:
         )
 
     def flip(self) -> Surface:
-        """Returns the surface turned over: valleys become peaks. For scans with peaks that point away from the body.
+        """Inverts the heights: valleys become peaks. For scans whose peaks point away from the body.
 
         Example:
             >>> np.array_equal(s.flip().heights, -s.heights)
@@ -753,13 +753,13 @@ class Surface:
         shift: Union[float, tuple[float, float]] = 0.0,
         boundary: str = "periodic",
     ) -> Surface:
-        """Returns the composite of two rough surfaces face to face: its contact with a smooth body has their gaps.
+        """Returns the composite of two facing rough surfaces: its contact with a smooth body has their gaps.
 
         Both heights are given at the same positions in one plane, each with its peaks towards the other surface.
-        Heights of a scan taken from above are mirrored when the sample is turned over: `heights[::-1]`.
+        Turning a sample over mirrors a scan taken from above: `heights[::-1]`.
 
         Args:
-            other: the second surface, of the same points and size; an array takes the size of this surface.
+            other: second surface, with the same points and size; an array takes the size of this surface.
             shift: displacement of the second surface, X or (X, Y), length. Fractions of a grid step use Fourier
                 interpolation.
             boundary: "periodic", or "free" for surfaces that do not repeat: the shift is a multiple of the grid step,
@@ -795,7 +795,7 @@ class Surface:
         """Draws a map of the heights, or the profile, with matplotlib. Returns the axes.
 
         Args:
-            ax: the axes to draw into; new ones by default.
+            ax: axes to draw into; new ones by default.
 
         Raises:
             Error: matplotlib is not installed.
@@ -922,27 +922,27 @@ def self_affine(
     Args:
         n: number of points along a side, or (nx, ny); 256 by default, or set by `eps_c_inv`.
         hurst: Hurst exponent, 0 to 1; 0.8 by default.
-        shape: a shape below the roughness, "KIND:KEY=VALUE,..." as of `gfmd surface --shape`, such as "sphere:R=2";
+        shape: shape below the roughness, "KIND:KEY=VALUE,..." as in `gfmd surface --shape`, such as "sphere:R=2";
             smooth unless `hurst`, `rms_gradient` or `rms_height` is given. `gfmd.sphere` and its siblings make it.
-        rms_gradient: root mean square of the full gradient, 0.1 by default; or
-        rms_height: root mean square of the heights, length.
-        seed: number of the realisation, below 2**63; the same seed gives the same surface on any grid.
-        size: lengths of the cell, L or (Lx, Ly); 1 by default.
-        unit: the unit of heights and lengths, such as "um"; then lengths may be strings with a unit. By default the
-            unit of the size, if that has one.
+        rms_gradient: rms of the full gradient, 0.1 by default; or
+        rms_height: rms height, length.
+        seed: random seed, below 2**63; the surface does not depend on the grid.
+        size: cell size, L or (Lx, Ly); 1 by default.
+        unit: unit of heights and lengths, such as "um"; lengths may then be strings with a unit. By default the unit of
+            the size, if any.
         eps_t_inv: cell length divided by longest wavelength, at least 1; 2 by default.
-        eps_f_inv: longest divided by shortest wavelength; by default the shortest one has 4 points.
+        eps_f_inv: longest divided by shortest wavelength; by default 4 points per shortest wavelength.
         eps_c_inv: points per shortest wavelength, at least 2, in place of `n`.
         dim: 3 for a surface, 2 for a profile.
         method: "psd", or "sra" or "rmd" (subdivision, not periodic).
-        roll_off: wavelength beyond which the spectrum is flat, length.
-        roll_off_shape: "plateau" or "smooth".
+        roll_off: roll-off wavelength, length; at longer wavelengths the spectrum is flat.
+        roll_off_shape: transition to the flat spectrum, "plateau" or "smooth".
         amplitudes: "gaussian", or "fixed" (random phases only).
         aspect: correlation length along the lay divided by the correlation length across it, at least 1.
         lay: direction of the lay from the x axis, degrees; 0 by default.
-        marginal: distribution of the heights, "lognormal:SIGMA" or "weibull:SHAPE", mirrored if the number is negative;
-            or an array of rows (height, fraction of the surface below it). Its mean and width do not matter, and the
-            spectrum is kept; normal by default.
+        marginal: height distribution, "lognormal:SIGMA" or "weibull:SHAPE", mirrored by a negative number; or an array
+            of rows (height, fraction of the surface below it). Mean and width do not matter; the spectrum is kept.
+            Normal by default.
 
     Raises:
         InputError: a value out of range, incompatible values.
@@ -991,7 +991,7 @@ def self_affine(
 
 
 def _marginal(marginal: Any) -> str:
-    """Returns the text of a distribution of heights."""
+    """Returns the text of a height distribution."""
     if isinstance(marginal, str):
         return marginal
     rows = np.asarray(marginal, dtype=np.float64)
@@ -1006,17 +1006,17 @@ def _marginal(marginal: Any) -> str:
 def profile(
     x: npt.ArrayLike, heights: npt.ArrayLike, n: Optional[int] = None, *, unit: Optional[str] = None
 ) -> Surface:
-    """Makes a profile from heights at uneven distances, by straight lines between them.
+    """Makes a profile from unevenly spaced heights, with straight lines between them.
 
     Args:
-        x: places of the heights, length, in any order and each given once.
-        heights: height at each place, length.
-        n: number of points at even distances from the first place to the last one; by default the number whose distance
-            is the largest one of `x`.
-        unit: unit of heights and places, such as "um".
+        x: positions, length, distinct and in any order.
+        heights: height at each position, length.
+        n: number of evenly spaced points from the first to the last position; by default their spacing is the largest
+            in `x`.
+        unit: unit of heights and positions, such as "um".
 
     Raises:
-        InputError: equal places, fewer than two, a gap larger than ten median distances.
+        InputError: equal positions, fewer than two, a gap larger than ten median spacings.
 
     Example:
         >>> gfmd.profile([0.0, 1.0, 1.5, 3.0], [0.0, 1.0, 0.5, 0.0], n=4, unit="um")
@@ -1029,7 +1029,7 @@ def profile(
 
 
 def _unit_of(size: Any) -> Optional[str]:
-    """Returns the unit in the text of a size; None of numbers."""
+    """Returns the unit in a size given as text; None for numbers."""
     lengths = [size] if isinstance(size, str) else size if isinstance(size, (list, tuple)) else []
     units = (length.lstrip("+-.0123456789eE ").strip() for length in lengths if isinstance(length, str))
     return next((unit for unit in units if unit), None)
@@ -1048,14 +1048,14 @@ def read(
     """Reads a surface from a file, in any format of `gfmd surface --surface`, detected from the contents.
 
     Args:
-        name: a file of an instrument or a program (docs/formats.md), or "FILE.h5:/dataset".
+        name: file from an instrument or program (docs/formats.md), or "FILE.h5:/dataset".
         channel: name or number, from 0, of the height map in the file; by default the default of the file.
-        image_heights: True if the grey of an image with 8 bits is a height; such images are refused otherwise, since
-            most are pictures.
-        fill: method to fill undefined points, "harmonic" or "nearest", as in `Surface`; None leaves them undefined
-            (NaN), to be cropped or filled before a contact.
-        size: lengths of the cell; by default as in the file, or 1.
-        unit: unit of heights and lengths; a file with another unit is converted. By default the unit of the file.
+        image_heights: True to read the grey values of an 8-bit image as heights; otherwise such images are refused,
+            since most are pictures.
+        fill: how to fill undefined points, "harmonic" or "nearest", as in `Surface`; None leaves them undefined (NaN),
+            to be cropped or filled before a contact.
+        size: cell size; by default as in the file, or 1.
+        unit: unit of heights and lengths; a file in another unit is converted. By default the unit of the file.
 
     Raises:
         InputError: a file that cannot be read, a missing channel.
@@ -1083,14 +1083,14 @@ def read(
 def read_heights(
     name: Union[str, "os.PathLike[str]"], channel: Union[str, int, None] = None, *, image_heights: bool = False
 ) -> tuple[Array, Optional[tuple[float, float]], Optional[str]]:
-    """Reads the heights of a file unchanged, with NaN at undefined points, for example to cut out a part.
+    """Reads the heights of a file unchanged, with NaN at undefined points, such as to cut out a part.
 
     Args:
         name, channel, image_heights: as in `read`.
 
     Returns:
-        The heights [x, y], the lengths of the whole map (n times the spacing), and the unit of both; lengths and unit
-        are None if not in the file.
+        Heights [x, y], lengths of the whole map (n times the spacing), and their unit; lengths and unit are None if not
+        in the file.
 
     Raises:
         InputError: a file that cannot be read, a missing channel.
@@ -1106,7 +1106,7 @@ def read_heights(
 
 
 def _map(name: Any, channel: Any, image_heights: bool) -> tuple[str, Any]:
-    """Returns the checked name of a file and a height map in it."""
+    """Returns the checked names of a file and of a height map in it."""
     path = _check.path("name", name)
     asked = None if channel is None else channel if isinstance(channel, str) else str(integer("channel", channel))
     return path, _gfmd.read(path, None if asked is None else word("channel", asked), bool(image_heights))

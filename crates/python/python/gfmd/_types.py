@@ -1,4 +1,4 @@
-"""Objects by what other modules need of them."""
+"""Protocols of objects that other modules need."""
 
 from __future__ import annotations
 

@@ -15,19 +15,19 @@ from . import _gfmd
 # Length unit and stress unit, None where unknown.
 Units = tuple[Optional[str], Optional[str]]
 
-# Classes of the numbers and fields of results, with their definitions.
+# Classes of result numbers and fields, with their definitions.
 DEFINED: dict[str, Any] = json.loads(Path(__file__).with_name("_columns.json").read_text(encoding="utf-8"))
 
 
 def _defined_kind(text: str) -> Optional[str]:
-    """Returns the kind before the colon of a definition, such as "stress*length"; None without one."""
+    """Returns the kind before the colon of a definition, such as "stress*length"; None if it has none."""
     head, colon, _ = text.partition(":")
     words = re.sub(r" \[.*?\]| along x and y| by component", "", head).lower().replace(" * ", "*")
     named = {"without unit": "1", "count": "1", "flag": "1", "seconds": "s"}
     return named.get(words, words.replace("per ", "1/")) if colon else None
 
 
-# Kinds of the numbers and fields, by name.
+# Kinds of numbers and fields, by name.
 KINDS: dict[str, str] = {
     **{
         name: kind
@@ -47,7 +47,7 @@ KINDS: dict[str, str] = {
 
 
 def metre(unit: Optional[str]) -> float:
-    """Returns the length unit in metres; 1 if it is unknown."""
+    """Returns the length unit in metres; 1 if unknown."""
     return 1.0 if unit is None else _gfmd.in_units("unit", f"1 {unit}", "length", "m") or 1.0
 
 
@@ -83,7 +83,7 @@ def attributes(name: str, units: Units) -> dict[str, str]:
 
 
 def text(name: str, value: float, units: Units, limit: Optional[float] = None, error: float = math.nan) -> str:
-    """Formats a number with its unit; with the digits that its grid error leaves certain, if it has a limit."""
+    """Formats a number with its unit, to the digits that its grid error leaves certain, if it has a limit."""
     of = KINDS.get(name)
     unit = _gfmd.readable(of, value, *units) if of is not None and math.isfinite(value) else None
     factor, after = (1.0, "") if unit is None else (unit[0], f" {unit[1]}")

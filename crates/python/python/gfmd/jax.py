@@ -1,4 +1,4 @@
-"""The contact as a JAX function, differentiable by heights and load, also inside `jax.jit`. Needs jax."""
+"""The contact as a JAX function, differentiable with respect to heights and load, also inside `jax.jit`. Needs jax."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def contact(
     Args:
         heights: heights [x, y] or [x], length, peaks towards the body. They should be float64 (`jax_enable_x64`).
         body: the elastic body.
-        pressure, approach: the load, one of the two, a number or a 0-D array.
-        size: lengths of the cell, as in `gfmd.Surface`.
+        pressure, approach: load by one of the two, a number or a 0-D array.
+        size: cell size, as in `gfmd.Surface`.
         options: further arguments of `gfmd.contact`.
 
     Raises:

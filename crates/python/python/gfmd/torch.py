@@ -1,4 +1,4 @@
-"""The contact as a PyTorch function, differentiable by heights and load. Needs torch."""
+"""The contact as a PyTorch function, differentiable with respect to heights and load. Needs torch."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def contact(
     Args:
         heights: heights [x, y] or [x], length, peaks towards the body, a tensor. It should be float64.
         body: the elastic body.
-        pressure, approach: the load, one of the two, a number or a 0-D tensor.
-        size: lengths of the cell, as in `gfmd.Surface`.
+        pressure, approach: load by one of the two, a number or a 0-D tensor.
+        size: cell size, as in `gfmd.Surface`.
         options: further arguments of `gfmd.contact`.
 
     Raises:

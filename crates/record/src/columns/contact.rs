@@ -14,9 +14,9 @@ pub(super) const COLUMNS: &[Column] = &[
         "area_fraction",
         "1",
         &[
-            (path, "points that are repelled over all points"),
-            (law, "contact area fraction, points that are repelled over all points"),
-            (any, "contact area fraction, points in contact over all points"),
+            (path, "share of points that are repelled"),
+            (law, "contact area fraction: share of points that are repelled"),
+            (any, "contact area fraction: share of points in contact"),
         ],
         // On a path without contact at the wall, rounding errors of the traction would count in the summary.
         |at| match at.rest.and_then(|rest| rest.law()).filter(|_| path(at.facts)) {
@@ -29,7 +29,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "stick_fraction",
         "1",
-        &[(any, "points in contact whose shear is below its limit, over all points; NaN without friction")],
+        &[(any, "fraction of all points that touch with a shear below its limit; NaN without friction")],
         |at| on_path(at).and_then(QuasistaticState::stick_fraction).unwrap_or(f64::NAN).into(),
     )
     .with(path)
@@ -38,7 +38,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "area_fraction_corrected",
         "1",
-        &[(any, "contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al. 2017)")],
+        &[(any, "contact area fraction, corrected for the excess of perimeter pixels (Yastrebov et al. 2017)")],
         |at| at.summary.area_fraction_corrected.into(),
     )
     .with(loads),
@@ -73,8 +73,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "boundary_links",
         "1",
         &[
-            (law, "neighbouring pairs with one point repelled and one not"),
-            (any, "neighbouring pairs with one point in contact and one not"),
+            (law, "number of neighbouring pairs with exactly one point repelled"),
+            (any, "number of neighbouring pairs with exactly one point in contact"),
         ],
         |at| at.summary.boundary_links.into(),
     )
@@ -90,7 +90,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "max_net_pressure",
         "stress",
-        &[(any, "largest pressure on the body, the repulsion less the attraction; the hardness at most")],
+        &[(any, "largest net pressure on the body (repulsion minus attraction), at most the hardness")],
         |at| {
             let pressure = at.rest.map(|rest| rest.pressure());
             pressure.map_or(f64::NAN, |pressure| pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max)).into()
@@ -101,8 +101,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "wear_volume",
         "length",
         &[
-            (between, "mean over the whole upper face of the depth lost so far"),
-            (any, "mean over the whole surface of the depth lost so far"),
+            (between, "mean depth lost so far, over the whole upper face"),
+            (any, "mean depth lost so far, over the whole surface"),
         ],
         |at| worn(at).map_or(f64::NAN, |(volume, _)| volume).into(),
     )

@@ -17,10 +17,10 @@ pub(super) const COLUMNS: &[Column] = &[
         "elastic_energy",
         "stress*length",
         &[
-            (between, "elastic energy of the slab per area, by the pressures on both faces"),
-            (relaxing, "energy stored in the springs of all branches, per area of the surface"),
-            (yields, "elastic energy per area of the surface, with the energy of residual stress"),
-            (level_near, "elastic energy per area, zero one length of the profile away"),
+            (between, "elastic energy of the slab per area, from the pressures on both faces"),
+            (relaxing, "elastic energy per area in the springs of all branches"),
+            (yields, "elastic energy per area, including the energy of residual stress"),
+            (level_near, "elastic energy per area, relative to points one profile length away"),
             (any, "elastic energy per area of the surface"),
         ],
         |at| at.summary.elastic_energy.into(),
@@ -31,9 +31,9 @@ pub(super) const COLUMNS: &[Column] = &[
         "interface_energy",
         "stress*length",
         &[
-            (between, "energy of the law at both faces per area of the slab, zero far away"),
-            (path, "energy of the law per area of the surface, zero far away; NaN if it has none"),
-            (any, "energy of the contact law per area of the surface, zero far away"),
+            (between, "energy of the law per area at both faces, zero at large gaps"),
+            (path, "energy of the law per area, zero at large gaps; NaN if the law has no potential"),
+            (any, "energy of the contact law per area, zero at large gaps"),
         ],
         |at| match at.rest.and_then(|rest| rest.law()).map(|law| law.interface_energy) {
             Some(energy) if energy.is_nan() => Cell::undefined("the tractions have no energy"),
@@ -50,18 +50,19 @@ pub(super) const COLUMNS: &[Column] = &[
         &[
             (
                 |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
-                "energy lost in this step by all causes, per area: the sum of the columns lost_*",
+                "energy lost in this step, per area: the sum of the columns lost_*",
             ),
             (
                 |facts| relaxing(facts) && law(facts),
-                "energy lost in the dashpots and in jumps in this step, per area; in the first one without jumps",
+                "energy lost in dashpots and jumps in this step, per area; the first step counts no jumps",
             ),
             (relaxing, "energy lost in the dashpots in this step, per area"),
-            (wears, "work of the pressure on the depth lost in this step, per area, without the work of friction"),
-            (yields, "energy dissipated by plastic strain in this step, per area, without hardening_energy"),
+            (wears, "work of the pressure on the depth lost in this step, per area, excluding friction"),
+            (yields, "energy dissipated by plastic strain in this step, per area, excluding hardening_energy"),
             (
                 any,
-                "energy lost in this step, per area; with a law at least minus its error; NaN if the law has no energy",
+                "energy lost in this step, per area; with a law, at least minus its error; NaN if the law has no \
+                 potential",
             ),
         ],
         |at| lost(at, false),
@@ -72,7 +73,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "hardening_energy",
         "stress*length",
-        &[(any, "energy stored by hardening per area of the surface; isotropic hardening does not give it back")],
+        &[(any, "energy stored by hardening, per area; not recoverable with isotropic hardening")],
         |at| yielding(at, |state| state.hardening_energy),
     )
     .with(yields)
@@ -81,7 +82,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_relaxation",
         "stress*length",
-        &[(any, "part of dissipated that the dashpots of the body lose in this step, per area")],
+        &[(any, "energy lost in the dashpots in this step, per area (part of dissipated)")],
         |at| by_cause(at, |losses| losses.relaxation),
     )
     .with(|facts| several_causes(facts) && relaxing(facts))
@@ -89,7 +90,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_friction",
         "stress*length",
-        &[(any, "part of dissipated that is lost by slip in this step, per area")],
+        &[(any, "energy lost by slip in this step, per area (part of dissipated)")],
         |at| by_cause(at, |losses| losses.friction),
     )
     .with(|facts| several_causes(facts) && friction(facts))
@@ -97,7 +98,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_wear",
         "stress*length",
-        &[(any, "part of dissipated: work that the pressure does on the depth worn off in this step, per area")],
+        &[(any, "work of the pressure on the depth worn off in this step, per area (part of dissipated)")],
         |at| by_cause(at, |losses| losses.wear),
     )
     .with(|facts| several_causes(facts) && wears(facts))
@@ -105,7 +106,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lost_plastic",
         "stress*length",
-        &[(any, "part of dissipated: work that the pressure does on the plastic depth gained in this step, per area")],
+        &[(any, "work of the pressure on the plastic depth gained in this step, per area (part of dissipated)")],
         |at| by_cause(at, |losses| losses.plastic),
     )
     .with(|facts| several_causes(facts) && hardness(facts))
@@ -115,8 +116,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress*length",
         &[(
             any,
-            "part of dissipated that is lost in jumps in this step, per area: what the balance of work and energy \
-             misses, and so below zero by no more than its error",
+            "energy lost in jumps in this step, per area (part of dissipated): the remainder of the balance of work \
+             and energy, at least minus its error",
         )],
         |at| by_cause(at, |losses| losses.jumps),
     )
@@ -128,16 +129,16 @@ pub(super) const COLUMNS: &[Column] = &[
         &[
             (
                 |facts| several_causes(facts) && (friction(facts) || wears(facts) || hardness(facts)),
-                "estimated error of dissipated, from its difference from a path in half as many increments; 0 in a \
-                 step that cannot lose energy; NaN if that path was not followed",
+                "estimated error of dissipated, from a path with half as many increments; 0 in a step that cannot lose \
+                 energy; NaN if that path was not followed",
             ),
-            (wears, "estimated error of dissipated: 0 in a step of no distance, else NaN"),
+            (wears, "estimated error of dissipated: 0 in a step of zero distance, else NaN"),
             (
                 relaxing,
-                "estimated error of dissipated: twice its difference from a path in half as many increments; 0 in a \
-                 step of no time without a law; NaN if that path was not followed",
+                "estimated error of dissipated: twice its difference from a path with half as many increments; 0 in a \
+                 step of zero duration without a law; NaN if that path was not followed",
             ),
-            (any, "estimated error of dissipated; NaN if the step was not halved, or if dissipated is unknown"),
+            (any, "estimated error of dissipated; NaN if the step was not halved or dissipated is unknown"),
         ],
         |at| lost(at, true),
     )
@@ -151,14 +152,14 @@ pub(super) const COLUMNS: &[Column] = &[
         &[
             (
                 |facts| relaxing(facts) && law(facts),
-                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; in \
-                 a step with a jump the largest error of that rule; 0 in the first step of no time; the sum of a path \
-                 leaves out a first step of no time",
+                "absolute difference between the work of the rigid surface (trapezoidal rule) and the energies gained \
+                 and lost; in a step with a jump, the largest error of that rule; 0 in a first step of zero duration, \
+                 which the sum of a path excludes",
             ),
             (
                 any,
-                "work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude; \
-                 the sum of a path leaves out a first step of no time and no distance",
+                "absolute difference between the work of the rigid surface (trapezoidal rule) and the energies gained \
+                 and lost; the sum of a path excludes a first step of zero duration and distance",
             ),
         ],
         imbalance,
@@ -171,8 +172,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "passed_instability",
         "1",
         &[
-            (path, "1 if more energy was lost in a jump of this step than its error; NaN if no energy tells"),
-            (any, "1 if directions of negative curvature were met on the way from the last load"),
+            (path, "1 if a jump in this step lost more energy than its error; NaN if no energy balance reveals jumps"),
+            (any, "1 if the search from the last load met negative curvature"),
         ],
         jumped,
     )
@@ -182,7 +183,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lowest_curvature",
         "1",
-        &[(any, "lowest curvature met in the last search for a step, over the elastic curvature")],
+        &[(any, "lowest curvature in the last search for a step, divided by the elastic curvature")],
         |at| match at.rest.and_then(|rest| rest.law()).map(|law| law.lowest_curvature) {
             Some(curvature) if curvature.is_finite() => curvature.into(),
             _ => Cell::undefined(
@@ -199,23 +200,22 @@ pub(super) const COLUMNS: &[Column] = &[
         &[
             (
                 yields,
-                "d(mean pressure)/d(approach) at the end of the step with the points in contact kept: elastic, as \
-                 unloading begins; NaN where it is infinite (full contact with a fixed mean level): the attribute \
-                 undefined says why",
+                "d(mean pressure)/d(approach) at the end of the step with fixed points in contact: elastic, as at the \
+                 onset of unloading; NaN where infinite (full contact with a fixed mean level), with the reason in the \
+                 attribute undefined",
             ),
             (
                 path,
-                "d(mean pressure)/d(approach) at the end of the step, of an instant: points in contact stay in \
-                 contact, those at the hardness keep their pressure (under a growing load; unloaded, the contact is \
-                 stiffer), nothing wears off, and a body that relaxes has its instantaneous moduli; NaN where it is \
-                 infinite (full contact with a fixed mean level) or not computed (with shear): the attribute \
-                 undefined says why",
+                "instantaneous d(mean pressure)/d(approach) at the end of the step: fixed points in contact, constant \
+                 pressure at the hardness (under a growing load; on unloading the contact is stiffer), no wear, \
+                 instantaneous moduli of a viscoelastic body; NaN where infinite (full contact with a fixed mean \
+                 level) or not computed (with shear), with the reason in the attribute undefined",
             ),
             (
                 any,
-                "d(mean pressure)/d(approach) with the points in contact kept, those at the hardness with their \
-                 pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the \
-                 attribute undefined says why",
+                "d(mean pressure)/d(approach) with fixed points in contact and constant pressure at the hardness; NaN \
+                 where infinite (full contact with a fixed mean level) or not computed, with the reason in the \
+                 attribute undefined",
             ),
         ],
         |at| stiff(at, |found| found.value),

@@ -11,9 +11,9 @@ macro_rules! over_uniform {
         concat!(
             "mean flux along ",
             $flux,
-            " by a mean pressure gradient along ",
+            " under a mean pressure gradient along ",
             $gradient,
-            ", over that of a uniform gap equal to the mean gap"
+            ", divided by the flux through a uniform gap equal to the mean gap"
         )
     };
 }
@@ -21,7 +21,7 @@ macro_rules! over_uniform {
 /// Definition of a leak.
 macro_rules! leak_along {
     ($axis:literal) => {
-        concat!("volume of fluid per time through the gap of the cell, driven by the pressure drop along ", $axis)
+        concat!("fluid volume per time through the gap of the cell, driven by the pressure drop along ", $axis)
     };
 }
 
@@ -43,14 +43,14 @@ pub(super) const COLUMNS: &[Column] = &[
         .at("flow.conductivity.1.1")
         .with(flow)
         .on(Table::Flow, "flow yy", Form::Rough),
-    Column::new("flow_percolates_x", "1", &[(any, "1 if the gap lets a fluid through along x")], |at| {
+    Column::new("flow_percolates_x", "1", &[(any, "1 if the gap is open to flow along x")], |at| {
         flag(at.measured.flow.map(|flow| flow.percolates), 0)
     })
     .flag()
     .at("flow.percolates.0")
     .with(flow)
     .on(Table::Flow, "open along x", Form::Flag),
-    Column::new("flow_percolates_y", "1", &[(any, "1 if the gap lets a fluid through along y")], |at| {
+    Column::new("flow_percolates_y", "1", &[(any, "1 if the gap is open to flow along y")], |at| {
         flag(at.measured.flow.map(|flow| flow.percolates), 1)
     })
     .flag()
@@ -60,7 +60,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "flow_residual",
         "1",
-        &[(any, "upper less lower bound of the conductivity along an axis, over the conductivity; larger of x and y")],
+        &[(any, "upper minus lower bound of the conductivity, divided by the conductivity; larger of x and y")],
         |at| at.measured.flow.map_or(f64::NAN, |flow| flow.residual).into(),
     )
     .at("flow.residual")

@@ -300,7 +300,7 @@ macro_rules! limits {
             Column::new(
                 concat!($name, "_limit_error"),
                 $unit,
-                &[(any, concat!("95 % of the errors of ", $name, "_limit are smaller"))],
+                &[(any, concat!("error bound (95 %) of ", $name, "_limit"))],
                 |at| limit(at, $name, $limit, limit_error),
             )
             .at(concat!($json, "_limit_error", $place))
@@ -369,7 +369,7 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
         loads,
         Some(1.0),
         |limits, _, _| Ok(limits.boundary_links()),
-        "estimate of the length of the boundary on an infinitely fine grid, in steps of this grid"
+        "estimate of the boundary length on an infinitely fine grid, in steps of this grid"
     ),
     limits!("mean_gap", "length", Some(2.7), |limits, _, _| Ok(limits.mean_gap())),
     limits!("max_pressure", ["max_pressure", ""], "stress", loads, Some(3.0), |limits, at, _| {

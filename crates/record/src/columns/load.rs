@@ -11,7 +11,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "mean_pressure",
         "stress",
         &[
-            (path, "mean pressure over the whole surface; negative if it is pulled"),
+            (path, "mean pressure over the whole surface; negative under tension"),
             (any, "mean pressure over the whole surface"),
         ],
         |at| at.summary.mean_pressure.into(),
@@ -21,7 +21,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new("p_star", "1", &[(any, "reduced pressure p/(E* g)")], |at| reduced(at, at.summary.p_star))
         .head("p*", Form::Size)
         .detail(),
-    Column::new("force", "stress*length^2", &[(any, "force, of a line per length across it (stress*length)")], |at| {
+    Column::new("force", "stress*length^2", &[(any, "force; of a profile, per unit width (stress*length)")], |at| {
         (at.summary.mean_pressure * at.lengths[0] * at.lengths[1]).into()
     })
     .with(free)
@@ -31,8 +31,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "approach",
         "length",
         &[
-            (between, "approach of the two rigid surfaces beyond the distance at which both touch the undeformed slab"),
-            (level_near, "rigid approach beyond first touch, against points one length of the profile away"),
+            (between, "approach of the two rigid surfaces beyond the distance where both touch the undeformed slab"),
+            (level_near, "rigid approach beyond first touch, relative to points one profile length away"),
             (any, "rigid approach beyond first touch"),
         ],
         |at| at.approach.into(),
@@ -68,7 +68,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress",
         &[
             (path, "mean shear traction on the elastic surface along x"),
-            (any, "mean traction along x that holds the rigid surface in its place"),
+            (any, "mean traction along x that holds the rigid surface in place"),
         ],
         |at| shear(at, 0),
     )
@@ -81,7 +81,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress",
         &[
             (path, "mean shear traction on the elastic surface along y"),
-            (any, "mean traction along y that holds the rigid surface in its place"),
+            (any, "mean traction along y that holds the rigid surface in place"),
         ],
         |at| shear(at, 1),
     )

@@ -35,102 +35,98 @@ macro_rules! lower_residual {
 }
 
 /// Columns and residuals of the lower face.
-pub(super) const COLUMNS: &[Column] =
-    &[
-        lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary
-            .mean_pressure),
-        lower!("approach", "length", "part of the approach at the lower face", |face, summary| face.approach()).on(
-            Table::LowerFace,
-            "approach",
-            Form::Size,
-        ),
-        lower!("area_fraction", "1", "contact area fraction of the lower face", |face, summary| summary.area_fraction)
-            .on(Table::LowerFace, "area", Form::Share)
-            .main(),
-        lower!(
-            "area_fraction_corrected",
-            "1",
-            "contact area fraction of the lower face less the excess of the pixels along the perimeter",
-            |face, summary| summary.area_fraction_corrected
-        )
-        .on(Table::LowerFace, "corrected", Form::Share)
-        .detail(),
-        lower!("contact_nodes", "1", "number of points in contact at the lower face", |face, summary| summary
-            .contact_nodes)
-        .count(),
-        lower!(
-            "boundary_links",
-            "1",
-            "neighbouring pairs with one point in contact and one not, at the lower face",
-            |face, summary| summary.boundary_links
-        )
-        .count(),
-        lower!("mean_gap", "length", "mean distance between lower face and lower surface", |face, summary| summary
-            .mean_gap)
-        .on(Table::LowerFace, "mean gap", Form::Size),
-        lower!("max_pressure", "stress", "largest pressure on the lower face", |face, summary| summary.max_pressure)
-            .on(Table::LowerFace, "peak p", Form::Size),
-        lower!(
-            "mean_pressure_in_contact",
-            "stress",
-            "mean pressure over the points in contact at the lower face",
-            |face, summary| summary.mean_pressure_in_contact
-        ),
-        Column::new(
-            "lower_plastic_fraction",
-            "1",
-            &[(any, "points of the lower face whose pressure is the hardness over all points")],
-            |at| plastic(at).map_or(f64::NAN, |(fraction, _)| fraction).into(),
-        )
-        .at("lower.plastic_fraction")
-        .with(hard_between)
-        .on(Table::LowerFace, "plastic", Form::Share),
-        Column::new(
-            "lower_plastic_volume",
-            "length",
-            &[
-                (path, "mean plastic depth over the whole lower face so far"),
-                (any, "mean plastic depth over the whole lower face"),
-            ],
-            |at| plastic(at).map_or(f64::NAN, |(_, volume)| volume).into(),
-        )
-        .at("lower.plastic_volume")
-        .with(hard_between)
-        .on(Table::LowerFace, "depth", Form::Size)
-        .detail(),
-        Column::new(
-            "lower_wear_volume",
-            "length",
-            &[(any, "mean over the whole lower face of the depth lost so far")],
-            |at| worn(at).map_or(f64::NAN, |(volume, _)| volume).into(),
-        )
-        .at("lower.wear_volume")
-        .with(|facts| between(facts) && wears(facts))
-        .on(Table::LowerFace, "wear", Form::Size),
-        Column::new("lower_max_wear", "length", &[(any, "largest depth lost so far at the lower face")], |at| {
-            worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into()
-        })
-        .at("lower.max_wear")
-        .with(|facts| between(facts) && wears(facts))
-        .on(Table::LowerFace, "deepest", Form::Size)
-        .detail(),
-        lower_residual!(complementarity, "sum(p gap) / (sum(p) h_rms) of the lower face"),
-        lower_residual!(penetration, "max(0, -min gap) / h_rms of the lower face"),
-        lower_residual!(negative_pressure, "max(0, -min p) / mean p of the lower face"),
-        lower_residual!(load, "|mean p - asked| / asked of the lower face, or as residual_load"),
-        Column::new(
-            "lower_residual_saturation",
-            "1",
-            &[(any, "largest gap / h_rms where the pressure is the hardness, of the lower face")],
-            |at| {
-                let plastic = at.rest.and_then(|rest| rest.lower_wall()).and_then(|face| face.plastic.as_ref());
-                plastic.map_or(f64::NAN, |plastic| plastic.saturation).into()
-            },
-        )
-        .at("lower.residual.saturation")
-        .with(|facts| wall_between(facts) && hardness(facts))
-        .by(Origin::Residual),
-    ];
+pub(super) const COLUMNS: &[Column] = &[
+    lower!("mean_pressure", "stress", "mean pressure over the whole lower surface", |face, summary| summary
+        .mean_pressure),
+    lower!("approach", "length", "part of the approach at the lower face", |face, summary| face.approach()).on(
+        Table::LowerFace,
+        "approach",
+        Form::Size,
+    ),
+    lower!("area_fraction", "1", "contact area fraction of the lower face", |face, summary| summary.area_fraction)
+        .on(Table::LowerFace, "area", Form::Share)
+        .main(),
+    lower!(
+        "area_fraction_corrected",
+        "1",
+        "contact area fraction of the lower face, corrected for the excess of perimeter pixels",
+        |face, summary| summary.area_fraction_corrected
+    )
+    .on(Table::LowerFace, "corrected", Form::Share)
+    .detail(),
+    lower!("contact_nodes", "1", "number of points in contact at the lower face", |face, summary| summary
+        .contact_nodes)
+    .count(),
+    lower!(
+        "boundary_links",
+        "1",
+        "number of neighbouring pairs with exactly one point in contact, at the lower face",
+        |face, summary| summary.boundary_links
+    )
+    .count(),
+    lower!("mean_gap", "length", "mean distance between lower face and lower surface", |face, summary| summary
+        .mean_gap)
+    .on(Table::LowerFace, "mean gap", Form::Size),
+    lower!("max_pressure", "stress", "largest pressure on the lower face", |face, summary| summary.max_pressure).on(
+        Table::LowerFace,
+        "peak p",
+        Form::Size,
+    ),
+    lower!(
+        "mean_pressure_in_contact",
+        "stress",
+        "mean pressure over the points in contact at the lower face",
+        |face, summary| summary.mean_pressure_in_contact
+    ),
+    Column::new("lower_plastic_fraction", "1", &[(any, "share of lower-face points at the hardness")], |at| {
+        plastic(at).map_or(f64::NAN, |(fraction, _)| fraction).into()
+    })
+    .at("lower.plastic_fraction")
+    .with(hard_between)
+    .on(Table::LowerFace, "plastic", Form::Share),
+    Column::new(
+        "lower_plastic_volume",
+        "length",
+        &[
+            (path, "mean plastic depth over the whole lower face so far"),
+            (any, "mean plastic depth over the whole lower face"),
+        ],
+        |at| plastic(at).map_or(f64::NAN, |(_, volume)| volume).into(),
+    )
+    .at("lower.plastic_volume")
+    .with(hard_between)
+    .on(Table::LowerFace, "depth", Form::Size)
+    .detail(),
+    Column::new("lower_wear_volume", "length", &[(any, "mean depth lost so far, over the whole lower face")], |at| {
+        worn(at).map_or(f64::NAN, |(volume, _)| volume).into()
+    })
+    .at("lower.wear_volume")
+    .with(|facts| between(facts) && wears(facts))
+    .on(Table::LowerFace, "wear", Form::Size),
+    Column::new("lower_max_wear", "length", &[(any, "largest depth lost so far at the lower face")], |at| {
+        worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into()
+    })
+    .at("lower.max_wear")
+    .with(|facts| between(facts) && wears(facts))
+    .on(Table::LowerFace, "deepest", Form::Size)
+    .detail(),
+    lower_residual!(complementarity, "sum(p gap) / (sum(p) h_rms) at the lower face"),
+    lower_residual!(penetration, "max(0, -min gap) / h_rms at the lower face"),
+    lower_residual!(negative_pressure, "max(0, -min p) / mean p at the lower face"),
+    lower_residual!(load, "|mean p - prescribed| / prescribed at the lower face, or as residual_load"),
+    Column::new(
+        "lower_residual_saturation",
+        "1",
+        &[(any, "largest gap / h_rms at points at the hardness, at the lower face")],
+        |at| {
+            let plastic = at.rest.and_then(|rest| rest.lower_wall()).and_then(|face| face.plastic.as_ref());
+            plastic.map_or(f64::NAN, |plastic| plastic.saturation).into()
+        },
+    )
+    .at("lower.residual.saturation")
+    .with(|facts| wall_between(facts) && hardness(facts))
+    .by(Origin::Residual),
+];
 
 /// Returns plastic fraction and volume of the lower face.
 fn plastic(at: &StateContext) -> Option<(f64, f64)> {

@@ -16,7 +16,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .at("patches.count")
     .with(statistics)
     .on(Table::Patches, "patches", Form::Whole),
-    Column::new("largest_patch_fraction", "1", &[(any, "points of the largest patch over all points")], |at| {
+    Column::new("largest_patch_fraction", "1", &[(any, "share of points in the largest patch")], |at| {
         at.measured.patches.map_or(f64::NAN, |found| found.largest() as f64 / at.points as f64).into()
     })
     .at("patches.largest_fraction")
@@ -25,7 +25,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "percolates_x",
         "1",
-        &[(any, "1 if a patch winds around the cell along x, with free boundaries if it spans the surface")],
+        &[(any, "1 if a patch winds around the cell along x or, with free boundaries, spans the surface")],
         |at| flag(at.measured.patches.map(|found| found.percolate()), 0),
     )
     .flag()
@@ -36,7 +36,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "percolates_y",
         "1",
-        &[(any, "1 if a patch winds around the cell along y, with free boundaries if it spans the surface")],
+        &[(any, "1 if a patch winds around the cell along y or, with free boundaries, spans the surface")],
         |at| flag(at.measured.patches.map(|found| found.percolate()), 1),
     )
     .flag()
@@ -50,8 +50,8 @@ pub(super) const COLUMNS: &[Column] = &[
         &[(
             any,
             "conductance per area of the points in contact between two conductors, times the sum of their \
-             resistivities: current density over the potential difference less that of the bulk, with free boundaries \
-             over all of it; without a value if all points of a periodic surface touch",
+             resistivities: current density divided by the potential difference without the bulk drop (with free \
+             boundaries, by the whole difference); no value if all points of a periodic surface touch",
         )],
         |at| at.measured.conductance.clone().map_or(Cell::Real(f64::NAN), Into::into),
     )
@@ -60,7 +60,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "contact_conductance",
         "stress*length/time*temperature",
-        &[(any, "contact conductance per area: conductance over the sum of the resistivities of both conductors")],
+        &[(any, "contact conductance per area: conductance divided by the sum of both conductors' resistivities")],
         |at| match &at.measured.conductance {
             Some(Ok(conductance)) => at.conductivity.map_or(f64::NAN, |series| conductance * series).into(),
             Some(Err(reason)) => Cell::undefined(reason.clone()),
@@ -75,9 +75,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress*length/time*temperature",
         &[(
             any,
-            "conductance per area of the gas in the gap: mean of k/(g + M) over all points, with k the conductivity of \
-             the gas, g the gap and M the temperature-jump length; points in contact contribute nothing, and radiation \
-             is left out",
+            "conductance per area of the gas in the gap: mean of k/(g + M) over all points, with gas conductivity k, \
+             gap g and temperature-jump length M; points in contact contribute nothing; excludes radiation",
         )],
         through_gas,
     )

@@ -71,11 +71,14 @@ const Z: &[Meaning<PunchFacts>] = &[(any, "mean traction along z over the whole 
 const COLUMNS: &[Column] = &[
     Column::new("punch_width", "length", &[(any, "width of the punch")], |at| at.widths[0].into())
         .with(|facts| !facts.mask),
-    Column::new("effective_width", "length", &[(any, "width as which its points act, N - 1/3 spacings")], |at| {
-        at.widths[1].into()
-    })
+    Column::new(
+        "effective_width",
+        "length",
+        &[(any, "effective width of its N points, N - 1/3 grid spacings")],
+        |at| at.widths[1].into(),
+    )
     .with(|facts| !facts.mask),
-    Column::new("depth", "length", &[(any, "depth to which the punch is pressed")], |at| at.depth.into())
+    Column::new("depth", "length", &[(any, "indentation depth of the punch")], |at| at.depth.into())
         .head("depth", Form::Size),
     Column::new("contact_nodes", "1", &[(any, "points under the punch")], |at| (at.contact_nodes as u64).into())
         .count(),
@@ -95,9 +98,12 @@ const COLUMNS: &[Column] = &[
         at.solution.elastic_energy().into()
     })
     .head("elastic energy", Form::Size),
-    Column::new("residual", "1", &[(any, "largest error of the prescribed displacement over the depth")], |at| {
-        at.solution.residual.into()
-    })
+    Column::new(
+        "residual",
+        "1",
+        &[(any, "largest error of the prescribed displacement, divided by the depth")],
+        |at| at.solution.residual.into(),
+    )
     .by(Origin::Residual),
     Column::new("converged", "1", &[(any, "1 if the residual is within the tolerance")], |at| {
         (at.solution.residual <= at.tolerance).into()

@@ -10,7 +10,11 @@ use crate::when::{any, between, friction, hardness, law, loads, of_a_law, path, 
 /// Definition of a residual under a law, with its stress scale.
 macro_rules! per_stress {
     ($what:literal) => {
-        concat!($what, " / the stress scale (the largest traction, or the softest stiffness times h_rms if more)")
+        concat!(
+            $what,
+            ", divided by the stress scale (larger of the largest traction and the softest stiffness times \
+                        h_rms)"
+        )
     };
 }
 
@@ -26,7 +30,7 @@ macro_rules! residual {
 
 /// Columns of effort, residuals and time of a search.
 pub(super) const COLUMNS: &[Column] = &[
-    Column::new("extra_solves", "1", &[(any, "further solves to find the energy lost in the step")], |at| {
+    Column::new("extra_solves", "1", &[(any, "additional solves for the energy lost in the step")], |at| {
         at.step.as_ref().map_or(Cell::Real(f64::NAN), |(step, _)| step.extra_solves.into())
     })
     .count()
@@ -35,7 +39,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "increments",
         "1",
-        &[(any, "equal increments in which the step was made until they changed nothing")],
+        &[(any, "number of equal increments of the step, raised until the result did not change")],
         |at| at.step.as_ref().map_or(Cell::Real(f64::NAN), |(step, _)| step.increments.into()),
     )
     .count()
@@ -46,7 +50,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "operators",
         "1",
-        &[(any, "volume operators, from plastic strain and pressure to strain, extra solves included")],
+        &[(any, "number of volume operators (plastic strain and pressure to strain), including extra solves")],
         |at| at.step.as_ref().map_or(at.effort, |(step, _)| step.effort).iterations.into(),
     )
     .count()
@@ -56,9 +60,9 @@ pub(super) const COLUMNS: &[Column] = &[
         "iterations",
         "1",
         &[
-            (yields, "volume operators, as in operators"),
-            (path, "steps of the solver, extra solves included"),
-            (any, "iterations or time steps of the solver"),
+            (yields, "number of volume operators, as in operators"),
+            (path, "solver steps, including extra solves"),
+            (any, "solver iterations or time steps"),
         ],
         |at| at.step.as_ref().map_or(at.effort, |(step, _)| step.effort).iterations.into(),
     )
@@ -70,8 +74,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "transform_pairs",
         "1",
         &[
-            (path, "forward and inverse transforms of one component, in pairs, extra solves included"),
-            (any, "forward and inverse real transforms of the full grid, in pairs"),
+            (path, "pairs of forward and inverse transforms of one component, including extra solves"),
+            (any, "pairs of forward and inverse real transforms of the full grid"),
         ],
         |at| match &at.step {
             Some((step, _)) => (step.effort.transform_pairs as u64).into(),
@@ -100,8 +104,12 @@ pub(super) const COLUMNS: &[Column] = &[
         "residual_equilibrium",
         "1",
         &[
-            (yields, "rms unbalanced force on nodes below the surface / rms force on them, from the final strain"),
-            (any, per_stress!("largest unbalanced force per area, from the final fields,")),
+            (
+                yields,
+                "rms unbalanced force on nodes below the surface, divided by the rms force on them, from the \
+                      final strain",
+            ),
+            (any, per_stress!("largest unbalanced force per area, from the final fields")),
         ],
         |at| at.residual("equilibrium").into(),
     )
@@ -112,8 +120,8 @@ pub(super) const COLUMNS: &[Column] = &[
     residual!(
         "complementarity",
         &[
-            (law, "sum(p gap) / (sum(p) h_rms) with p the pressure of the wall, from the final fields"),
-            (between, "sum(p gap) / (sum(p) h_rms), from the final fields, the larger of the two faces"),
+            (law, "sum(p gap) / (sum(p) h_rms) with the wall pressure p, from the final fields"),
+            (between, "sum(p gap) / (sum(p) h_rms), from the final fields; larger of the two faces"),
             (any, "sum(p gap) / (sum(p) h_rms), from the final fields"),
         ]
     )
@@ -121,7 +129,7 @@ pub(super) const COLUMNS: &[Column] = &[
     residual!(
         "penetration",
         &[
-            (between, "max(0, -min gap) / h_rms, from the final fields, the larger of the two faces"),
+            (between, "max(0, -min gap) / h_rms, from the final fields; larger of the two faces"),
             (any, "max(0, -min gap) / h_rms, from the final fields"),
         ]
     ),
@@ -129,8 +137,8 @@ pub(super) const COLUMNS: &[Column] = &[
         "residual_negative_pressure",
         "1",
         &[
-            (law, per_stress!("largest tension that the wall would have to hold, from the final fields,")),
-            (between, "max(0, -min p) / mean p, from the final fields, the larger of the two faces"),
+            (law, per_stress!("largest tension that the wall would have to carry, from the final fields")),
+            (between, "max(0, -min p) / mean p, from the final fields; larger of the two faces"),
             (any, "max(0, -min p) / mean p, from the final fields"),
         ],
         |at| at.residual(if law(at.facts) { "wall_tension" } else { "negative_pressure" }).into(),
@@ -139,56 +147,80 @@ pub(super) const COLUMNS: &[Column] = &[
     .in_file(loads)
     .with(|facts| loads(facts) || wall_on_path(facts))
     .by(Origin::Residual),
-    residual!("wall_tension", &[(any, "largest tension that the wall would have to hold")])
+    residual!("wall_tension", &[(any, "largest tension that the wall would have to carry")])
         .with(|facts| path(facts) && of_a_law(facts)),
     residual!(
         "load",
         &[
-            (law, per_stress!("|mean p - asked| from the final fields, 0 if the approach is prescribed,")),
+            (law, per_stress!("|mean p - prescribed|, from the final fields (0 if the approach is prescribed)")),
             (
                 between,
-                "|mean p - asked| / asked, the larger of the two faces; if the approach is prescribed the difference \
-                 of their mean pressures over its mean",
+                "|mean p - prescribed| / prescribed, larger of the two faces; under a prescribed approach, the \
+                 difference between the mean pressures on both faces divided by their mean",
             ),
-            (any, "|mean p - asked| / asked, from the final fields"),
+            (any, "|mean p - prescribed| / prescribed, from the final fields"),
         ]
     ),
-    residual!("friction", &[(any, "largest distance of the shear from its law / the largest limit")]).with(friction),
-    residual!("excess", &[(any, "largest excess of the shear over its limit / the largest limit")]).with(friction),
+    residual!("friction", &[(any, "largest deviation of the shear from its law, divided by the largest limit")])
+        .with(friction),
+    residual!("excess", &[(any, "largest excess of the shear over its limit, divided by the largest limit")])
+        .with(friction),
     residual!(
         "saturation",
         &[
-            (between, "largest gap / h_rms where the pressure is the hardness, the larger of the two faces"),
-            (any, "largest gap / h_rms where the pressure is the hardness"),
+            (between, "largest gap / h_rms at points at the hardness; larger of the two faces"),
+            (any, "largest gap / h_rms at points at the hardness"),
         ]
     )
     .with(hardness),
-    residual!("yield", &[(any, "largest excess of the equivalent stress over the yield stress / the initial one")])
-        .with(yields),
-    residual!("flow", &[(any, "largest error of an increment of plastic strain / the largest equivalent strain")])
-        .with(yields),
     residual!(
-        "flow_complementarity",
-        &[(any, "largest increment of strain times the stress missing to yield / the largest strain and yield stress")]
-    )
-    .with(yields),
-    residual!("bottom", &[(any, "1 if the lowest cell yields although its layer goes on below it, else 0")])
-        .with(yields),
-    residual!("lateral_traction", &[(any, "largest lateral traction that the dynamics left / largest pressure")])
-        .with(|facts| facts.unknown == Unknown::All)
-        .by(Origin::Way),
-    residual!(
-        "lateral_displacement",
+        "yield",
         &[(
             any,
-            "last change of the lateral displacement over h_rms, which is consistent with the pressure to that extent"
+            "largest excess of the equivalent stress over the yield stress, divided by the initial \
+                                yield stress"
         )]
+    )
+    .with(yields),
+    residual!(
+        "flow",
+        &[(any, "largest error of a plastic strain increment, divided by the largest equivalent strain")]
+    )
+    .with(yields),
+    residual!(
+        "flow_complementarity",
+        &[(
+            any,
+            "largest product of strain increment and stress below yield, divided by the largest strain and yield \
+                 stress"
+        )]
+    )
+    .with(yields),
+    residual!("bottom", &[(any, "1 if the lowest cell yields although its layer continues below it, else 0")])
+        .with(yields),
+    residual!(
+        "lateral_traction",
+        &[(
+            any,
+            "largest lateral traction left by the dynamics, divided by the largest \
+                                           pressure"
+        )]
+    )
+    .with(|facts| facts.unknown == Unknown::All)
+    .by(Origin::Way),
+    residual!(
+        "lateral_displacement",
+        &[(any, "last change of the lateral displacement / h_rms: its consistency with the pressure")]
     )
     .with(steep),
     Column::new(
         "seconds",
         "s",
-        &[(any, "wall time of a load: solution and, of a contact, stiffness, statistics, flow; without finer grids")],
+        &[(
+            any,
+            "wall time of a load: solution and, for a contact, stiffness, statistics and flow; excludes finer \
+                 grids",
+        )],
         |at| at.seconds.into(),
     )
     .by(Origin::Clock),
@@ -198,7 +230,7 @@ pub(super) const COLUMNS: &[Column] = &[
 pub(super) const BALANCE: &[Column] = &[Column::new(
     "residual_equilibrium",
     "1",
-    &[(any, per_stress!("largest unbalanced force per area, from the final fields,"))],
+    &[(any, per_stress!("largest unbalanced force per area, from the final fields"))],
     |at| at.residual("equilibrium").into(),
 )
 .with(|facts| loads(facts) && law(facts))

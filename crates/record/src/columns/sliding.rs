@@ -45,7 +45,7 @@ pub const SLIDING_FIELDS: &[SlidingField] = &[
     SlidingField {
         name: "displacement_z",
         unit: "length",
-        meaning: "normal displacement of the surface of the body, negative downwards",
+        meaning: "normal displacement of the body surface, negative downwards",
         present: any,
     },
     SlidingField { name: "gap", unit: "length", meaning: "distance between the surfaces", present: any },
@@ -58,13 +58,13 @@ pub const SLIDING_FIELDS: &[SlidingField] = &[
     SlidingField {
         name: "temperature",
         unit: "temperature",
-        meaning: "temperature of the body's surface, above its mean",
+        meaning: "surface temperature of the body, relative to its mean",
         present: heat,
     },
     SlidingField {
         name: "heat_flux",
         unit: "stress*length/time",
-        meaning: "heat that flows into the body, per area and time",
+        meaning: "heat flux into the body",
         present: |facts| facts.shared,
     },
 ];
@@ -190,7 +190,7 @@ macro_rules! limits {
             Column::new(
                 concat!($name, "_limit_error"),
                 $unit,
-                &[(any, concat!("95 % of the errors of ", $name, "_limit are smaller"))],
+                &[(any, concat!("error bound (95 %) of ", $name, "_limit"))],
                 |at| at.limit($name, |found, _| found.half_width),
             )
             .with(refined)
@@ -234,14 +234,14 @@ const COLUMNS: &[Column] = &[
         at.state.solution.approach.into()
     })
     .head("approach", Form::Size),
-    Column::new("area_fraction", "1", &[(any, "points with pressure over all points")], |at| {
+    Column::new("area_fraction", "1", &[(any, "contact area fraction: share of points with pressure")], |at| {
         at.summary.area_fraction.into()
     })
     .head("area", Form::Unsure)
     .main(),
     Column::new("mean_gap", "length", &[(any, "mean distance between the surfaces")], |at| at.summary.mean_gap.into()),
     Column::new("max_pressure", "stress", &[(any, "largest pressure")], |at| at.summary.max_pressure.into()),
-    Column::new("plastic_fraction", "1", &[(any, "points whose pressure is the hardness over all points")], |at| {
+    Column::new("plastic_fraction", "1", &[(any, "share of points at the hardness")], |at| {
         of_plastic(at, |plastic| plastic.fraction)
     })
     .with(hardness)
@@ -255,7 +255,7 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "friction",
         "1",
-        &[(any, "coefficient of friction, lateral force over load: friction_interface + friction_hysteresis")],
+        &[(any, "friction coefficient, lateral force divided by load: friction_interface + friction_hysteresis")],
         |at| at.state.friction.into(),
     )
     .head("friction", Form::Unsure)
@@ -263,7 +263,7 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "friction_interface",
         "1",
-        &[(any, "coefficient of friction of the interface, mean shear over mean pressure")],
+        &[(any, "friction coefficient of the interface: mean shear divided by mean pressure")],
         |at| at.state.friction_interface.into(),
     ),
     Column::new(
@@ -271,38 +271,38 @@ const COLUMNS: &[Column] = &[
         "1",
         &[(
             any,
-            "coefficient of friction by the pressure on the slopes of the deformed body: without friction of the \
-             interface, the power lost in the body over velocity and mean pressure",
+            "friction coefficient from the pressure on the slopes of the deformed body: without interface friction, \
+             the power lost in the body divided by velocity and mean pressure",
         )],
         |at| at.state.friction_hysteresis.into(),
     ),
     Column::new(
         "friction_slope",
         "1",
-        &[(any, "coefficient of friction, by the pressure on the slopes of the rough surface")],
+        &[(any, "friction coefficient from the pressure on the slopes of the rough surface")],
         |at| at.state.friction_slope.into(),
     )
     .head("by slopes", Form::Unsure),
     Column::new("dissipated_power", "stress*length/time", &[(any, "power lost in the body, per area")], |at| {
         at.state.dissipated_power.into()
     }),
-    Column::new("persson_friction", "1", &[(any, "coefficient of friction by Persson's theory")], |at| {
+    Column::new("persson_friction", "1", &[(any, "friction coefficient from Persson's theory")], |at| {
         at.persson.friction.into()
     })
     .at("persson.friction")
     .head("Persson", Form::Size),
-    Column::new("persson_area_fraction", "1", &[(any, "contact area by Persson's theory")], |at| {
+    Column::new("persson_area_fraction", "1", &[(any, "contact area fraction from Persson's theory")], |at| {
         at.persson.area_fraction.into()
     })
     .at("persson.area_fraction"),
-    Column::new("heat_mean_flux", "stress*length/time", &[(any, "mean heat of friction, per area and time")], |at| {
+    Column::new("heat_mean_flux", "stress*length/time", &[(any, "mean frictional heat, per area and time")], |at| {
         of_heat(at, |heated| heated.mean_flux)
     })
     .at("heat.mean_flux")
     .with(heat)
     .on(Table::Heat, "heat", Form::Size)
     .detail(),
-    Column::new("heat_fraction", "1", &[(any, "part of the heat that flows into the body")], |at| {
+    Column::new("heat_fraction", "1", &[(any, "share of the heat that flows into the body")], |at| {
         of_heat(at, |heated| heated.fraction)
     })
     .at("heat.fraction")
@@ -311,7 +311,7 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "heat_max_rise",
         "temperature",
-        &[(any, "largest temperature in contact, above the mean of the surface")],
+        &[(any, "largest temperature in contact, relative to the surface mean")],
         |at| of_heat(at, |heated| heated.max_rise),
     )
     .at("heat.max_rise")
@@ -321,7 +321,7 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "heat_mean_rise",
         "temperature",
-        &[(any, "mean temperature in contact, above the mean of the surface")],
+        &[(any, "mean temperature in contact, relative to the surface mean")],
         |at| of_heat(at, |heated| heated.mean_rise),
     )
     .at("heat.mean_rise")
@@ -330,18 +330,18 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "heat_residual",
         "1",
-        &[(any, "largest difference between the temperatures of both bodies over the largest rise")],
+        &[(any, "largest temperature difference between both bodies, divided by the largest rise")],
         |at| of_heat(at, |heated| heated.residual),
     )
     .at("heat.residual")
     .with(heat)
     .by(Origin::Residual),
-    Column::new("iterations", "1", &[(any, "iterations of the search")], |at| at.effort().iterations.into())
+    Column::new("iterations", "1", &[(any, "solver iterations")], |at| at.effort().iterations.into())
         .count()
         .by(Origin::Way)
         .head("steps", Form::Whole)
         .effort(),
-    Column::new("transform_pairs", "1", &[(any, "pairs of transforms of the search")], |at| {
+    Column::new("transform_pairs", "1", &[(any, "transform pairs of the solver")], |at| {
         at.effort().transform_pairs.into()
     })
     .by(Origin::Way)
@@ -355,10 +355,10 @@ const COLUMNS: &[Column] = &[
         .at("")
         .by(Origin::Residual),
     residual!("complementarity", "sum(p gap) / (sum(p) h_rms), from the final fields"),
-    residual!("load", "|mean p - asked| / asked, from the final fields"),
+    residual!("load", "|mean p - prescribed| / prescribed, from the final fields"),
     residual!("negative_pressure", "max(0, -min p) / mean p, from the final fields"),
     residual!("penetration", "max(0, -min gap) / h_rms, from the final fields"),
-    residual!("saturation", "largest gap / h_rms where the pressure is the hardness").with(hardness),
+    residual!("saturation", "largest gap / h_rms at points at the hardness").with(hardness),
     AREA[0],
     AREA[1],
     AREA[2],

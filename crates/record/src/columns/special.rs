@@ -13,9 +13,9 @@ pub(super) const COLUMNS: &[Column] = &[
         "plastic_fraction",
         "1",
         &[
-            (path, "points whose pressure is the hardness, to its accuracy, over all points"),
-            (between, "points of the upper face whose pressure is the hardness over all points"),
-            (any, "points whose pressure is the hardness over all points"),
+            (path, "share of points at the hardness, to its accuracy"),
+            (between, "share of upper-face points at the hardness"),
+            (any, "share of points at the hardness"),
         ],
         |at| plastic(at)[0].into(),
     )
@@ -39,8 +39,7 @@ pub(super) const COLUMNS: &[Column] = &[
         "1",
         &[(
             any,
-            "contact area of the deformed surface, projected onto the plane of the rigid one, over the area of the \
-             cell",
+            "contact area of the deformed surface projected onto the plane of the rigid one, divided by the cell area",
         )],
         |at| {
             let found = at.rest.and_then(|rest| rest.steep()).map(|state| state.projected_area());
@@ -56,18 +55,18 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "plastic_strain_integral",
         "length",
-        &[(any, "equivalent plastic strain integrated over depth, mean over the surface")],
+        &[(any, "equivalent plastic strain integrated over depth, averaged over the surface")],
         |at| yielding(at, PlasticState::plastic_strain_integral),
     )
     .with(yields),
-    Column::new("yielded_volume", "length", &[(any, "volume that has yielded, per area of the surface")], |at| {
+    Column::new("yielded_volume", "length", &[(any, "yielded volume per surface area")], |at| {
         yielding(at, PlasticState::yielded_volume)
     })
     .with(yields),
     Column::new(
         "yield_depth",
         "length",
-        &[(any, "depth of the bottom of the lowest cell that has yielded, 0 if none has")],
+        &[(any, "bottom depth of the lowest cell that has yielded; 0 if none has")],
         |at| yielding(at, PlasticState::yield_depth),
     )
     .with(yields)
@@ -75,7 +74,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "plastic_displacement_mean",
         "length",
-        &[(any, "mean normal displacement of the surface by plastic strain, negative downwards")],
+        &[(any, "mean normal surface displacement due to plastic strain, negative downwards")],
         |at| yielding(at, |state| state.plastic_displacement_measures().mean),
     )
     .at("plastic_displacement.mean")
@@ -83,7 +82,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "plastic_displacement_rms",
         "length",
-        &[(any, "root mean square of the normal displacement by plastic strain about its mean")],
+        &[(any, "rms normal displacement due to plastic strain, about its mean")],
         |at| yielding(at, |state| state.plastic_displacement_measures().rms),
     )
     .at("plastic_displacement.rms")
@@ -91,7 +90,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "plastic_displacement_min",
         "length",
-        &[(any, "lowest normal displacement by plastic strain: the deepest imprint")],
+        &[(any, "lowest normal displacement due to plastic strain: the deepest imprint")],
         |at| yielding(at, |state| state.plastic_displacement_measures().min),
     )
     .at("plastic_displacement.min")

@@ -166,14 +166,14 @@ const COLUMNS: &[Column] = &[
     }),
     Column::new("lowest", "length", &[(any, "lowest height")], |at| at.statistics.lowest.into()),
     Column::new("highest", "length", &[(any, "highest height")], |at| at.statistics.highest.into()),
-    Column::new("peak_to_valley", "length", &[(any, "highest less lowest height: Sz of ISO 25178")], |at| {
+    Column::new("peak_to_valley", "length", &[(any, "highest minus lowest height: Sz of ISO 25178")], |at| {
         at.statistics.peak_to_valley().into()
     }),
     Column::new("sa", "length", &[(any, "Sa of ISO 25178: mean distance from the mean height")], |at| {
         at.areal.sa.into()
     }),
     Column::new("sp", "length", &[(any, "Sp of ISO 25178: highest height above the mean")], |at| at.areal.sp.into()),
-    Column::new("sv", "length", &[(any, "Sv of ISO 25178: depth of the lowest one below the mean")], |at| {
+    Column::new("sv", "length", &[(any, "Sv of ISO 25178: depth of the lowest height below the mean")], |at| {
         at.areal.sv.into()
     }),
     Column::new("ssk", "1", &[(any, "Ssk of ISO 25178: skewness")], |at| cell(at.areal.ssk, FLAT)),
@@ -183,13 +183,13 @@ const COLUMNS: &[Column] = &[
     Column::new("sdr", "1", &[(any, "Sdr of ISO 25178: developed area divided by projected area, minus 1")], |at| {
         at.areal.sdr.into()
     }),
-    Column::new("sk", "length", &[(any, "Sk of ISO 25178: height of the core of the bearing curve")], |at| {
+    Column::new("sk", "length", &[(any, "Sk of ISO 25178: core height of the bearing curve")], |at| {
         of_core(at, |core| core.sk)
     }),
-    Column::new("spk", "length", &[(any, "Spk of ISO 25178: reduced height of the peaks above the core")], |at| {
+    Column::new("spk", "length", &[(any, "Spk of ISO 25178: reduced peak height above the core")], |at| {
         of_core(at, |core| core.spk)
     }),
-    Column::new("svk", "length", &[(any, "Svk of ISO 25178: reduced depth of the valleys below the core")], |at| {
+    Column::new("svk", "length", &[(any, "Svk of ISO 25178: reduced valley depth below the core")], |at| {
         of_core(at, |core| core.svk)
     }),
     Column::new("smr1", "1", &[(any, "Smr1 of ISO 25178: material ratio between peaks and core")], |at| {
@@ -207,22 +207,19 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "vmp",
         "length",
-        &[(any, "Vmp of ISO 25178: volume of the peaks above the material ratio 10 %, per area")],
+        &[(any, "Vmp of ISO 25178: peak material volume per area, above the material ratio 10 %")],
         |at| of_volumes(at, |volumes| volumes.vmp),
     ),
     Column::new(
         "vmc",
         "length",
-        &[(any, "Vmc of ISO 25178: volume of the core material between 10 and 80 %, per area")],
+        &[(any, "Vmc of ISO 25178: core material volume per area, between 10 and 80 %")],
         |at| of_volumes(at, |volumes| volumes.vmc),
     ),
-    Column::new(
-        "vvc",
-        "length",
-        &[(any, "Vvc of ISO 25178: volume of the core voids between 10 and 80 %, per area")],
-        |at| of_volumes(at, |volumes| volumes.vvc),
-    ),
-    Column::new("vvv", "length", &[(any, "Vvv of ISO 25178: volume of the valleys below 80 %, per area")], |at| {
+    Column::new("vvc", "length", &[(any, "Vvc of ISO 25178: core void volume per area, between 10 and 80 %")], |at| {
+        of_volumes(at, |volumes| volumes.vvc)
+    }),
+    Column::new("vvv", "length", &[(any, "Vvv of ISO 25178: valley void volume per area, below 80 %")], |at| {
         of_volumes(at, |volumes| volumes.vvv)
     }),
     Column::new(
@@ -241,21 +238,21 @@ const COLUMNS: &[Column] = &[
         "rms_gradient",
         "1",
         &[
-            (free, "rms of the full gradient, by differences inside, as curvature and moments"),
-            (any, "rms of the full gradient, spectral"),
+            (free, "rms of the full gradient, from differences inside, like curvature and moments"),
+            (any, "rms of the full gradient, from the spectrum"),
         ],
         |at| at.moments.rms_gradient().into(),
     ),
-    Column::new("rms_gradient_central", "1", &[(any, "rms gradient by central differences")], |at| {
+    Column::new("rms_gradient_central", "1", &[(any, "rms gradient from central differences")], |at| {
         at.statistics.rms_gradient_central.into()
     }),
-    Column::new("rms_gradient_forward", "1", &[(any, "rms gradient by forward differences")], |at| {
+    Column::new("rms_gradient_forward", "1", &[(any, "rms gradient from forward differences")], |at| {
         at.statistics.rms_gradient_forward.into()
     }),
     Column::new(
         "rms_gradient_inside",
         "1",
-        &[(any, "rms gradient by forward differences, without the periodic seam")],
+        &[(any, "rms gradient from forward differences, excluding the periodic seam")],
         |at| at.statistics.rms_gradient_inside.into(),
     ),
     Column::new("rms_curvature", "1/length", &[(any, "rms of the mean curvature (h'' of a profile)")], |at| {
@@ -264,7 +261,7 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "rms_curvature_inside",
         "1/length",
-        &[(any, "rms of the mean curvature by second differences, without the periodic seam")],
+        &[(any, "rms of the mean curvature from second differences, excluding the periodic seam")],
         |at| inside(at, |moments| Some(moments.rms_curvature())),
     ),
     Column::new("rms_laplacian", "1/length", &[(any, "rms of the Laplacian")], |at| {
@@ -278,13 +275,16 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "m4_inside",
         "1/length^2",
-        &[(any, "fourth profile moment by second differences, without the periodic seam")],
+        &[(any, "fourth profile moment from second differences, excluding the periodic seam")],
         |at| inside(at, |moments| Some(moments.profile()[2])),
     ),
     Column::new("nayak", "1", &[(any, "Nayak's parameter m0 m4/m2^2")], |at| of_curvature(at, Moments::nayak)),
-    Column::new("nayak_inside", "1", &[(any, "Nayak's parameter by differences, without the periodic seam")], |at| {
-        inside(at, Moments::nayak)
-    }),
+    Column::new(
+        "nayak_inside",
+        "1",
+        &[(any, "Nayak's parameter from differences, excluding the periodic seam")],
+        |at| inside(at, Moments::nayak),
+    ),
     Column::new("hurst", "1", &[(any, "fitted Hurst exponent")], |at| of_fit(at, |fit| fit.hurst)),
     Column::new("hurst_error", "1", &[(any, "standard error of the fitted Hurst exponent")], |at| {
         of_fit(at, |fit| fit.standard_error)
@@ -395,11 +395,11 @@ const COLUMNS: &[Column] = &[
     .with(directed),
     Column::new("s10z", "length", &[(any, "S10z of ISO 25178: S5p plus S5v")], |at| of_features(at, Features::s10z))
         .with(directed),
-    Column::new("mean_hill_area", "length^2", &[(any, "mean area of a hill")], |at| {
+    Column::new("mean_hill_area", "length^2", &[(any, "mean hill area")], |at| {
         of_features(at, |features| features.hills.area)
     })
     .with(directed),
-    Column::new("mean_dale_area", "length^2", &[(any, "mean area of a dale")], |at| {
+    Column::new("mean_dale_area", "length^2", &[(any, "mean dale area")], |at| {
         of_features(at, |features| features.dales.area)
     })
     .with(directed),
@@ -448,11 +448,11 @@ const COLUMNS: &[Column] = &[
     Column::new(
         "rzx",
         "length",
-        &[(any, "Rzx of ISO 21920: highest minus lowest height of a section, largest one")],
+        &[(any, "Rzx of ISO 21920: largest difference between highest and lowest height of a section")],
         |at| of_profile(at, |profile| Some(profile.rzx)),
     )
     .with(line),
-    Column::new("rdq", "1", &[(any, "Rdq of ISO 21920: root-mean-square slope by forward differences")], |at| {
+    Column::new("rdq", "1", &[(any, "Rdq of ISO 21920: root-mean-square slope from forward differences")], |at| {
         of_profile(at, |profile| Some(profile.rdq))
     })
     .with(line),
@@ -460,15 +460,15 @@ const COLUMNS: &[Column] = &[
         of_profile(at, |profile| profile.rsm)
     })
     .with(line),
-    Column::new("rk", "length", &[(any, "Rk of ISO 21920: height of the core of the bearing curve")], |at| {
+    Column::new("rk", "length", &[(any, "Rk of ISO 21920: core height of the bearing curve")], |at| {
         of_profile(at, |profile| profile.core.map(|core| core.sk))
     })
     .with(line),
-    Column::new("rpk", "length", &[(any, "Rpk of ISO 21920: reduced height of the peaks above the core")], |at| {
+    Column::new("rpk", "length", &[(any, "Rpk of ISO 21920: reduced peak height above the core")], |at| {
         of_profile(at, |profile| profile.core.map(|core| core.spk))
     })
     .with(line),
-    Column::new("rvk", "length", &[(any, "Rvk of ISO 21920: reduced depth of the valleys below the core")], |at| {
+    Column::new("rvk", "length", &[(any, "Rvk of ISO 21920: reduced valley depth below the core")], |at| {
         of_profile(at, |profile| profile.core.map(|core| core.svk))
     })
     .with(line),
