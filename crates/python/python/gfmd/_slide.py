@@ -193,10 +193,7 @@ def slide(
 
 
 def made_of(
-    values: dict[str, Any],
-    fields: Mapping[str, Array],
-    given: tuple[Surface, Any],
-    file: File | Contents,
+    values: dict[str, Any], fields: Mapping[str, Array], given: tuple[Surface, Any], file: File | Contents
 ) -> Slide:
     """Makes a slide from the report of the command, its fields, the surface and the hardness, and the file."""
     made, bound = given
