@@ -164,10 +164,10 @@ fn a_sweep_has_bodies_of_its_own() {
         assert!(shown[0] == shown[1] && shown[0].contains("young = 1000000000.0"), "{shown:?}");
     }
     for (line, named) in [
-        ("height = \"20um\"", "body.height is \"20um\": a sweep has no unit of lengths"),
+        ("height = \"20um\"", "body.height is \"20um\": a sweep has no unit of length"),
         ("young = \"3mm\"", "body.young: \"3mm\": it is a length"),
         ("young = \"3GPaa\"", "body.young: \"3GPaa\": \"GPaa\" is no unit"),
-        ("layers = [[\"3GPa\", 0.3, \"1um\"]]", "body.layers is \"1um\": a sweep has no unit of lengths"),
+        ("layers = [[\"3GPa\", 0.3, \"1um\"]]", "body.layers is \"1um\": a sweep has no unit of length"),
         ("young = \"3GPa\"\npoisson = true", "poisson"),
     ] {
         std::fs::write(folder.join("w.toml"), format!("[body]\n{line}\n")).unwrap();

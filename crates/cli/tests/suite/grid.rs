@@ -95,7 +95,7 @@ fn between_the_points_of_a_scan_two_interpolations_tell_what_is_not_known() {
     let [_, _, error] = self::limit(&patch["loads"][0], "area_fraction");
     assert!(error > 0.0, "{error}");
     let reported = refused(folder.path(), &format!("{scan} --accuracy 1%"));
-    assert!(reported.contains("what lies between the points is not known"), "{reported}");
+    assert!(reported.contains("the heights between the points are unknown"), "{reported}");
 }
 
 #[test]

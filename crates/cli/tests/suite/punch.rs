@@ -253,7 +253,7 @@ fn unusable_masks_tractions_shifts_and_dampings_are_refused() {
         ("--n 8 --dt 0.5", ["--dt", "verlet-critical"]),
         ("--n 8 --solver verlet-modes --damping 2", ["--damping", "verlet-critical"]),
         ("--n 8 --solver verlet-critical --damping 1,1", ["--damping", "three"]),
-        ("--n 8 --solver verlet-critical --damping 1e3", ["--damping", "over the critical one is 1e3"]),
+        ("--n 8 --solver verlet-critical --damping 1e3", ["--damping", "divided by the critical damping is 1e3"]),
         ("--n 8 --solver verlet-critical --dt 1", ["--dt", "below 1"]),
         ("--n 8 --solver verlet-modes --height inf", ["verlet-modes", "slab"]),
         ("--n 8 --solver verlet-critical --damping 1,1,1 --height inf", ["--damping", "slab"]),

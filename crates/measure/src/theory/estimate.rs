@@ -70,13 +70,13 @@ impl EquivalentBand {
 /// of area fraction a has points among the highest f = 1 − (1 − a)² of the surface, as a truncation of light contacts
 /// has twice their area. With s the rms slope there divided by the rms slope of all points ([`Summits`]), the reduced
 /// pressure is p/s. Mean gap and stiffness are of Persson's theory, moved by the height that f exceeds, in place of the
-/// one of a Gaussian surface: w (h(f) + s min(u − σ z(f), 0)) + (1 − w) u with w = max(1 − 2a, 0), u the gap of the
-/// theory at p/s, σ the rms height and z the Gaussian quantile; a mean plane is no farther than the level that
-/// truncates. Pressures have Persson's distribution, with the variance W with which its
-/// area is this area (theory.md, section 11): on the points in contact the mean square is M₂/a, with M₂ = (p̄² + W) a +
-/// 2 p̄ √(W/2π) e^{−p̄²/2W}. The largest pressure is the level that one patch of the cell exceeds on average: of a
-/// Gaussian field they are A ⟨q²⟩/(4π) z² P for high levels, z the level above the mean in standard deviations, P the
-/// area fraction above it, and ⟨q²⟩ the mean square wavenumber of the pressure (Adler 1981).
+/// one of a Gaussian surface: w (h(f) + s e) + (1 − w) u with w = max(1 − 2a, 0), e = u − σ z(f), u the gap of the
+/// theory at p/s, σ the rms height and z the Gaussian quantile. A light contact is no farther than the level that
+/// truncates: of a positive e, only the part 5a counts up to a = 0.2. Pressures have Persson's distribution, with the
+/// variance W with which its area is this area (theory.md, section 11): on the points in contact the mean square is
+/// M₂/a, with M₂ = (p̄² + W) a + 2 p̄ √(W/2π) e^{−p̄²/2W}. The largest pressure is the level that one patch of the cell
+/// exceeds on average: of a Gaussian field they are A ⟨q²⟩/(4π) z² P for high levels, z the level above the mean in
+/// standard deviations, P the area fraction above it, and ⟨q²⟩ the mean square wavenumber of the pressure (Adler 1981).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     persson: Persson,
@@ -184,8 +184,10 @@ impl Estimate {
         let Some(summits) = &self.summits else { return gap };
         let fraction = highest_fraction(area);
         let gaussian = summits.rms_height() * exceeded(fraction);
+        let beyond = gap - gaussian;
+        let beyond = beyond.min(0.0) + (area / LIGHT).min(1.0) * beyond.max(0.0);
         let weight = (1.0 - 2.0 * area).max(0.0);
-        weight * (summits.height(fraction) + slope * (gap - gaussian).min(0.0)) + (1.0 - weight) * gap
+        weight * (summits.height(fraction) + slope * beyond) + (1.0 - weight) * gap
     }
 
     /// Returns the level above the mean pressure, in standard deviations, that one patch of the cell exceeds; `mean` is
@@ -209,6 +211,9 @@ impl Estimate {
 
 /// Ratio of the higher load that gives the stiffness to the load, and of the load to the lower one.
 const STIFFNESS_STEP: f64 = 1.5;
+
+/// Area fraction below which a contact is light: its mean gap hardly exceeds the level that truncates.
+const LIGHT: f64 = 0.2;
 
 /// Points in contact.
 #[derive(Clone, Copy, Debug)]

@@ -17,48 +17,49 @@ class Residuals(Record):
     @property
     def complementarity(self) -> float:
         """Without unit: sum(p gap) / (sum(p) h_rms), from the final fields. With `law` or `lower_surface`: sum(p
-        gap) / (sum(p) h_rms), from the final fields, the larger of the two faces. With `law`: sum(p gap) / (sum(p)
-        h_rms) with p the pressure of the wall, from the final fields.
+        gap) / (sum(p) h_rms), from the final fields; larger of the two faces. With `law`: sum(p gap) / (sum(p)
+        h_rms) with the wall pressure p, from the final fields.
         """
 
     @property
     def penetration(self) -> float:
         """Without unit: max(0, -min gap) / h_rms, from the final fields. With `lower_surface`: max(0, -min gap) /
-        h_rms, from the final fields, the larger of the two faces.
+        h_rms, from the final fields; larger of the two faces.
         """
 
     @property
     def negative_pressure(self) -> float:
         """Without unit: max(0, -min p) / mean p, from the final fields. With `law` or `lower_surface`: max(0, -min
-        p) / mean p, from the final fields, the larger of the two faces. With `law`: largest tension that the wall
-        would have to hold, from the final fields, / the stress scale (the largest traction, or the softest stiffness
-        times h_rms if more).
+        p) / mean p, from the final fields; larger of the two faces. With `law`: largest tension that the wall would
+        have to carry, from the final fields, divided by the stress scale (larger of the largest traction and the
+        softest stiffness times h_rms).
         """
 
     @property
     def load(self) -> float:
-        """Without unit: |mean p - asked| / asked, from the final fields. With `law` or `lower_surface`: |mean p -
-        asked| / asked, the larger of the two faces; if the approach is prescribed the difference of their mean
-        pressures over its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed,
-        / the stress scale (the largest traction, or the softest stiffness times h_rms if more).
+        """Without unit: |mean p - prescribed| / prescribed, from the final fields. With `law` or `lower_surface`:
+        |mean p - prescribed| / prescribed, larger of the two faces; under a prescribed approach, the difference
+        between the mean pressures on both faces divided by their mean. With `law`: |mean p - prescribed|, from the
+        final fields (0 if the approach is prescribed), divided by the stress scale (larger of the largest traction
+        and the softest stiffness times h_rms).
         """
 
     @property
     def saturation(self) -> float:
-        """Without unit: largest gap / h_rms where the pressure is the hardness. With `lower_surface`: largest gap /
-        h_rms where the pressure is the hardness, the larger of the two faces. With `hardness` only.
+        """Without unit: largest gap / h_rms at points at the hardness. With `lower_surface`: largest gap / h_rms at
+        points at the hardness; larger of the two faces. With `hardness` only.
         """
 
     @property
     def lateral_traction(self) -> float:
-        """Without unit: largest lateral traction that the dynamics left / largest pressure. With `components="all"`
-        only.
+        """Without unit: largest lateral traction left by the dynamics, divided by the largest pressure. With
+        `components="all"` only.
         """
 
     @property
     def lateral_displacement(self) -> float:
-        """Without unit: last change of the lateral displacement over h_rms, which is consistent with the pressure to
-        that extent. With `finite_slope` only.
+        """Without unit: last change of the lateral displacement / h_rms: its consistency with the pressure. With
+        `finite_slope` only.
         """
 
 class LowerFace(Record):
@@ -78,7 +79,7 @@ class LowerFace(Record):
 
     @property
     def area_fraction_corrected(self) -> float:
-        """Without unit: contact area fraction of the lower face less the excess of the pixels along the perimeter."""
+        """Without unit: contact area fraction of the lower face, corrected for the excess of perimeter pixels."""
 
     @property
     def contact_nodes(self) -> int:
@@ -86,7 +87,7 @@ class LowerFace(Record):
 
     @property
     def boundary_links(self) -> int:
-        """Count: neighbouring pairs with one point in contact and one not, at the lower face."""
+        """Count: number of neighbouring pairs with exactly one point in contact, at the lower face."""
 
     @property
     def mean_gap(self) -> float:
@@ -102,9 +103,7 @@ class LowerFace(Record):
 
     @property
     def plastic_fraction(self) -> float:
-        """Without unit: points of the lower face whose pressure is the hardness over all points. With `hardness`
-        only.
-        """
+        """Without unit: share of lower-face points at the hardness. With `hardness` only."""
 
     @property
     def plastic_volume(self) -> float:
@@ -127,30 +126,28 @@ class Numbers(Record):
 
     @property
     def force(self) -> float:
-        """Stress * length^2: force, of a line per length across it (stress*length). With `boundary="free"` only."""
+        """Stress * length^2: force; of a profile, per unit width (stress*length). With `boundary="free"` only."""
 
     @property
     def approach(self) -> float:
-        """Length: rigid approach beyond first touch. In some problems: rigid approach beyond first touch, against
-        points one length of the profile away. With `lower_surface`: approach of the two rigid surfaces beyond the
-        distance at which both touch the undeformed slab.
+        """Length: rigid approach beyond first touch. In some problems: rigid approach beyond first touch, relative
+        to points one profile length away. With `lower_surface`: approach of the two rigid surfaces beyond the
+        distance where both touch the undeformed slab.
         """
 
     @property
     def mean_shear(self) -> list[float]:
-        """Stress along x and y: mean traction that holds the rigid surface in its place. With `finite_slope` only."""
+        """Stress along x and y: mean traction that holds the rigid surface in place. With `finite_slope` only."""
 
     @property
     def area_fraction(self) -> float:
-        """Without unit: contact area fraction, points in contact over all points. With `law`: contact area fraction,
-        points that are repelled over all points.
+        """Without unit: contact area fraction: share of points in contact. With `law`: contact area fraction: share
+        of points that are repelled.
         """
 
     @property
     def area_fraction_corrected(self) -> float:
-        """Without unit: contact area fraction less the excess of the pixels along the perimeter (Yastrebov et al.
-        2017).
-        """
+        """Without unit: contact area fraction, corrected for the excess of perimeter pixels (Yastrebov et al. 2017)."""
 
     @property
     def kappa(self) -> float:
@@ -170,8 +167,8 @@ class Numbers(Record):
 
     @property
     def boundary_links(self) -> int:
-        """Count: neighbouring pairs with one point in contact and one not. With `law`: neighbouring pairs with one
-        point repelled and one not.
+        """Count: number of neighbouring pairs with exactly one point in contact. With `law`: number of neighbouring
+        pairs with exactly one point repelled.
         """
 
     @property
@@ -184,7 +181,7 @@ class Numbers(Record):
 
     @property
     def max_net_pressure(self) -> float:
-        """Stress: largest pressure on the body, the repulsion less the attraction; the hardness at most. With `law`
+        """Stress: largest net pressure on the body (repulsion minus attraction), at most the hardness. With `law`
         and `hardness` only.
         """
 
@@ -208,32 +205,32 @@ class Numbers(Record):
 
     @property
     def elastic_energy(self) -> float:
-        """Stress * length: elastic energy per area of the surface. In some problems: elastic energy per area, zero
-        one length of the profile away. With `lower_surface`: elastic energy of the slab per area, by the pressures
-        on both faces.
+        """Stress * length: elastic energy per area of the surface. In some problems: elastic energy per area,
+        relative to points one profile length away. With `lower_surface`: elastic energy of the slab per area, from
+        the pressures on both faces.
         """
 
     @property
     def interface_energy(self) -> float:
-        """Stress * length: energy of the contact law per area of the surface, zero far away. With `lower_surface`:
-        energy of the law at both faces per area of the slab, zero far away. With `law` only.
+        """Stress * length: energy of the contact law per area, zero at large gaps. With `lower_surface`: energy of
+        the law per area at both faces, zero at large gaps. With `law` only.
         """
 
     @property
     def passed_instability(self) -> bool:
-        """Flag: true if directions of negative curvature were met on the way from the last load. With `law` only."""
+        """Flag: true if the search from the last load met negative curvature. With `law` only."""
 
     @property
     def lowest_curvature(self) -> float:
-        """Without unit: lowest curvature met in the last search for a step, over the elastic curvature. With `law`
+        """Without unit: lowest curvature in the last search for a step, divided by the elastic curvature. With `law`
         only.
         """
 
     @property
     def stiffness(self) -> float:
-        """Stress/length: d(mean pressure)/d(approach) with the points in contact kept, those at the hardness with
-        their pressure; NaN where it is infinite (full contact with a fixed mean level) or not computed: the
-        attribute undefined says why.
+        """Stress/length: d(mean pressure)/d(approach) with fixed points in contact and constant pressure at the
+        hardness; NaN where infinite (full contact with a fixed mean level) or not computed, with the reason in the
+        attribute undefined.
         """
 
     @property
@@ -242,11 +239,11 @@ class Numbers(Record):
 
     @property
     def iterations(self) -> int:
-        """Count: iterations or time steps of the solver."""
+        """Count: solver iterations or time steps."""
 
     @property
     def transform_pairs(self) -> float:
-        """Without unit: forward and inverse real transforms of the full grid, in pairs."""
+        """Without unit: pairs of forward and inverse real transforms of the full grid."""
 
     @property
     def converged(self) -> bool:
@@ -260,14 +257,14 @@ class Numbers(Record):
 
     @property
     def seconds(self) -> float:
-        """Seconds: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without finer
+        """Seconds: wall time of a load: solution and, for a contact, stiffness, statistics and flow; excludes finer
         grids.
         """
 
     @property
     def plastic_fraction(self) -> float:
-        """Without unit: points whose pressure is the hardness over all points. With `lower_surface`: points of the
-        upper face whose pressure is the hardness over all points. With `hardness` only.
+        """Without unit: share of points at the hardness. With `lower_surface`: share of upper-face points at the
+        hardness. With `hardness` only.
         """
 
     @property
@@ -278,8 +275,8 @@ class Numbers(Record):
 
     @property
     def projected_area_fraction(self) -> float:
-        """Without unit: contact area of the deformed surface, projected onto the plane of the rigid one, over the
-        area of the cell. With `finite_slope` only.
+        """Without unit: contact area of the deformed surface projected onto the plane of the rigid one, divided by
+        the cell area. With `finite_slope` only.
         """
 
     @property
@@ -288,8 +285,8 @@ class Numbers(Record):
 
     @property
     def residual_equilibrium(self) -> float:
-        """Without unit: largest unbalanced force per area, from the final fields, / the stress scale (the largest
-        traction, or the softest stiffness times h_rms if more). With `law` only.
+        """Without unit: largest unbalanced force per area, from the final fields, divided by the stress scale
+        (larger of the largest traction and the softest stiffness times h_rms). With `law` only.
         """
 
     @property
@@ -298,7 +295,7 @@ class Numbers(Record):
 
     @property
     def mean_pressure_limit_error(self) -> float:
-        """Stress: 95 % of the errors of mean_pressure_limit are smaller. In some problems only."""
+        """Stress: error bound (95 %) of mean_pressure_limit. In some problems only."""
 
     @property
     def mean_pressure_grid_error(self) -> float:
@@ -312,7 +309,7 @@ class Numbers(Record):
 
     @property
     def approach_limit_error(self) -> float:
-        """Length: 95 % of the errors of approach_limit are smaller. In some problems only."""
+        """Length: error bound (95 %) of approach_limit. In some problems only."""
 
     @property
     def approach_grid_error(self) -> float:
@@ -324,7 +321,7 @@ class Numbers(Record):
 
     @property
     def area_fraction_limit_error(self) -> float:
-        """Without unit: 95 % of the errors of area_fraction_limit are smaller."""
+        """Without unit: error bound (95 %) of area_fraction_limit."""
 
     @property
     def area_fraction_grid_error(self) -> float:
@@ -336,7 +333,7 @@ class Numbers(Record):
 
     @property
     def kappa_limit_error(self) -> float:
-        """Without unit: 95 % of the errors of kappa_limit are smaller."""
+        """Without unit: error bound (95 %) of kappa_limit."""
 
     @property
     def kappa_grid_error(self) -> float:
@@ -344,11 +341,11 @@ class Numbers(Record):
 
     @property
     def boundary_links_limit(self) -> float:
-        """Without unit: estimate of the length of the boundary on an infinitely fine grid, in steps of this grid."""
+        """Without unit: estimate of the boundary length on an infinitely fine grid, in steps of this grid."""
 
     @property
     def boundary_links_limit_error(self) -> float:
-        """Without unit: 95 % of the errors of boundary_links_limit are smaller."""
+        """Without unit: error bound (95 %) of boundary_links_limit."""
 
     @property
     def boundary_links_grid_error(self) -> float:
@@ -360,7 +357,7 @@ class Numbers(Record):
 
     @property
     def mean_gap_limit_error(self) -> float:
-        """Length: 95 % of the errors of mean_gap_limit are smaller."""
+        """Length: error bound (95 %) of mean_gap_limit."""
 
     @property
     def mean_gap_grid_error(self) -> float:
@@ -372,7 +369,7 @@ class Numbers(Record):
 
     @property
     def max_pressure_limit_error(self) -> float:
-        """Stress: 95 % of the errors of max_pressure_limit are smaller."""
+        """Stress: error bound (95 %) of max_pressure_limit."""
 
     @property
     def max_pressure_grid_error(self) -> float:
@@ -384,7 +381,7 @@ class Numbers(Record):
 
     @property
     def mean_pressure_in_contact_limit_error(self) -> float:
-        """Stress: 95 % of the errors of mean_pressure_in_contact_limit are smaller."""
+        """Stress: error bound (95 %) of mean_pressure_in_contact_limit."""
 
     @property
     def mean_pressure_in_contact_grid_error(self) -> float:
@@ -396,7 +393,7 @@ class Numbers(Record):
 
     @property
     def pressure_deviation_in_contact_limit_error(self) -> float:
-        """Stress: 95 % of the errors of pressure_deviation_in_contact_limit are smaller."""
+        """Stress: error bound (95 %) of pressure_deviation_in_contact_limit."""
 
     @property
     def pressure_deviation_in_contact_grid_error(self) -> float:
@@ -410,7 +407,7 @@ class Numbers(Record):
 
     @property
     def pressure_moment_2_limit_error(self) -> float:
-        """Stress^2: 95 % of the errors of pressure_moment_2_limit are smaller."""
+        """Stress^2: error bound (95 %) of pressure_moment_2_limit."""
 
     @property
     def pressure_moment_2_grid_error(self) -> float:
@@ -422,7 +419,7 @@ class Numbers(Record):
 
     @property
     def elastic_energy_limit_error(self) -> float:
-        """Stress * length: 95 % of the errors of elastic_energy_limit are smaller."""
+        """Stress * length: error bound (95 %) of elastic_energy_limit."""
 
     @property
     def elastic_energy_grid_error(self) -> float:
@@ -436,7 +433,7 @@ class Numbers(Record):
 
     @property
     def interface_energy_limit_error(self) -> float:
-        """Stress * length: 95 % of the errors of interface_energy_limit are smaller. With `law` only."""
+        """Stress * length: error bound (95 %) of interface_energy_limit. With `law` only."""
 
     @property
     def interface_energy_grid_error(self) -> float:
@@ -450,7 +447,7 @@ class Numbers(Record):
 
     @property
     def stiffness_limit_error(self) -> float:
-        """Stress/length: 95 % of the errors of stiffness_limit are smaller."""
+        """Stress/length: error bound (95 %) of stiffness_limit."""
 
     @property
     def stiffness_grid_error(self) -> float:
@@ -533,7 +530,7 @@ class Steps(Record):
 
     @property
     def mean_pressure(self) -> Array:
-        """Stress [step]: mean pressure over the whole surface; negative if it is pulled."""
+        """Stress [step]: mean pressure over the whole surface; negative under tension."""
 
     @property
     def p_star(self) -> Array:
@@ -541,15 +538,15 @@ class Steps(Record):
 
     @property
     def force(self) -> Array:
-        """Stress * length^2 [step]: force, of a line per length across it (stress*length). With `boundary="free"`
+        """Stress * length^2 [step]: force; of a profile, per unit width (stress*length). With `boundary="free"`
         only.
         """
 
     @property
     def approach(self) -> Array:
         """Length [step]: rigid approach beyond first touch. In some problems: rigid approach beyond first touch,
-        against points one length of the profile away. With `lower_surface`: approach of the two rigid surfaces
-        beyond the distance at which both touch the undeformed slab.
+        relative to points one profile length away. With `lower_surface`: approach of the two rigid surfaces beyond
+        the distance where both touch the undeformed slab.
         """
 
     @property
@@ -570,13 +567,11 @@ class Steps(Record):
 
     @property
     def area_fraction(self) -> Array:
-        """Without unit [step]: points that are repelled over all points."""
+        """Without unit [step]: share of points that are repelled."""
 
     @property
     def stick_fraction(self) -> Array:
-        """Without unit [step]: points in contact whose shear is below its limit, over all points; NaN without
-        friction.
-        """
+        """Without unit [step]: fraction of all points that touch with a shear below its limit; NaN without friction."""
 
     @property
     def mean_gap(self) -> Array:
@@ -588,14 +583,14 @@ class Steps(Record):
 
     @property
     def max_net_pressure(self) -> Array:
-        """Stress [step]: largest pressure on the body, the repulsion less the attraction; the hardness at most. With
+        """Stress [step]: largest net pressure on the body (repulsion minus attraction), at most the hardness. With
         `law` and `hardness` only.
         """
 
     @property
     def wear_volume(self) -> Array:
-        """Length [step]: mean over the whole surface of the depth lost so far. With `lower_surface`: mean over the
-        whole upper face of the depth lost so far. With `wear` only.
+        """Length [step]: mean depth lost so far, over the whole surface. With `lower_surface`: mean depth lost so
+        far, over the whole upper face. With `wear` only.
         """
 
     @property
@@ -607,111 +602,112 @@ class Steps(Record):
     @property
     def elastic_energy(self) -> Array:
         """Stress * length [step]: elastic energy per area of the surface. In some problems: elastic energy per area,
-        zero one length of the profile away. With `yield_stress`: elastic energy per area of the surface, with the
-        energy of residual stress. With `lower_surface` or `prony`: energy stored in the springs of all branches, per
-        area of the surface. With `lower_surface`: elastic energy of the slab per area, by the pressures on both
-        faces.
+        relative to points one profile length away. With `yield_stress`: elastic energy per area, including the
+        energy of residual stress. With `lower_surface` or `prony`: elastic energy per area in the springs of all
+        branches. With `lower_surface`: elastic energy of the slab per area, from the pressures on both faces.
         """
 
     @property
     def interface_energy(self) -> Array:
-        """Stress * length [step]: energy of the law per area of the surface, zero far away; NaN if it has none. With
-        `lower_surface`: energy of the law at both faces per area of the slab, zero far away.
+        """Stress * length [step]: energy of the law per area, zero at large gaps; NaN if the law has no potential.
+        With `lower_surface`: energy of the law per area at both faces, zero at large gaps.
         """
 
     @property
     def dissipated(self) -> Array:
-        """Stress * length [step]: energy lost in this step, per area; with a law at least minus its error; NaN if
-        the law has no energy. With `yield_stress`: energy dissipated by plastic strain in this step, per area,
-        without hardening_energy. In some problems: work of the pressure on the depth lost in this step, per area,
-        without the work of friction. In some problems: energy lost in the dashpots in this step, per area. With
-        `law` and `friction` or `law` and `hardness="or __coefficient"` or `friction` and `hardness="or
-        __coefficient"` or `law` and `prony` or `friction` and `prony` or `hardness="or __coefficient"` and `prony`
-        or `hardness` and `wear`: energy lost in the dashpots and in jumps in this step, per area; in the first one
-        without jumps. With `law` and `friction` or `law` and `hardness="or __coefficient"` or `friction` and
-        `hardness="or __coefficient"` or `friction` and `prony` or `hardness="or __coefficient"` and `prony` or
-        `hardness` and `wear`: energy lost in this step by all causes, per area: the sum of the columns lost_*.
+        """Stress * length [step]: energy lost in this step, per area; with a law, at least minus its error; NaN if
+        the law has no potential. With `yield_stress`: energy dissipated by plastic strain in this step, per area,
+        excluding hardening_energy. In some problems: work of the pressure on the depth lost in this step, per area,
+        excluding friction. In some problems: energy lost in the dashpots in this step, per area. With `law` and
+        `friction` or `law` and `hardness="or __coefficient"` or `friction` and `hardness="or __coefficient"` or
+        `law` and `prony` or `friction` and `prony` or `hardness="or __coefficient"` and `prony` or `hardness` and
+        `wear`: energy lost in dashpots and jumps in this step, per area; the first step counts no jumps. With `law`
+        and `friction` or `law` and `hardness="or __coefficient"` or `friction` and `hardness="or __coefficient"` or
+        `friction` and `prony` or `hardness="or __coefficient"` and `prony` or `hardness` and `wear`: energy lost in
+        this step, per area: the sum of the columns lost_*.
         """
 
     @property
     def hardening_energy(self) -> Array:
-        """Stress * length [step]: energy stored by hardening per area of the surface; isotropic hardening does not
-        give it back. With `yield_stress` only.
+        """Stress * length [step]: energy stored by hardening, per area; not recoverable with isotropic hardening.
+        With `yield_stress` only.
         """
 
     @property
     def lost_relaxation(self) -> Array:
-        """Stress * length [step]: part of dissipated that the dashpots of the body lose in this step, per area. With
+        """Stress * length [step]: energy lost in the dashpots in this step, per area (part of dissipated). With
         `law` and `prony` or `friction` and `prony` or `hardness="or __coefficient"` and `prony` only.
         """
 
     @property
     def lost_friction(self) -> Array:
-        """Stress * length [step]: part of dissipated that is lost by slip in this step, per area. With `law` and
+        """Stress * length [step]: energy lost by slip in this step, per area (part of dissipated). With `law` and
         `friction` or `friction` and `hardness="or __coefficient"` or `friction` and `prony` only.
         """
 
     @property
     def lost_wear(self) -> Array:
-        """Stress * length [step]: part of dissipated: work that the pressure does on the depth worn off in this
-        step, per area. With `law` and `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`
+        """Stress * length [step]: work of the pressure on the depth worn off in this step, per area (part of
+        dissipated). With `law` and `wear` or `hardness` and `wear` or `friction` and `wear` or `prony` and `wear`
         only.
         """
 
     @property
     def lost_plastic(self) -> Array:
-        """Stress * length [step]: part of dissipated: work that the pressure does on the plastic depth gained in
-        this step, per area. With `law` and `hardness` or `hardness` and `friction` or `hardness` and `prony` or
-        `hardness` and `wear` only.
+        """Stress * length [step]: work of the pressure on the plastic depth gained in this step, per area (part of
+        dissipated). With `law` and `hardness` or `hardness` and `friction` or `hardness` and `prony` or `hardness`
+        and `wear` only.
         """
 
     @property
     def lost_jumps(self) -> Array:
-        """Stress * length [step]: part of dissipated that is lost in jumps in this step, per area: what the balance
-        of work and energy misses, and so below zero by no more than its error. With `law` and `friction` or `law`
-        and `hardness="or __coefficient"` or `law` and `prony` only.
+        """Stress * length [step]: energy lost in jumps in this step, per area (part of dissipated): the remainder of
+        the balance of work and energy, at least minus its error. With `law` and `friction` or `law` and
+        `hardness="or __coefficient"` or `law` and `prony` only.
         """
 
     @property
     def dissipated_error(self) -> Array:
-        """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved, or if dissipated is
-        unknown. In some problems: estimated error of dissipated: twice its difference from a path in half as many
-        increments; 0 in a step of no time without a law; NaN if that path was not followed. With `law` and
+        """Stress * length [step]: estimated error of dissipated; NaN if the step was not halved or dissipated is
+        unknown. In some problems: estimated error of dissipated: twice its difference from a path with half as many
+        increments; 0 in a step of zero duration without a law; NaN if that path was not followed. With `law` and
         `friction` or `law` and `hardness="or __coefficient"` or `friction` and `hardness="or __coefficient"` or
         `friction` and `prony` or `hardness="or __coefficient"` and `prony` or `hardness="or __coefficient"` and
-        `wear`: estimated error of dissipated: 0 in a step of no distance, else NaN. With `law` and `friction` or
+        `wear`: estimated error of dissipated: 0 in a step of zero distance, else NaN. With `law` and `friction` or
         `law` and `hardness="or __coefficient"` or `friction` and `hardness="or __coefficient"` or `friction` and
         `prony` or `hardness="or __coefficient"` and `prony` or `hardness` and `wear`: estimated error of dissipated,
-        from its difference from a path in half as many increments; 0 in a step that cannot lose energy; NaN if that
-        path was not followed.
+        from a path with half as many increments; 0 in a step that cannot lose energy; NaN if that path was not
+        followed.
         """
 
     @property
     def work_imbalance(self) -> Array:
-        """Stress * length [step]: work of the rigid surface by the trapezoidal rule less the energies gained and
-        lost, in magnitude; the sum of a path leaves out a first step of no time and no distance. With `law` and
-        `prony`: work of the rigid surface by the trapezoidal rule less the energies gained and lost, in magnitude;
-        in a step with a jump the largest error of that rule; 0 in the first step of no time; the sum of a path
-        leaves out a first step of no time. In some problems only.
+        """Stress * length [step]: absolute difference between the work of the rigid surface (trapezoidal rule) and
+        the energies gained and lost; the sum of a path excludes a first step of zero duration and distance. With
+        `law` and `prony`: absolute difference between the work of the rigid surface (trapezoidal rule) and the
+        energies gained and lost; in a step with a jump, the largest error of that rule; 0 in a first step of zero
+        duration, which the sum of a path excludes. In some problems only.
         """
 
     @property
     def passed_instability(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if more energy was lost in a jump of this step than its error; NaN if no energy tells."""
+        """Flag [step]: true if a jump in this step lost more energy than its error; NaN if no energy balance reveals
+        jumps.
+        """
 
     @property
     def lowest_curvature(self) -> Array:
-        """Without unit [step]: lowest curvature met in the last search for a step, over the elastic curvature."""
+        """Without unit [step]: lowest curvature in the last search for a step, divided by the elastic curvature."""
 
     @property
     def stiffness(self) -> Array:
-        """Stress/length [step]: d(mean pressure)/d(approach) at the end of the step, of an instant: points in
-        contact stay in contact, those at the hardness keep their pressure (under a growing load; unloaded, the
-        contact is stiffer), nothing wears off, and a body that relaxes has its instantaneous moduli; NaN where it is
-        infinite (full contact with a fixed mean level) or not computed (with shear): the attribute undefined says
-        why. With `yield_stress`: d(mean pressure)/d(approach) at the end of the step with the points in contact
-        kept: elastic, as unloading begins; NaN where it is infinite (full contact with a fixed mean level): the
-        attribute undefined says why.
+        """Stress/length [step]: instantaneous d(mean pressure)/d(approach) at the end of the step: fixed points in
+        contact, constant pressure at the hardness (under a growing load; on unloading the contact is stiffer), no
+        wear, instantaneous moduli of a viscoelastic body; NaN where infinite (full contact with a fixed mean level)
+        or not computed (with shear), with the reason in the attribute undefined. With `yield_stress`: d(mean
+        pressure)/d(approach) at the end of the step with fixed points in contact: elastic, as at the onset of
+        unloading; NaN where infinite (full contact with a fixed mean level), with the reason in the attribute
+        undefined.
         """
 
     @property
@@ -720,29 +716,29 @@ class Steps(Record):
 
     @property
     def extra_solves(self) -> npt.NDArray[Any]:
-        """Count [step]: further solves to find the energy lost in the step."""
+        """Count [step]: additional solves for the energy lost in the step."""
 
     @property
     def increments(self) -> npt.NDArray[Any]:
-        """Count [step]: equal increments in which the step was made until they changed nothing. With `friction`
-        only.
+        """Count [step]: number of equal increments of the step, raised until the result did not change. With
+        `friction` only.
         """
 
     @property
     def operators(self) -> npt.NDArray[Any]:
-        """Count [step]: volume operators, from plastic strain and pressure to strain, extra solves included. With
-        `yield_stress` only.
+        """Count [step]: number of volume operators (plastic strain and pressure to strain), including extra solves.
+        With `yield_stress` only.
         """
 
     @property
     def iterations(self) -> npt.NDArray[Any]:
-        """Count [step]: steps of the solver, extra solves included. With `yield_stress`: volume operators, as in
+        """Count [step]: solver steps, including extra solves. With `yield_stress`: number of volume operators, as in
         operators.
         """
 
     @property
     def transform_pairs(self) -> Array:
-        """Without unit [step]: forward and inverse transforms of one component, in pairs, extra solves included."""
+        """Without unit [step]: pairs of forward and inverse transforms of one component, including extra solves."""
 
     @property
     def converged(self) -> npt.NDArray[Any]:
@@ -750,9 +746,10 @@ class Steps(Record):
 
     @property
     def residual_equilibrium(self) -> Array:
-        """Without unit [step]: largest unbalanced force per area, from the final fields, / the stress scale (the
-        largest traction, or the softest stiffness times h_rms if more). With `yield_stress`: rms unbalanced force on
-        nodes below the surface / rms force on them, from the final strain. In some problems only.
+        """Without unit [step]: largest unbalanced force per area, from the final fields, divided by the stress scale
+        (larger of the largest traction and the softest stiffness times h_rms). With `yield_stress`: rms unbalanced
+        force on nodes below the surface, divided by the rms force on them, from the final strain. In some problems
+        only.
         """
 
     @property
@@ -762,7 +759,7 @@ class Steps(Record):
     @property
     def residual_penetration(self) -> Array:
         """Without unit [step]: max(0, -min gap) / h_rms, from the final fields. With `lower_surface`: max(0, -min
-        gap) / h_rms, from the final fields, the larger of the two faces.
+        gap) / h_rms, from the final fields; larger of the two faces.
         """
 
     @property
@@ -771,65 +768,68 @@ class Steps(Record):
 
     @property
     def residual_wall_tension(self) -> Array:
-        """Without unit [step]: largest tension that the wall would have to hold. In some problems only."""
+        """Without unit [step]: largest tension that the wall would have to carry. In some problems only."""
 
     @property
     def residual_load(self) -> Array:
-        """Without unit [step]: |mean p - asked| / asked, from the final fields. With `law` or `lower_surface`: |mean
-        p - asked| / asked, the larger of the two faces; if the approach is prescribed the difference of their mean
-        pressures over its mean. With `law`: |mean p - asked| from the final fields, 0 if the approach is prescribed,
-        / the stress scale (the largest traction, or the softest stiffness times h_rms if more).
+        """Without unit [step]: |mean p - prescribed| / prescribed, from the final fields. With `law` or
+        `lower_surface`: |mean p - prescribed| / prescribed, larger of the two faces; under a prescribed approach,
+        the difference between the mean pressures on both faces divided by their mean. With `law`: |mean p -
+        prescribed|, from the final fields (0 if the approach is prescribed), divided by the stress scale (larger of
+        the largest traction and the softest stiffness times h_rms).
         """
 
     @property
     def residual_friction(self) -> Array:
-        """Without unit [step]: largest distance of the shear from its law / the largest limit. With `friction` only."""
+        """Without unit [step]: largest deviation of the shear from its law, divided by the largest limit. With
+        `friction` only.
+        """
 
     @property
     def residual_excess(self) -> Array:
-        """Without unit [step]: largest excess of the shear over its limit / the largest limit. With `friction` only."""
+        """Without unit [step]: largest excess of the shear over its limit, divided by the largest limit. With
+        `friction` only.
+        """
 
     @property
     def residual_saturation(self) -> Array:
-        """Without unit [step]: largest gap / h_rms where the pressure is the hardness. With `lower_surface`: largest
-        gap / h_rms where the pressure is the hardness, the larger of the two faces. With `hardness` only.
+        """Without unit [step]: largest gap / h_rms at points at the hardness. With `lower_surface`: largest gap /
+        h_rms at points at the hardness; larger of the two faces. With `hardness` only.
         """
 
     @property
     def residual_yield(self) -> Array:
-        """Without unit [step]: largest excess of the equivalent stress over the yield stress / the initial one. With
-        `yield_stress` only.
+        """Without unit [step]: largest excess of the equivalent stress over the yield stress, divided by the initial
+        yield stress. With `yield_stress` only.
         """
 
     @property
     def residual_flow(self) -> Array:
-        """Without unit [step]: largest error of an increment of plastic strain / the largest equivalent strain. With
-        `yield_stress` only.
+        """Without unit [step]: largest error of a plastic strain increment, divided by the largest equivalent
+        strain. With `yield_stress` only.
         """
 
     @property
     def residual_flow_complementarity(self) -> Array:
-        """Without unit [step]: largest increment of strain times the stress missing to yield / the largest strain
-        and yield stress. With `yield_stress` only.
+        """Without unit [step]: largest product of strain increment and stress below yield, divided by the largest
+        strain and yield stress. With `yield_stress` only.
         """
 
     @property
     def residual_bottom(self) -> Array:
-        """Without unit [step]: 1 if the lowest cell yields although its layer goes on below it, else 0. With
+        """Without unit [step]: 1 if the lowest cell yields although its layer continues below it, else 0. With
         `yield_stress` only.
         """
 
     @property
     def seconds(self) -> Array:
-        """Seconds [step]: wall time of a load: solution and, of a contact, stiffness, statistics, flow; without
+        """Seconds [step]: wall time of a load: solution and, for a contact, stiffness, statistics and flow; excludes
         finer grids.
         """
 
     @property
     def plastic_fraction(self) -> Array:
-        """Without unit [step]: points whose pressure is the hardness, to its accuracy, over all points. With
-        `hardness` only.
-        """
+        """Without unit [step]: share of points at the hardness, to its accuracy. With `hardness` only."""
 
     @property
     def plastic_volume(self) -> Array:
@@ -841,23 +841,21 @@ class Steps(Record):
 
     @property
     def plastic_strain_integral(self) -> Array:
-        """Length [step]: equivalent plastic strain integrated over depth, mean over the surface. With `yield_stress`
-        only.
+        """Length [step]: equivalent plastic strain integrated over depth, averaged over the surface. With
+        `yield_stress` only.
         """
 
     @property
     def yielded_volume(self) -> Array:
-        """Length [step]: volume that has yielded, per area of the surface. With `yield_stress` only."""
+        """Length [step]: yielded volume per surface area. With `yield_stress` only."""
 
     @property
     def yield_depth(self) -> Array:
-        """Length [step]: depth of the bottom of the lowest cell that has yielded, 0 if none has. With `yield_stress`
-        only.
-        """
+        """Length [step]: bottom depth of the lowest cell that has yielded; 0 if none has. With `yield_stress` only."""
 
     @property
     def plastic_displacement(self) -> Array:
-        """Length [step, 2]: mean normal displacement of the surface by plastic strain, negative downwards. With
+        """Length [step, 2]: mean normal surface displacement due to plastic strain, negative downwards. With
         `yield_stress` only.
         """
 
@@ -867,82 +865,83 @@ class Steps(Record):
 
     @property
     def largest_patch_fraction(self) -> Array:
-        """Without unit [step]: points of the largest patch over all points. With `statistics` only."""
+        """Without unit [step]: share of points in the largest patch. With `statistics` only."""
 
     @property
     def percolates_x(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if a patch winds around the cell along x, with free boundaries if it spans the surface.
+        """Flag [step]: true if a patch winds around the cell along x or, with free boundaries, spans the surface.
         With `statistics` only.
         """
 
     @property
     def percolates_y(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if a patch winds around the cell along y, with free boundaries if it spans the surface.
+        """Flag [step]: true if a patch winds around the cell along y or, with free boundaries, spans the surface.
         With `statistics` only.
         """
 
     @property
     def conductance(self) -> Array:
         """Per length [step]: conductance per area of the points in contact between two conductors, times the sum of
-        their resistivities: current density over the potential difference less that of the bulk, with free
-        boundaries over all of it; without a value if all points of a periodic surface touch. With `statistics` only.
+        their resistivities: current density divided by the potential difference without the bulk drop (with free
+        boundaries, by the whole difference); no value if all points of a periodic surface touch. With `statistics`
+        only.
         """
 
     @property
     def contact_conductance(self) -> Array:
-        """Stress * length/time * temperature [step]: contact conductance per area: conductance over the sum of the
-        resistivities of both conductors. In some problems only.
+        """Stress * length/time * temperature [step]: contact conductance per area: conductance divided by the sum of
+        both conductors' resistivities. In some problems only.
         """
 
     @property
     def gas_conductance(self) -> Array:
         """Stress * length/time * temperature [step]: conductance per area of the gas in the gap: mean of k/(g + M)
-        over all points, with k the conductivity of the gas, g the gap and M the temperature-jump length; points in
-        contact contribute nothing, and radiation is left out. With `gas` only.
+        over all points, with gas conductivity k, gap g and temperature-jump length M; points in contact contribute
+        nothing; excludes radiation. With `gas` only.
         """
 
     @property
     def flow_xx(self) -> Array:
-        """Without unit [step]: mean flux along x by a mean pressure gradient along x, over that of a uniform gap
-        equal to the mean gap. With `flow="or __flow_threshold"` only.
+        """Without unit [step]: mean flux along x under a mean pressure gradient along x, divided by the flux through
+        a uniform gap equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_xy(self) -> Array:
-        """Without unit [step]: mean flux along x by a mean pressure gradient along y, over that of a uniform gap
-        equal to the mean gap. With `flow="or __flow_threshold"` only.
+        """Without unit [step]: mean flux along x under a mean pressure gradient along y, divided by the flux through
+        a uniform gap equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_yx(self) -> Array:
-        """Without unit [step]: mean flux along y by a mean pressure gradient along x, over that of a uniform gap
-        equal to the mean gap. With `flow="or __flow_threshold"` only.
+        """Without unit [step]: mean flux along y under a mean pressure gradient along x, divided by the flux through
+        a uniform gap equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_yy(self) -> Array:
-        """Without unit [step]: mean flux along y by a mean pressure gradient along y, over that of a uniform gap
-        equal to the mean gap. With `flow="or __flow_threshold"` only.
+        """Without unit [step]: mean flux along y under a mean pressure gradient along y, divided by the flux through
+        a uniform gap equal to the mean gap. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def flow_percolates_x(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if the gap lets a fluid through along x. With `flow="or __flow_threshold"` only."""
+        """Flag [step]: true if the gap is open to flow along x. With `flow="or __flow_threshold"` only."""
 
     @property
     def flow_percolates_y(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if the gap lets a fluid through along y. With `flow="or __flow_threshold"` only."""
+        """Flag [step]: true if the gap is open to flow along y. With `flow="or __flow_threshold"` only."""
 
     @property
     def flow_residual(self) -> Array:
-        """Without unit [step]: upper less lower bound of the conductivity along an axis, over the conductivity;
-        larger of x and y. With `flow="or __flow_threshold"` only.
+        """Without unit [step]: upper minus lower bound of the conductivity, divided by the conductivity; larger of x
+        and y. With `flow="or __flow_threshold"` only.
         """
 
     @property
     def leak(self) -> Array:
-        """Length^3/time [step, 2]: volume of fluid per time through the gap of the cell, driven by the pressure
-        drop. With `viscosity` only.
+        """Length^3/time [step, 2]: fluid volume per time through the gap of the cell, driven by the pressure drop.
+        With `viscosity` only.
         """
 
     @property
@@ -957,7 +956,7 @@ class Steps(Record):
 
     @property
     def mean_pressure_limit_error(self) -> Array:
-        """Stress [step]: 95 % of the errors of mean_pressure_limit are smaller. In some problems only."""
+        """Stress [step]: error bound (95 %) of mean_pressure_limit. In some problems only."""
 
     @property
     def mean_pressure_grid_error(self) -> Array:
@@ -971,9 +970,7 @@ class Steps(Record):
 
     @property
     def mean_shear_limit_error(self) -> Array:
-        """Stress [step, 2]: 95 % of the errors of mean_shear_x_limit are smaller. With `friction="or __lateral"`
-        only.
-        """
+        """Stress [step, 2]: error bound (95 %) of mean_shear_x_limit. With `friction="or __lateral"` only."""
 
     @property
     def mean_shear_grid_error(self) -> Array:
@@ -987,7 +984,7 @@ class Steps(Record):
 
     @property
     def approach_limit_error(self) -> Array:
-        """Length [step]: 95 % of the errors of approach_limit are smaller."""
+        """Length [step]: error bound (95 %) of approach_limit."""
 
     @property
     def approach_grid_error(self) -> Array:
@@ -999,7 +996,7 @@ class Steps(Record):
 
     @property
     def area_fraction_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of area_fraction_limit are smaller."""
+        """Without unit [step]: error bound (95 %) of area_fraction_limit."""
 
     @property
     def area_fraction_grid_error(self) -> Array:
@@ -1011,7 +1008,7 @@ class Steps(Record):
 
     @property
     def mean_gap_limit_error(self) -> Array:
-        """Length [step]: 95 % of the errors of mean_gap_limit are smaller."""
+        """Length [step]: error bound (95 %) of mean_gap_limit."""
 
     @property
     def mean_gap_grid_error(self) -> Array:
@@ -1025,7 +1022,7 @@ class Steps(Record):
 
     @property
     def elastic_energy_limit_error(self) -> Array:
-        """Stress * length [step]: 95 % of the errors of elastic_energy_limit are smaller."""
+        """Stress * length [step]: error bound (95 %) of elastic_energy_limit."""
 
     @property
     def elastic_energy_grid_error(self) -> Array:
@@ -1039,7 +1036,7 @@ class Steps(Record):
 
     @property
     def interface_energy_limit_error(self) -> Array:
-        """Stress * length [step]: 95 % of the errors of interface_energy_limit are smaller. In some problems only."""
+        """Stress * length [step]: error bound (95 %) of interface_energy_limit. In some problems only."""
 
     @property
     def interface_energy_grid_error(self) -> Array:
@@ -1053,7 +1050,7 @@ class Steps(Record):
 
     @property
     def dissipated_limit_error(self) -> Array:
-        """Stress * length [step]: 95 % of the errors of dissipated_limit are smaller."""
+        """Stress * length [step]: error bound (95 %) of dissipated_limit."""
 
     @property
     def dissipated_grid_error(self) -> Array:
@@ -1065,7 +1062,7 @@ class Steps(Record):
 
     @property
     def stiffness_limit_error(self) -> Array:
-        """Stress/length [step]: 95 % of the errors of stiffness_limit are smaller."""
+        """Stress/length [step]: error bound (95 %) of stiffness_limit."""
 
     @property
     def stiffness_grid_error(self) -> Array:
@@ -1079,7 +1076,7 @@ class Steps(Record):
 
     @property
     def patches_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of patches_limit are smaller. With `statistics` only."""
+        """Without unit [step]: error bound (95 %) of patches_limit. With `statistics` only."""
 
     @property
     def patches_grid_error(self) -> Array:
@@ -1093,9 +1090,7 @@ class Steps(Record):
 
     @property
     def largest_patch_fraction_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of largest_patch_fraction_limit are smaller. With `statistics`
-        only.
-        """
+        """Without unit [step]: error bound (95 %) of largest_patch_fraction_limit. With `statistics` only."""
 
     @property
     def largest_patch_fraction_grid_error(self) -> Array:
@@ -1111,7 +1106,7 @@ class Steps(Record):
 
     @property
     def conductance_limit_error(self) -> Array:
-        """Per length [step]: 95 % of the errors of conductance_limit are smaller. With `statistics` only."""
+        """Per length [step]: error bound (95 %) of conductance_limit. With `statistics` only."""
 
     @property
     def conductance_grid_error(self) -> Array:
@@ -1125,8 +1120,8 @@ class Steps(Record):
 
     @property
     def contact_conductance_limit_error(self) -> Array:
-        """Stress * length/time * temperature [step]: 95 % of the errors of contact_conductance_limit are smaller. In
-        some problems only.
+        """Stress * length/time * temperature [step]: error bound (95 %) of contact_conductance_limit. In some
+        problems only.
         """
 
     @property
@@ -1143,9 +1138,7 @@ class Steps(Record):
 
     @property
     def gas_conductance_limit_error(self) -> Array:
-        """Stress * length/time * temperature [step]: 95 % of the errors of gas_conductance_limit are smaller. With
-        `gas` only.
-        """
+        """Stress * length/time * temperature [step]: error bound (95 %) of gas_conductance_limit. With `gas` only."""
 
     @property
     def gas_conductance_grid_error(self) -> Array:
@@ -1161,9 +1154,7 @@ class Steps(Record):
 
     @property
     def flow_xx_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of flow_xx_limit are smaller. With `flow="or __flow_threshold"`
-        only.
-        """
+        """Without unit [step]: error bound (95 %) of flow_xx_limit. With `flow="or __flow_threshold"` only."""
 
     @property
     def flow_xx_grid_error(self) -> Array:
@@ -1179,9 +1170,7 @@ class Steps(Record):
 
     @property
     def flow_yy_limit_error(self) -> Array:
-        """Without unit [step]: 95 % of the errors of flow_yy_limit are smaller. With `flow="or __flow_threshold"`
-        only.
-        """
+        """Without unit [step]: error bound (95 %) of flow_yy_limit. With `flow="or __flow_threshold"` only."""
 
     @property
     def flow_yy_grid_error(self) -> Array:
@@ -1197,7 +1186,7 @@ class Steps(Record):
 
     @property
     def leak_limit_error(self) -> Array:
-        """Length^3/time [step, 2]: 95 % of the errors of leak_x_limit are smaller. With `viscosity` only."""
+        """Length^3/time [step, 2]: error bound (95 %) of leak_x_limit. With `viscosity` only."""
 
     @property
     def leak_grid_error(self) -> Array:
@@ -1222,20 +1211,20 @@ class StepFields(Record):
 
     @property
     def plastic_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth by which the surfaces were pressed into each other so far. With `hardness`
+        """Length [waypoint, x, y]: depth by which the surfaces have been pressed into each other. With `hardness`
         only. Read-only.
         """
 
     @property
     def plastic_displacement_z(self) -> Array:
-        """Length [waypoint, x, y]: normal displacement by plastic strain below the surface; once unloaded the
+        """Length [waypoint, x, y]: normal displacement due to plastic strain below the surface; once unloaded, the
         residual topography. With `yield_stress` only. Read-only.
         """
 
     @property
     def wear_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth that both surfaces have lost so far. With `lower_surface`: depth that the
-        upper face and surface have lost so far. With `wear` only. Read-only.
+        """Length [waypoint, x, y]: depth lost by both surfaces so far. With `lower_surface`: depth lost by the upper
+        face and surface so far. With `wear` only. Read-only.
         """
 
     @property
@@ -1268,14 +1257,14 @@ class StepFields(Record):
 
     @property
     def lower_plastic_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth by which the lower face and surface were pressed into each other so far.
-        With `hardness` and `lower_surface` only. Read-only.
+        """Length [waypoint, x, y]: depth by which the lower face and surface have been pressed into each other. With
+        `hardness` and `lower_surface` only. Read-only.
         """
 
     @property
     def lower_wear_depth(self) -> Array:
-        """Length [waypoint, x, y]: depth that the lower face and surface have lost so far. With `lower_surface` and
-        `wear` only. Read-only.
+        """Length [waypoint, x, y]: depth lost by the lower face and surface so far. With `lower_surface` and `wear`
+        only. Read-only.
         """
 
     @property
@@ -1289,12 +1278,12 @@ class Patches(Record):
 
     @property
     def area(self) -> Array:
-        """Length^2 [patch]: area: number of points times that of a cell."""
+        """Length^2 [patch]: area: number of points times the pixel area."""
 
     @property
     def perimeter(self) -> Array:
-        """Length [patch]: length of the edges between points in contact and points not in contact; the edge of a
-        patch with free boundaries has no part in it.
+        """Length [patch]: length of the edges between points in contact and points out of contact; excludes the rim
+        of a surface with free boundaries.
         """
 
     @property
@@ -1330,7 +1319,7 @@ class States(Record):
 
     @property
     def area_fraction(self) -> Array:
-        """Without unit [state]: points with pressure over all points."""
+        """Without unit [state]: contact area fraction: share of points with pressure."""
 
     @property
     def mean_gap(self) -> Array:
@@ -1342,7 +1331,7 @@ class States(Record):
 
     @property
     def plastic_fraction(self) -> Array:
-        """Without unit [state]: points whose pressure is the hardness over all points. With `hardness` only."""
+        """Without unit [state]: share of points at the hardness. With `hardness` only."""
 
     @property
     def plastic_volume(self) -> Array:
@@ -1350,23 +1339,23 @@ class States(Record):
 
     @property
     def friction(self) -> Array:
-        """Without unit [state]: coefficient of friction, lateral force over load: friction_interface +
+        """Without unit [state]: friction coefficient, lateral force divided by load: friction_interface +
         friction_hysteresis.
         """
 
     @property
     def friction_interface(self) -> Array:
-        """Without unit [state]: coefficient of friction of the interface, mean shear over mean pressure."""
+        """Without unit [state]: friction coefficient of the interface: mean shear divided by mean pressure."""
 
     @property
     def friction_hysteresis(self) -> Array:
-        """Without unit [state]: coefficient of friction by the pressure on the slopes of the deformed body: without
-        friction of the interface, the power lost in the body over velocity and mean pressure.
+        """Without unit [state]: friction coefficient from the pressure on the slopes of the deformed body: without
+        interface friction, the power lost in the body divided by velocity and mean pressure.
         """
 
     @property
     def friction_slope(self) -> Array:
-        """Without unit [state]: coefficient of friction, by the pressure on the slopes of the rough surface."""
+        """Without unit [state]: friction coefficient from the pressure on the slopes of the rough surface."""
 
     @property
     def dissipated_power(self) -> Array:
@@ -1374,41 +1363,41 @@ class States(Record):
 
     @property
     def persson_friction(self) -> Array:
-        """Without unit [state]: coefficient of friction by Persson's theory."""
+        """Without unit [state]: friction coefficient from Persson's theory."""
 
     @property
     def persson_area_fraction(self) -> Array:
-        """Without unit [state]: contact area by Persson's theory."""
+        """Without unit [state]: contact area fraction from Persson's theory."""
 
     @property
     def heat_mean_flux(self) -> Array:
-        """Stress * length/time [state]: mean heat of friction, per area and time. With `heat` only."""
+        """Stress * length/time [state]: mean frictional heat, per area and time. With `heat` only."""
 
     @property
     def heat_fraction(self) -> Array:
-        """Without unit [state]: part of the heat that flows into the body. With `heat` only."""
+        """Without unit [state]: share of the heat that flows into the body. With `heat` only."""
 
     @property
     def heat_max_rise(self) -> Array:
-        """Temperature [state]: largest temperature in contact, above the mean of the surface. With `heat` only."""
+        """Temperature [state]: largest temperature in contact, relative to the surface mean. With `heat` only."""
 
     @property
     def heat_mean_rise(self) -> Array:
-        """Temperature [state]: mean temperature in contact, above the mean of the surface. With `heat` only."""
+        """Temperature [state]: mean temperature in contact, relative to the surface mean. With `heat` only."""
 
     @property
     def heat_residual(self) -> Array:
-        """Without unit [state]: largest difference between the temperatures of both bodies over the largest rise.
+        """Without unit [state]: largest temperature difference between both bodies, divided by the largest rise.
         With `heat` only.
         """
 
     @property
     def iterations(self) -> npt.NDArray[Any]:
-        """Count [state]: iterations of the search."""
+        """Count [state]: solver iterations."""
 
     @property
     def transform_pairs(self) -> Array:
-        """Without unit [state]: pairs of transforms of the search."""
+        """Without unit [state]: transform pairs of the solver."""
 
     @property
     def converged(self) -> npt.NDArray[Any]:
@@ -1422,9 +1411,7 @@ class States(Record):
 
     @property
     def area_fraction_limit_error(self) -> Array:
-        """Without unit [state]: 95 % of the errors of area_fraction_limit are smaller. With `grid_error="refine"`
-        only.
-        """
+        """Without unit [state]: error bound (95 %) of area_fraction_limit. With `grid_error="refine"` only."""
 
     @property
     def area_fraction_grid_error(self) -> Array:
@@ -1440,7 +1427,7 @@ class States(Record):
 
     @property
     def friction_limit_error(self) -> Array:
-        """Without unit [state]: 95 % of the errors of friction_limit are smaller. With `grid_error="refine"` only."""
+        """Without unit [state]: error bound (95 %) of friction_limit. With `grid_error="refine"` only."""
 
     @property
     def friction_grid_error(self) -> Array:
@@ -1456,9 +1443,7 @@ class States(Record):
 
     @property
     def friction_hysteresis_limit_error(self) -> Array:
-        """Without unit [state]: 95 % of the errors of friction_hysteresis_limit are smaller. With
-        `grid_error="refine"` only.
-        """
+        """Without unit [state]: error bound (95 %) of friction_hysteresis_limit. With `grid_error="refine"` only."""
 
     @property
     def friction_hysteresis_grid_error(self) -> Array:
@@ -1479,7 +1464,7 @@ class StateFields(Record):
 
     @property
     def displacement_z(self) -> Array:
-        """Length [state, x, y]: normal displacement of the surface of the body, negative downwards. Read-only."""
+        """Length [state, x, y]: normal displacement of the body surface, negative downwards. Read-only."""
 
     @property
     def gap(self) -> Array:
@@ -1493,13 +1478,13 @@ class StateFields(Record):
 
     @property
     def temperature(self) -> Array:
-        """Temperature [state, x, y]: temperature of the body's surface, above its mean. With `heat` only. Read-only."""
+        """Temperature [state, x, y]: surface temperature of the body, relative to its mean. With `heat` only.
+        Read-only.
+        """
 
     @property
     def heat_flux(self) -> Array:
-        """Stress * length/time [state, x, y]: heat that flows into the body, per area and time. With `heat` of both
-        bodies only. Read-only.
-        """
+        """Stress * length/time [state, x, y]: heat flux into the body. With `heat` of both bodies only. Read-only."""
 
 class PunchNumbers(Record):
     """The numbers of a punch."""
@@ -1510,11 +1495,11 @@ class PunchNumbers(Record):
 
     @property
     def effective_width(self) -> float:
-        """Length: width as which its points act, N - 1/3 spacings. Without `mask` only."""
+        """Length: effective width of its N points, N - 1/3 grid spacings. Without `mask` only."""
 
     @property
     def depth(self) -> float:
-        """Length: depth to which the punch is pressed."""
+        """Length: indentation depth of the punch."""
 
     @property
     def contact_nodes(self) -> int:
@@ -1538,7 +1523,7 @@ class PunchNumbers(Record):
 
     @property
     def residual(self) -> float:
-        """Without unit: largest error of the prescribed displacement over the depth."""
+        """Without unit: largest error of the prescribed displacement, divided by the depth."""
 
     @property
     def converged(self) -> bool:
@@ -1577,7 +1562,7 @@ class SurfaceNumbers(Record):
 
     @property
     def peak_to_valley(self) -> float:
-        """Length: highest less lowest height: Sz of ISO 25178."""
+        """Length: highest minus lowest height: Sz of ISO 25178."""
 
     @property
     def sa(self) -> float:
@@ -1589,7 +1574,7 @@ class SurfaceNumbers(Record):
 
     @property
     def sv(self) -> float:
-        """Length: Sv of ISO 25178: depth of the lowest one below the mean."""
+        """Length: Sv of ISO 25178: depth of the lowest height below the mean."""
 
     @property
     def ssk(self) -> float:
@@ -1605,15 +1590,15 @@ class SurfaceNumbers(Record):
 
     @property
     def sk(self) -> float:
-        """Length: Sk of ISO 25178: height of the core of the bearing curve."""
+        """Length: Sk of ISO 25178: core height of the bearing curve."""
 
     @property
     def spk(self) -> float:
-        """Length: Spk of ISO 25178: reduced height of the peaks above the core."""
+        """Length: Spk of ISO 25178: reduced peak height above the core."""
 
     @property
     def svk(self) -> float:
-        """Length: Svk of ISO 25178: reduced depth of the valleys below the core."""
+        """Length: Svk of ISO 25178: reduced valley depth below the core."""
 
     @property
     def smr1(self) -> float:
@@ -1633,19 +1618,19 @@ class SurfaceNumbers(Record):
 
     @property
     def vmp(self) -> float:
-        """Length: Vmp of ISO 25178: volume of the peaks above the material ratio 10 %, per area."""
+        """Length: Vmp of ISO 25178: peak material volume per area, above the material ratio 10 %."""
 
     @property
     def vmc(self) -> float:
-        """Length: Vmc of ISO 25178: volume of the core material between 10 and 80 %, per area."""
+        """Length: Vmc of ISO 25178: core material volume per area, between 10 and 80 %."""
 
     @property
     def vvc(self) -> float:
-        """Length: Vvc of ISO 25178: volume of the core voids between 10 and 80 %, per area."""
+        """Length: Vvc of ISO 25178: core void volume per area, between 10 and 80 %."""
 
     @property
     def vvv(self) -> float:
-        """Length: Vvv of ISO 25178: volume of the valleys below 80 %, per area."""
+        """Length: Vvv of ISO 25178: valley void volume per area, below 80 %."""
 
     @property
     def sxp(self) -> float:
@@ -1657,19 +1642,19 @@ class SurfaceNumbers(Record):
 
     @property
     def rms_gradient(self) -> float:
-        """Without unit: rms of the full gradient, spectral."""
+        """Without unit: rms of the full gradient, from the spectrum."""
 
     @property
     def rms_gradient_central(self) -> float:
-        """Without unit: rms gradient by central differences."""
+        """Without unit: rms gradient from central differences."""
 
     @property
     def rms_gradient_forward(self) -> float:
-        """Without unit: rms gradient by forward differences."""
+        """Without unit: rms gradient from forward differences."""
 
     @property
     def rms_gradient_inside(self) -> float:
-        """Without unit: rms gradient by forward differences, without the periodic seam."""
+        """Without unit: rms gradient from forward differences, excluding the periodic seam."""
 
     @property
     def rms_curvature(self) -> float:
@@ -1677,7 +1662,7 @@ class SurfaceNumbers(Record):
 
     @property
     def rms_curvature_inside(self) -> float:
-        """Per length: rms of the mean curvature by second differences, without the periodic seam."""
+        """Per length: rms of the mean curvature from second differences, excluding the periodic seam."""
 
     @property
     def rms_laplacian(self) -> float:
@@ -1697,7 +1682,7 @@ class SurfaceNumbers(Record):
 
     @property
     def m4_inside(self) -> float:
-        """Per length^2: fourth profile moment by second differences, without the periodic seam."""
+        """Per length^2: fourth profile moment from second differences, excluding the periodic seam."""
 
     @property
     def nayak(self) -> float:
@@ -1705,7 +1690,7 @@ class SurfaceNumbers(Record):
 
     @property
     def nayak_inside(self) -> float:
-        """Without unit: Nayak's parameter by differences, without the periodic seam."""
+        """Without unit: Nayak's parameter from differences, excluding the periodic seam."""
 
     @property
     def hurst(self) -> float:
@@ -1801,11 +1786,11 @@ class SurfaceNumbers(Record):
 
     @property
     def mean_hill_area(self) -> float:
-        """Length^2: mean area of a hill. Of a surface with `features` only."""
+        """Length^2: mean hill area. Of a surface with `features` only."""
 
     @property
     def mean_dale_area(self) -> float:
-        """Length^2: mean area of a dale. Of a surface with `features` only."""
+        """Length^2: mean dale area. Of a surface with `features` only."""
 
     @property
     def sections(self) -> int:
@@ -1849,11 +1834,13 @@ class SurfaceNumbers(Record):
 
     @property
     def rzx(self) -> float:
-        """Length: Rzx of ISO 21920: highest minus lowest height of a section, largest one. Of a profile only."""
+        """Length: Rzx of ISO 21920: largest difference between highest and lowest height of a section. Of a profile
+        only.
+        """
 
     @property
     def rdq(self) -> float:
-        """Without unit: Rdq of ISO 21920: root-mean-square slope by forward differences. Of a profile only."""
+        """Without unit: Rdq of ISO 21920: root-mean-square slope from forward differences. Of a profile only."""
 
     @property
     def rsm(self) -> float:
@@ -1861,15 +1848,15 @@ class SurfaceNumbers(Record):
 
     @property
     def rk(self) -> float:
-        """Length: Rk of ISO 21920: height of the core of the bearing curve. Of a profile only."""
+        """Length: Rk of ISO 21920: core height of the bearing curve. Of a profile only."""
 
     @property
     def rpk(self) -> float:
-        """Length: Rpk of ISO 21920: reduced height of the peaks above the core. Of a profile only."""
+        """Length: Rpk of ISO 21920: reduced peak height above the core. Of a profile only."""
 
     @property
     def rvk(self) -> float:
-        """Length: Rvk of ISO 21920: reduced depth of the valleys below the core. Of a profile only."""
+        """Length: Rvk of ISO 21920: reduced valley depth below the core. Of a profile only."""
 
     @property
     def rmr1(self) -> float:
