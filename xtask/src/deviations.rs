@@ -127,9 +127,9 @@ struct Words {
 }
 
 /// Deviations of one surface for each load and number, with the Hurst exponent and 1/ε_f of its equivalent band, and
-/// skewness and kurtosis of its heights, and the anisotropy of its slopes.
+/// skewness and kurtosis of its heights, and the anisotropy and relative kurtosis of its slopes.
 struct Found {
-    ranges: [f64; 5],
+    ranges: [f64; 6],
     loads: Vec<[f64; 5]>,
 }
 
@@ -172,9 +172,9 @@ fn found(surface: &str, bend: f64) -> Result<Option<Found>, Failure> {
         Ok([0, 1, 2, 3, 4].map(deviation))
     };
     let band = estimate.band();
-    let [ssk, sku, anisotropy] = shape(&made)?;
+    let [ssk, sku, anisotropy, slopes] = shape(&made)?;
     let loads = loads(&report).iter().map(deviations).collect::<Result<_, Failure>>()?;
-    Ok(Some(Found { ranges: [band.hurst, band.eps_f_inv, ssk, sku, anisotropy], loads }))
+    Ok(Some(Found { ranges: [band.hurst, band.eps_f_inv, ssk, sku, anisotropy, slopes], loads }))
 }
 
 /// Returns the deviations of one number at one load; surfaces without an estimate are left out.
@@ -268,6 +268,7 @@ fn group(name: &str, every: &[&Found]) -> Group {
         ssk,
         sku: range(3),
         anisotropy: range(4),
+        slope_kurtosis: range(5),
     }
 }
 
@@ -341,13 +342,14 @@ impl std::fmt::Display for Report {
             }
         }
         let Deviations { groups, percolation: [area, spread], .. } = &self.deviations;
-        for Group { name, error, contacts, hurst, eps_f_inv, ssk, sku, anisotropy } in groups {
+        for Group { name, error, contacts, hurst, eps_f_inv, ssk, sku, anisotropy, slope_kurtosis } in groups {
             writeln!(f, "95 % of {contacts} {name}")?;
             for (name, errors) in error {
                 let cells = errors.iter().map(|error| format!("{:6.1}", 100.0 * error));
                 writeln!(f, "{name:>16} {}", cells.collect::<Vec<_>>().join("  "))?;
             }
-            writeln!(f, "H {hurst:?}, 1/eps_f {eps_f_inv:?}, Ssk {ssk:?}, Sku {sku:?}, anisotropy {anisotropy:?}")?;
+            writeln!(f, "H {hurst:?}, 1/eps_f {eps_f_inv:?}, Ssk {ssk:?}, Sku {sku:?}")?;
+            writeln!(f, "anisotropy {anisotropy:?}, relative kurtosis of slopes {slope_kurtosis:?}")?;
         }
         writeln!(f, "percolation at {area:.4} ± {spread:.4}")
     }

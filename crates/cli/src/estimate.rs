@@ -195,16 +195,19 @@ pub fn of(surface: &Surface, source: &SourceArgs, body: &BodyArgs) -> Result<(Op
     Ok((estimate.map(|estimate| estimate.with_summits(summits)), e_star))
 }
 
-/// Returns skewness and kurtosis of the heights, and the anisotropy of their mean square slopes.
+/// Returns skewness and kurtosis of the heights, the anisotropy of their mean square slopes, and the kurtosis of the
+/// slopes relative to Gaussian ones.
 ///
 /// # Errors
 /// Returns an error for heights that do not fit the grid.
-pub fn shape(surface: &Surface) -> Result<[f64; 3], Failure> {
+pub fn shape(surface: &Surface) -> Result<[f64; 4], Failure> {
     let refused = |error: SurfaceError| Failure::refused(error.to_string());
     let found = Areal::of(&surface.heights, &surface.grid).map_err(refused)?;
     let spectrum = PowerSpectrum::of(&surface.heights, &surface.grid).map_err(refused)?;
     let direction = Direction::of(&spectrum, None);
-    Ok([found.ssk, found.sku, direction.anisotropy].map(|number| number.unwrap_or(f64::NAN)))
+    let summits = Summits::of(surface.heights.view(), surface.grid.spacing());
+    let slopes = summits.map(|summits| summits.slope_kurtosis());
+    Ok([found.ssk, found.sku, direction.anisotropy, slopes].map(|number| number.unwrap_or(f64::NAN)))
 }
 
 /// Returns the part of the mean square slope by which steps across the periodic seam exceed those inside.

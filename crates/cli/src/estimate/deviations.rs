@@ -37,17 +37,20 @@ pub struct Group {
     pub sku: [f64; 2],
     /// Least and largest anisotropy of the mean square slopes.
     pub anisotropy: [f64; 2],
+    /// Least and largest kurtosis of the slopes, relative to Gaussian ones.
+    pub slope_kurtosis: [f64; 2],
 }
 
 impl Group {
     /// Returns the ranges, each with the words that name its quantity.
-    fn ranges(&self) -> [(&'static str, [f64; 2]); 5] {
+    fn ranges(&self) -> [(&'static str, [f64; 2]); 6] {
         [
             ("the spectrum has the Hurst exponent", self.hurst),
             ("the spectrum has the ratio of wavelengths", self.eps_f_inv),
             ("the heights have the skewness", self.ssk),
             ("the heights have the kurtosis", self.sku),
             ("the slopes have the anisotropy", [0.0, self.anisotropy[1]]),
+            ("the slopes have the kurtosis, relative to Gaussian ones,", [0.0, self.slope_kurtosis[1]]),
         ]
     }
 }
@@ -69,12 +72,12 @@ impl Deviations {
         MEASURED.as_ref()
     }
 
-    /// Returns the errors for surfaces with this band, skewness, kurtosis and anisotropy.
+    /// Returns the errors for surfaces with this band, and with the numbers of [`shape`](super::shape).
     ///
     /// # Errors
     /// Returns the reason why there are none.
-    pub fn like(&self, band: EquivalentBand, [ssk, sku, anisotropy]: [f64; 3]) -> Result<Errors<'_>, String> {
-        let values = [band.hurst, band.eps_f_inv, ssk, sku, anisotropy];
+    pub fn like(&self, band: EquivalentBand, [ssk, sku, anisotropy, slopes]: [f64; 4]) -> Result<Errors<'_>, String> {
+        let values = [band.hurst, band.eps_f_inv, ssk, sku, anisotropy, slopes];
         let contains =
             |group: &&Group| group.ranges().into_iter().zip(values).all(|((_, range), value)| is_within(value, range));
         if let Some(group) = self.groups.iter().find(contains) {
@@ -90,7 +93,8 @@ impl Deviations {
         Err(beyond.unwrap_or_else(|| {
             format!(
                 "no measured surfaces have at once the Hurst exponent {:.2}, the ratio of wavelengths {:.1}, the \
-                 skewness {ssk:.2}, the kurtosis {sku:.2} and the anisotropy {anisotropy:.2}",
+                 skewness {ssk:.2}, the kurtosis {sku:.2}, the anisotropy {anisotropy:.2} and the relative kurtosis of \
+                 slopes {slopes:.2}",
                 band.hurst, band.eps_f_inv
             )
         }))
@@ -144,6 +148,7 @@ mod tests {
             ssk,
             sku: [2.0, 4.0],
             anisotropy: [0.01, 0.3],
+            slope_kurtosis: [0.9, 1.2],
         }
     }
 
@@ -159,7 +164,7 @@ mod tests {
     #[test]
     fn the_error_is_the_larger_one_of_the_neighbours() {
         let found = deviations();
-        let errors = found.like(band(0.5, 10.0), [0.1, 3.0, 0.1]).unwrap();
+        let errors = found.like(band(0.5, 10.0), [0.1, 3.0, 0.1, 1.0]).unwrap();
         for (p_star, error) in [(0.01, 0.3), (0.05, 0.3), (0.1, 0.1), (0.11, 0.2), (0.99, 0.2), (1.0, 0.2)] {
             assert!((errors.of("area_fraction", p_star).unwrap() - error).abs() < 1e-12, "{p_star}");
         }
@@ -171,27 +176,30 @@ mod tests {
     #[test]
     fn the_first_group_that_contains_a_surface_has_its_errors() {
         let found = deviations();
-        let name = |ssk| found.like(band(0.5, 10.0), [ssk, 3.0, 0.1]).map(|errors| errors.group.name.clone());
+        let name = |ssk| found.like(band(0.5, 10.0), [ssk, 3.0, 0.1, 1.0]).map(|errors| errors.group.name.clone());
         assert_eq!([-0.5, 0.2, 0.5].map(name), ["narrow"; 3].map(|name| Ok(name.to_owned())));
         assert_eq!([0.6, 2.0].map(name), ["wide"; 2].map(|name| Ok(name.to_owned())));
         let mut apart = deviations();
         apart.groups[1].sku = [4.0, 9.0];
-        let reason = apart.like(band(0.5, 10.0), [1.0, 3.0, 0.1]).unwrap_err();
+        let reason = apart.like(band(0.5, 10.0), [1.0, 3.0, 0.1, 1.0]).unwrap_err();
         assert!(reason.contains("at once") && reason.contains("skewness 1.00, the kurtosis 3.00"), "{reason}");
     }
 
     #[test]
     fn surfaces_beyond_the_measured_ones_have_a_reason() {
         let found = deviations();
-        let reason = |hurst, eps_f_inv| found.like(band(hurst, eps_f_inv), [0.0, 3.0, 0.0]).err();
+        let reason = |hurst, eps_f_inv| found.like(band(hurst, eps_f_inv), [0.0, 3.0, 0.0, 1.0]).err();
         assert_eq!(reason(0.0, 6.0), None);
         assert!(reason(-0.1, 10.0).is_some_and(|reason| reason.contains("Hurst exponent -0.10")));
         assert!(reason(0.5, 50.0).is_some_and(|reason| reason.contains("ratio of wavelengths 50.00")));
         assert!(reason(f64::NAN, 10.0).is_some());
         let of_heights = |heights| found.like(band(0.5, 10.0), heights).err();
-        assert!(of_heights([-0.6, 3.0, 0.1]).is_some_and(|reason| reason.contains("skewness -0.60")));
-        assert!(of_heights([0.0, 9.0, 0.1]).is_some_and(|reason| reason.contains("kurtosis 9.00")));
-        assert!(of_heights([0.0, 3.0, 0.9]).is_some_and(|reason| reason.contains("anisotropy 0.90")));
+        assert!(of_heights([-0.6, 3.0, 0.1, 1.0]).is_some_and(|reason| reason.contains("skewness -0.60")));
+        assert!(of_heights([0.0, 9.0, 0.1, 1.0]).is_some_and(|reason| reason.contains("kurtosis 9.00")));
+        assert!(of_heights([0.0, 3.0, 0.9, 1.0]).is_some_and(|reason| reason.contains("anisotropy 0.90")));
+        assert!(
+            of_heights([0.0, 3.0, 0.1, 1.3]).is_some_and(|reason| reason.contains("relative to Gaussian ones, 1.30"))
+        );
     }
 
     #[test]

@@ -15,6 +15,7 @@ pub struct Summits {
     /// Mean square slope above each level, divided by the mean square slope of the surface.
     slope: Vec<f64>,
     rms_height: f64,
+    kurtosis: f64,
 }
 
 impl Summits {
@@ -31,7 +32,7 @@ impl Summits {
             return None;
         }
         let mut classes = vec![[0.0_f64; 2]; CLASSES];
-        let mut square = 0.0;
+        let ([mut square, mut fourth], mut tensor) = ([0.0; 2], [0.0; 3]);
         for x in 0..nx {
             let [before, row, after] = [(x + nx - 1) % nx, x, (x + 1) % nx].map(|x| heights.row(x));
             for y in 0..ny {
@@ -43,6 +44,11 @@ impl Summits {
                 classes[class][0] += 1.0;
                 classes[class][1] += 0.5 * (along_x + along_y);
                 square += (here - mean).powi(2);
+                let [slope_x, slope_y] = [(after[y] - here) / spacing[0], (row[(y + 1) % ny] - here) / spacing[1]];
+                tensor[0] += slope_x * slope_x;
+                tensor[1] += slope_y * slope_y;
+                tensor[2] += slope_x * slope_y;
+                fourth += (slope_x * slope_x + slope_y * slope_y).powi(2);
             }
         }
         let total: f64 = classes.iter().map(|[_, slope]| slope).sum();
@@ -55,12 +61,23 @@ impl Summits {
             fraction.push(points / count);
             slope.push(slopes / points / (total / count));
         }
-        Some(Self { level, fraction, slope, rms_height: (square / count).sqrt() })
+        let [along_x, along_y, mixed] = tensor;
+        let trace = along_x + along_y;
+        let gaussian = 2.0 + ((along_x - along_y).powi(2) + 4.0 * mixed * mixed) / (trace * trace);
+        let kurtosis = fourth * count / (trace * trace) / gaussian;
+        Some(Self { level, fraction, slope, rms_height: (square / count).sqrt(), kurtosis })
     }
 
     /// Returns the rms height, length.
     pub fn rms_height(&self) -> f64 {
         self.rms_height
+    }
+
+    /// Returns the mean fourth power of the slope divided by the value of Gaussian slopes with the same mean squares,
+    /// (2 + A²) ⟨|∇h|²⟩² with the anisotropy A of the mean square slopes: 1 for Gaussian slopes, more where flat and
+    /// steep parts alternate.
+    pub fn slope_kurtosis(&self) -> f64 {
+        self.kurtosis
     }
 
     /// Returns the mean square slope of the highest points, with this area fraction, divided by the mean square slope
@@ -99,6 +116,8 @@ mod tests {
         let wave = Array2::from_shape_fn((n, 2), |(x, _)| (std::f64::consts::TAU * x as f64 / n as f64).cos());
         let summits = Summits::of(wave.view(), [1.0 / n as f64, 0.3]).unwrap();
         assert!((summits.rms_height() - 0.5_f64.sqrt()).abs() < 1e-6);
+        // ⟨sin⁴⟩/⟨sin²⟩² = 3/2, of 3 of Gaussian slopes along one line.
+        assert!((summits.slope_kurtosis() - 0.5).abs() < 1e-5, "{}", summits.slope_kurtosis());
         for fraction in [0.02_f64, 0.1, 0.5, 0.9, 1.0] {
             // Points within the phase π f of the crest; the mean of sin² there.
             let phase = std::f64::consts::PI * fraction;
