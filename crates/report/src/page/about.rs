@@ -161,8 +161,8 @@ mod tests {
         assert_eq!(said("young = 1.0\npoisson = 0.25\nheight = \"inf\""), "half-space, <i>E</i> = 1, ν = 0.25");
         assert_eq!(said("e_star = 2\nheight = 0.5"), "slab of height 0.5, <i>E</i>* = 2");
         let coated = said("e_star = 2\nheight = 0.5\nbase = \"sliding\"\nlayer = [[3.0, 0.25, 0.1]]");
-        let wanted = "slab of height 0.5, <i>E</i>* = 2; on a layer of height 0.1 (E = 3, nu = 0.25), on a frictionless rigid \
-                      base";
+        let wanted = "slab of height 0.5, <i>E</i>* = 2; on a layer of height 0.1 (E = 3, nu = 0.25), on a \
+                      frictionless rigid base";
         assert_eq!(coated, wanted);
         let squeezed = said("e_star = 2\nheight = 0.5\nlower_seed = 2");
         assert_eq!(squeezed, "slab of height 0.5, <i>E</i>* = 2; between two rigid surfaces");
