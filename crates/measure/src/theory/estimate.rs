@@ -82,7 +82,7 @@ pub struct Estimate {
     persson: Persson,
     band: EquivalentBand,
     formula: SelfAffineArea,
-    /// Heights and slopes of the highest points; those of a Gaussian surface without.
+    /// Heights and slopes of the highest points; `None` stands for a Gaussian surface.
     summits: Option<Summits>,
     /// Variance of the pressure in full contact, stress².
     variance: f64,
