@@ -1,9 +1,10 @@
 //! Derivatives of a number of a contact with respect to heights, load and modulus, from one linear problem on the
 //! points in contact (theory.md, section 7.9).
 
+use gfmd_relax::{Ceiling, Upper};
 use gfmd_response::NormalTransforms;
 use gfmd_vector::{contiguous, dot, for_each, total};
-use ndarray::{Array2, ArrayRef2};
+use ndarray::{Array2, Array3, ArrayRef2};
 
 use crate::compliance::Compliance;
 use crate::springs;
@@ -25,6 +26,12 @@ pub struct Cotangents {
     pub mean_gap: f64,
     /// Derivative with respect to the elastic energy per area.
     pub elastic_energy: f64,
+    /// Derivative with respect to the depth pressed in at each point, of a contact with a hardness.
+    pub plastic_depth: Option<Array2<f64>>,
+    /// Derivative with respect to the shear traction `[component, x, y]`, of surfaces that shear each other.
+    pub shear: Option<Array3<f64>>,
+    /// Derivative with respect to the mean shear traction along x and y, of surfaces that shear each other.
+    pub mean_shear: [f64; 2],
 }
 
 /// Derivatives of a number L with respect to the input of a contact, at fixed points in contact.
@@ -35,8 +42,10 @@ pub struct Gradient {
     /// Derivative with respect to the prescribed mean pressure or approach.
     pub load: f64,
     /// Derivative with respect to E*, with all moduli of the body and the stiffness of springs in proportion, at the
-    /// same mean pressure or approach.
+    /// same mean pressure, approach, and hardness.
     pub modulus: f64,
+    /// Derivative with respect to the hardness of each point; `None` without a hardness.
+    pub hardness: Option<Array2<f64>>,
     /// Relative error of the linear problem, from its residual with fresh transforms.
     pub error: f64,
     /// Effort of the linear problem.
@@ -53,6 +62,8 @@ pub struct ClearanceGradient {
     pub load: f64,
     /// Derivative with respect to E*, with all moduli of the body in proportion to it.
     pub modulus: f64,
+    /// Derivative with respect to the hardness of each point; `None` without a hardness.
+    pub hardness: Option<Array2<f64>>,
     /// Relative error of the linear problem, from its residual with fresh transforms.
     pub error: f64,
     /// Effort of the linear problem.
@@ -62,8 +73,8 @@ pub struct ClearanceGradient {
 impl ClearanceGradient {
     /// Converts the clearance to the heights of a `surface`, with an approach measured from its highest point.
     pub fn by_heights(self, surface: &RigidSurface) -> Gradient {
-        let Self { clearance, load, modulus, error, effort } = self;
-        Gradient { heights: surface.by_heights(&clearance), load, modulus, error, effort }
+        let Self { clearance, load, modulus, hardness, error, effort } = self;
+        Gradient { heights: surface.by_heights(&clearance), load, modulus, hardness, error, effort }
     }
 }
 
@@ -84,11 +95,12 @@ impl RigidSurface {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GradientError {
-    /// The contact has a hardness.
-    #[error(
-        "the contact has a hardness; it must have none, since the derivative of a plastic contact is not implemented"
-    )]
-    Hardness,
+    /// The number depends on a field that the contact does not have.
+    #[error("the derivative by the {name} is given; it must be left out, since the contact has none")]
+    Absent {
+        /// Name of the field.
+        name: &'static str,
+    },
     /// Several processes share the contact.
     #[error("several processes share the contact; one process must have it")]
     Shared,
@@ -100,9 +112,9 @@ pub enum GradientError {
         /// Name of the field.
         name: &'static str,
         /// Shape of the field.
-        found: [usize; 2],
+        found: Vec<usize>,
         /// Shape of the contact.
-        expected: [usize; 2],
+        expected: Vec<usize>,
     },
     /// A derivative is not finite.
     #[error("the derivative by the {name} has {found}; it must be finite")]
@@ -141,6 +153,9 @@ pub enum GradientError {
     },
 }
 
+/// Relative difference to the hardness below which a pressure is the hardness up to rounding errors.
+const ROUNDING_OF_HARDNESS: f64 = 8.0 * f64::EPSILON;
+
 /// Residual at which the iterations end, relative to the residual at the start.
 const TOLERANCE: f64 = 1e-11;
 
@@ -161,12 +176,13 @@ const ROUNDING_OF_STIFFNESS: f64 = 1e-8;
 
 impl Contact {
     /// Computes the derivatives of a number in the state `solution` under a `load` of the prescribed kind, from the
-    /// derivatives `of` the number. The points in contact are kept, as they are for almost all heights and loads.
+    /// derivatives `of` the number. The points in contact and those at the hardness are kept, as they are for almost
+    /// all heights and loads.
     ///
     /// # Errors
-    /// A contact with a hardness, of several processes, without contact under a mean pressure, or in full contact under
-    /// an approach that does not determine its pressure; derivatives that differ in shape or are not finite; a linear
-    /// problem that was not solved.
+    /// A contact of several processes, without elastic contact under a mean pressure, or in full contact under an
+    /// approach that does not determine its pressure; derivatives that differ in shape, are not finite, or belong to
+    /// fields that the contact does not have; a linear problem that was not solved.
     pub fn gradient(&self, solution: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
         let found = self.gradient_by_clearance((&solution.pressure, &solution.displacement), load, of)?;
         Ok(found.by_heights(&self.scaled))
@@ -186,26 +202,27 @@ impl Contact {
     ) -> Result<ClearanceGradient, GradientError> {
         let grid = *self.response.grid();
         let (shape, n) = (grid.points(), grid.len());
-        if self.hardness.is_some() {
-            return Err(GradientError::Hardness);
-        }
         if self.share.own().len() != n {
             return Err(GradientError::Shared);
         }
-        of.check(shape)?;
+        of.check(shape, self.hardness.is_some(), 0)?;
         // All values below are in the units of the solve.
         let units = self.units();
         let (stress, length, energy) = (units.stress(), units.length(), units.energy());
         let in_units = |field: &ArrayRef2<f64>, unit: f64| -> Vec<f64> { field.iter().map(|x| x / unit).collect() };
         let pressure = in_units(pressure, stress);
         let sunk = in_units(displacement, -length);
-        let inside: Vec<f64> = pressure.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
+        let upper = self.hardness.as_ref().map_or(Ceiling::All(f64::INFINITY), Upper::ceiling);
+        let is_plastic = |i: usize| pressure[i] >= (1.0 - ROUNDING_OF_HARDNESS) * upper.at(i);
+        // Points of the linear problem, where the pressure can change.
+        let inside: Vec<f64> =
+            pressure.iter().enumerate().map(|(i, p)| f64::from(u8::from(*p > 0.0 && !is_plastic(i)))).collect();
         let count = total(&inside);
         let approach = of.approach * length;
         let is_driven = matches!(load, Load::Approach(_));
         if count == 0.0 && !is_driven {
             return Err(GradientError::Undetermined(
-                "no point is in contact; there must be some under a mean pressure",
+                "no point is in elastic contact; there must be some under a mean pressure",
             ));
         }
         if count == n as f64 && is_driven && self.has_fixed_mean() {
@@ -213,10 +230,14 @@ impl Contact {
                           determine the pressure";
             return Err(GradientError::Undetermined(reason));
         }
-        // ∂L/∂g out of contact, where the gaps change.
-        let open = |(i, inside): (usize, &f64)| {
-            let of_gap = of.gap.as_ref().map_or(0.0, |gap| gap[[i / shape[1], i % shape[1]]]);
-            (1.0 - inside) * length * (of_gap + of.mean_gap / n as f64)
+        let at = |field: &Option<Array2<f64>>, i: usize| {
+            field.as_ref().map_or(0.0, |field| field[[i / shape[1], i % shape[1]]])
+        };
+        // ∂L/∂g out of contact, where the gaps change; at the hardness, the depth pressed in changes instead.
+        let open = |(i, inside): (usize, &f64)| match () {
+            () if *inside > 0.0 => 0.0,
+            () if is_plastic(i) => -length * at(&of.plastic_depth, i),
+            () => length * (at(&of.gap, i) + of.mean_gap / n as f64),
         };
         let gap: Vec<f64> = inside.iter().enumerate().map(open).collect();
         let opened = total(&gap);
@@ -225,13 +246,23 @@ impl Contact {
         let mut source = vec![0.0; n];
         problem.displace(&gap, &mut source);
         for (i, source) in source.iter_mut().enumerate() {
-            let of_pressure = of.pressure.as_ref().map_or(0.0, |field| field[[i / shape[1], i % shape[1]]]) * stress;
             let of_mean = if is_driven { of.mean_pressure * stress } else { 0.0 };
-            let of_all = of_pressure + (of_mean + of.elastic_energy * energy * sunk[i]) / n as f64;
-            *source = inside[i] * (*source + of_all);
+            let of_energy = of.elastic_energy * energy * sunk[i];
+            *source += at(&of.pressure, i) * stress + (of_mean + of_energy) / n as f64;
         }
+        let by_pressure = self.hardness.as_ref().map(|_| source.clone());
+        source.iter_mut().zip(&inside).for_each(|(source, inside)| *source *= inside);
         let sum = if is_driven { None } else { Some(opened - approach) };
         let Adjoint { pressure: adjoint, level, error } = problem.solve(&source, sum);
+        // What is left of ∂L/∂p where the pressure is the hardness.
+        let hardness = by_pressure.map(|mut by_pressure| {
+            let mut image = vec![0.0; n];
+            problem.displace(&adjoint, &mut image);
+            for (i, (by, image)) in by_pressure.iter_mut().zip(&image).enumerate() {
+                *by = if is_plastic(i) { (*by - image - level) / stress } else { 0.0 };
+            }
+            Array2::from_shape_fn(shape, |(i, j)| by_pressure[i * shape[1] + j])
+        });
         let effort = Effort { iterations: problem.iterations, transform_pairs: problem.pairs() };
         if error.is_nan() || error > ERROR {
             return Err(GradientError::Inexact { error, iterations: problem.iterations });
@@ -246,6 +277,7 @@ impl Contact {
             clearance: Array2::from_shape_fn(shape, |(i, j)| by_clearance(i * shape[1] + j)),
             load: by_load,
             modulus: by_modulus / (self.response.contact_modulus() * units.modulus()),
+            hardness,
             error,
             effort,
         })
@@ -253,26 +285,41 @@ impl Contact {
 }
 
 impl Cotangents {
-    /// Checks that the fields have the shape of the contact and that all values are finite.
+    /// Checks that the fields have the shape of the contact, that it has a hardness (`is_hard`) and `lateral` components
+    /// of shear if the number depends on them, and that all values are finite.
     ///
     /// # Errors
-    /// A field that differs in shape, a number that is not finite.
-    pub fn check(&self, expected: [usize; 2]) -> Result<(), GradientError> {
-        for (name, field) in [("pressure", &self.pressure), ("gap", &self.gap)] {
+    /// A field that differs in shape or that the contact does not have, a number that is not finite.
+    pub fn check(&self, expected: [usize; 2], is_hard: bool, lateral: usize) -> Result<(), GradientError> {
+        let shear = [lateral, expected[0], expected[1]];
+        let fields = [
+            ("pressure", self.pressure.as_ref().map(|field| field.view().into_dyn()), &expected[..], true),
+            ("gap", self.gap.as_ref().map(|field| field.view().into_dyn()), &expected[..], true),
+            ("plastic depth", self.plastic_depth.as_ref().map(|field| field.view().into_dyn()), &expected[..], is_hard),
+            ("shear traction", self.shear.as_ref().map(|field| field.view().into_dyn()), &shear[..], lateral > 0),
+        ];
+        for (name, field, expected, is_known) in fields {
             let Some(field) = field else { continue };
-            let found: [usize; 2] = field.dim().into();
-            if found != expected {
-                return Err(GradientError::Shape { name, found, expected });
+            if !is_known {
+                return Err(GradientError::Absent { name });
+            }
+            if field.shape() != expected {
+                return Err(GradientError::Shape { name, found: field.shape().into(), expected: expected.into() });
             }
             if let Some(&found) = field.iter().find(|value| !value.is_finite()) {
                 return Err(GradientError::Number { name, found });
             }
+        }
+        let [shear_x, shear_y] = self.mean_shear;
+        if self.mean_shear.iter().skip(lateral).any(|by| *by != 0.0) {
+            return Err(GradientError::Absent { name: "mean shear traction" });
         }
         for (name, found) in [
             ("approach", self.approach),
             ("mean pressure", self.mean_pressure),
             ("mean gap", self.mean_gap),
             ("elastic energy", self.elastic_energy),
+            ("mean shear traction", shear_x + shear_y),
         ] {
             if !found.is_finite() {
                 return Err(GradientError::Number { name, found });

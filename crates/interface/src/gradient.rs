@@ -30,9 +30,8 @@ impl Interface {
     /// The linear problem is solved to a residual of `tolerance`, but at least to 1e-5 and at most to 1e-11.
     ///
     /// # Errors
-    /// Returns the errors of [`gradient`](Self::gradient); a hardness is none.
+    /// Returns the errors of [`gradient`](Self::gradient).
     pub fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, GradientError> {
-        self.check_rigid()?;
         let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
         match self.derivatives(state, Load::Approach(state.approach), &of, tolerance.clamp(EXACT, LOOSEST)) {
             Ok(ClearanceGradient { load: value, error, effort, .. }) => Ok(Stiffness { value, error, effort }),
@@ -45,42 +44,28 @@ impl Interface {
 
     /// Computes the derivatives of a scalar at the stable `state`, with respect to heights, load and modulus. `of`
     /// holds its derivatives with respect to the state; only the kind of `load` matters. The set of points pressed by
-    /// the wall is kept fixed, as it is for almost all heights and loads.
+    /// the wall is kept fixed, as it is for almost all heights and loads. The stiffness of springs does not change with
+    /// the modulus.
     ///
     /// # Errors
-    /// Returns an error for an interface in all components, with a hardness or with springs; for derivatives of another
-    /// shape or not finite; if the load does not determine the state, or the state jumps; or if the linear problem was
-    /// not solved.
+    /// Returns an error for an interface in all components; for derivatives of another shape, not
+    /// finite, or of fields that the interface does not have; if the load does not determine the state, or the state
+    /// jumps; or if the linear problem was not solved.
     pub fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
-        self.check_rigid()?;
         Ok(self.gradient_by_clearance(state, load, of)?.by_heights(&self.surface))
     }
 
-    /// Computes the derivatives as [`gradient`](Self::gradient), with the clearance in the place of the heights. The
-    /// interface may have springs, whose stiffness does not change with the modulus.
+    /// Computes the derivatives as [`gradient`](Self::gradient), with the clearance in the place of the heights.
     ///
     /// # Errors
-    /// Returns an error as [`gradient`](Self::gradient), but for springs.
+    /// Returns an error as [`gradient`](Self::gradient).
     pub(crate) fn gradient_by_clearance(
         &self,
         state: &State,
         load: Load,
         of: &Cotangents,
     ) -> Result<ClearanceGradient, GradientError> {
-        if self.hardness.is_some() {
-            return Err(GradientError::Hardness);
-        }
         self.derivatives(state, load, of, EXACT)
-    }
-
-    /// Checks that the interface has no springs.
-    fn check_rigid(&self) -> Result<(), GradientError> {
-        match self.has_springs() {
-            true => Err(GradientError::Undetermined(
-                "the interface has springs; it must have none, since their derivative is not implemented",
-            )),
-            false => Ok(()),
-        }
     }
 
     /// Computes the derivatives by the clearance, from a linear problem solved to a relative residual of `tolerance`;
@@ -93,7 +78,7 @@ impl Interface {
         tolerance: f64,
     ) -> Result<ClearanceGradient, GradientError> {
         let (shape, share): ([usize; 2], _) = (self.surface.shape(), &self.share);
-        of.check(shape)?;
+        of.check(shape, self.hardness.is_some(), 0)?;
         // All values in the units of the solve.
         let (stress, length, energy) = (self.units.stress(), self.units.length(), self.units.energy());
         let is_driven = matches!(load, Load::Approach(_));
@@ -151,12 +136,14 @@ impl Interface {
         let by_gap = of.gap.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / length));
         let of_mean_gap = of.mean_gap * length / all;
         let mut by_gap = in_cell(by_gap.iter().map(|by| by + of_mean_gap).collect());
-        // The gap stays closed while a spring is shortened.
-        by_gap
-            .iter_mut()
-            .enumerate()
-            .filter(|(i, _)| matches!(bond(*i), Bond::Spring(_)))
-            .for_each(|(_, by)| *by = 0.0);
+        let by_depth = of.plastic_depth.as_ref().map_or_else(|| vec![0.0; inside], |field| scaled(field, 1.0 / length));
+        let by_depth = in_cell(by_depth);
+        // The gap stays closed while a spring is shortened, and where the surfaces are pressed into each other.
+        by_gap.iter_mut().enumerate().for_each(|(i, by)| match bond(i) {
+            Bond::Spring(_) => *by = 0.0,
+            Bond::Pressed => *by = -by_depth[i],
+            Bond::Free | Bond::Held => {}
+        });
         // In the frame of a load, the approach is the mean position plus the mean displacement caused by the load.
         let by_approach = if is_driven { 0.0 } else { of.approach * length };
         let level = by_approach / frame.all_points() as f64;
@@ -189,8 +176,14 @@ impl Interface {
             if is_driven { 0.0 } else { total(share, &whole) * frame.push + by_approach * sinks * mean_pressure };
         let stored = 0.5 * dot(share, &pressure, &sunk) / all;
         let by_modulus = dot(share, &whole, &pressure) - of_load - of_energy * stored;
+        // A larger hardness presses the elastic surface away, and shortens the spring of the point.
+        let hardness = self.hardness.as_ref().map(|_| {
+            let by = |i: usize| if bond(i) == Bond::Pressed { -values[i] - spring(i) * by_depth[i] } else { 0.0 };
+            let by = frame.values_inside((0..points).map(by).collect());
+            Array2::from_shape_fn(shape, |(i, j)| by[i * shape[1] + j] / stress)
+        });
         let clearance = Array2::from_shape_fn(shape, |(i, j)| by_clearance[i * shape[1] + j] / length);
-        let effort = Effort { iterations, transform_pairs };
-        Ok(ClearanceGradient { clearance, load: by_load, modulus: by_modulus / self.contact_modulus, error, effort })
+        let (modulus, effort) = (by_modulus / self.contact_modulus, Effort { iterations, transform_pairs });
+        Ok(ClearanceGradient { clearance, load: by_load, modulus, hardness, error, effort })
     }
 }

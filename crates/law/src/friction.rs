@@ -54,11 +54,21 @@ impl Limit {
     }
 
     /// Returns the derivative of [`at`](Self::at) with respect to the pressure.
-    fn slope(self, pressure: f64) -> f64 {
+    pub fn slope(self, pressure: f64) -> f64 {
         match self {
             Self::Coulomb(coefficient) => coefficient,
             Self::Orowan { coefficient, strength } if coefficient * pressure < strength => coefficient,
             Self::Tresca(_) | Self::Orowan { .. } => 0.0,
+        }
+    }
+
+    /// Returns the derivatives of [`at`](Self::at) with respect to the friction coefficient, in stress, and to the
+    /// shear strength.
+    pub fn by_parameters(self, pressure: f64) -> [f64; 2] {
+        match self {
+            Self::Coulomb(_) => [pressure, 0.0],
+            Self::Orowan { coefficient, strength } if coefficient * pressure < strength => [pressure, 0.0],
+            Self::Tresca(_) | Self::Orowan { .. } => [0.0, 1.0],
         }
     }
 }

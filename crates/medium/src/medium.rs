@@ -40,7 +40,7 @@ pub trait Medium: Send + Sync {
     /// Returns an error for the memory of another body.
     fn energy_derivatives(&self, memory: &Memory, factor: f64) -> Result<MemoryDerivatives, Refusal>;
 
-    /// Transposes [`end`](Self::end) for a body with u_z alone: from the derivatives of a number with respect to the
+    /// Transposes [`end`](Self::end): from the derivatives of a number with respect to the
     /// memory at the end of a step, computes those with respect to the indentation reached, and to the memory at the
     /// start for a fixed indentation.
     ///
@@ -48,7 +48,7 @@ pub trait Medium: Send + Sync {
     /// Returns an error for the memory of another body.
     fn end_transposed(&self, of: &MemoryDerivatives, duration: f64) -> Result<(Vec<f64>, MemoryDerivatives), Refusal>;
 
-    /// Transposes [`begin`](Self::begin) for a body with u_z alone: adds to the derivatives `of` a number with respect
+    /// Transposes [`begin`](Self::begin): adds to the derivatives `of` a number with respect
     /// to the memory at the start the effect of its derivatives with respect to the residual indentation.
     ///
     /// # Errors

@@ -201,7 +201,7 @@ impl Relaxing {
     fn check_lengths(&self, of: &Lengths) -> Result<(), Refusal> {
         let (found, sizes, expected): (_, Vec<usize>, _) = match (of, &*self.spectrum) {
             (Lengths::Points(of), Spectrum::Common(_)) => {
-                (of.len(), of.iter().map(Vec::len).collect(), self.grid.len())
+                (of.len(), of.iter().map(Vec::len).collect(), self.components * self.grid.len())
             }
             (Lengths::Waves(of), Spectrum::Waves(_)) => {
                 (of.len(), of.iter().map(Vec::len).collect(), self.grid.spectrum_len())
@@ -326,8 +326,9 @@ impl Medium for Relaxing {
         duration: f64,
         of: &mut MemoryDerivatives,
     ) -> Result<(), Refusal> {
-        if by_residual_indentation.len() != self.grid.len() {
-            return Err(Refusal::Start { found: by_residual_indentation.len(), expected: self.grid.len() });
+        let expected = self.components * self.grid.len();
+        if by_residual_indentation.len() != expected {
+            return Err(Refusal::Start { found: by_residual_indentation.len(), expected });
         }
         let decays = self.decays(duration);
         self.check_lengths(&of.0)?;

@@ -500,9 +500,9 @@ impl Facts {
 }
 
 /// Parts without derivatives.
-const WITHOUT_GRADIENT: [Part; 5] = {
+const WITHOUT_GRADIENT: [Part; 4] = {
     use Part::*;
-    [Hardness, FiniteSlope, Lower, MovedBase, Several]
+    [FiniteSlope, Lower, MovedBase, Several]
 };
 
 impl Facts {

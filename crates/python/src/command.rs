@@ -16,7 +16,7 @@ use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_interface::PathGradient;
 use gfmd_problem::options::given::{ArrayOption, Arrays, StoredLoad};
-use ndarray::{Array3, ArrayD, Axis};
+use ndarray::{Array2, Array3, ArrayD, Axis};
 use numpy::{IntoPyArray, PyArray2, PyArrayDyn, PyReadonlyArray3, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -132,9 +132,22 @@ fn stoppable<T>(shared: &Shared, session: &Session, work: impl FnOnce() -> T) ->
     })
 }
 
-/// Derivatives by heights, by the load of each step and by the modulus, their error, and mean pressure and approach at
-/// the end of each step.
-type OfPath<'py> = (Bound<'py, PyArray2<f64>>, Vec<f64>, f64, f64, Vec<[f64; 2]>);
+/// Derivatives along a path, with the names of `PathGradient` in Python, and mean pressure and approach at the end of
+/// each step of the path that was followed again.
+#[derive(IntoPyObject)]
+pub(crate) struct OfPath<'py> {
+    heights: Bound<'py, PyArray2<f64>>,
+    loads: Vec<f64>,
+    lateral: Vec<[f64; 2]>,
+    modulus: f64,
+    friction: f64,
+    shear_strength: f64,
+    hardness: Option<Bound<'py, PyArray2<f64>>>,
+    wear_by_distance: f64,
+    wear_by_slip: f64,
+    error: f64,
+    reached: Vec<[f64; 2]>,
+}
 
 /// Returns the derivatives of a scalar along a path, which is followed again. The inputs are its derivatives with
 /// respect to the fields at the waypoints and to the numbers of the steps.
@@ -165,6 +178,9 @@ pub(crate) fn path_vjp<'py>(
             mean_pressure: number("mean_pressure"),
             mean_gap: number("mean_gap"),
             elastic_energy: number("elastic_energy"),
+            plastic_depth: field("plastic_depth"),
+            shear: stacked([field("shear_x"), field("shear_y")]),
+            mean_shear: [number("mean_shear_x"), number("mean_shear_y")],
         }
     };
     let session = Session::embedded();
@@ -177,8 +193,32 @@ pub(crate) fn path_vjp<'py>(
     })?;
     raised.map_or(Ok(()), Err)?;
     let Derivatives { gradient, reached } = found.map_err(|failure| failed(py, failure))?;
-    let PathGradient { heights, loads, modulus, error, .. } = gradient;
-    Ok((heights.into_pyarray(py), loads, modulus, error, reached))
+    let PathGradient { heights, loads, lateral, modulus, friction, shear_strength, hardness, wear, error, .. } =
+        gradient;
+    Ok(OfPath {
+        heights: heights.into_pyarray(py),
+        loads,
+        lateral,
+        modulus,
+        friction,
+        shear_strength,
+        hardness: hardness.map(|by| by.into_pyarray(py)),
+        wear_by_distance: wear.by_distance,
+        wear_by_slip: wear.by_slip,
+        error,
+        reached,
+    })
+}
+
+/// Returns the components of a vector as one field `[component, x, y]`; of one component if the second is left out.
+fn stacked([x, y]: [Option<Array2<f64>>; 2]) -> Option<Array3<f64>> {
+    let shape = x.as_ref().or(y.as_ref())?.raw_dim();
+    let x = x.unwrap_or_else(|| Array2::zeros(shape));
+    let components = if y.is_some() { 2 } else { 1 };
+    let fields = [Some(x), y];
+    let mut all = Array3::zeros((components, shape[0], shape[1]));
+    all.outer_iter_mut().zip(fields.into_iter().flatten()).for_each(|(mut own, field)| own.assign(&field));
+    Some(all)
 }
 
 /// Returns the kind and the text of a failure with a state.

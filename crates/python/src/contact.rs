@@ -349,7 +349,7 @@ impl Problem {
         Ok((json::to_string(&record).map_err(|error| refused(py, &error))?, arrays.collect()))
     }
 
-    /// Returns the derivatives of a scalar with respect to heights, load and modulus, and their relative error. The
+    /// Returns the derivatives of a scalar with respect to heights, load, modulus and hardness, and their relative error. The
     /// inputs are its derivatives with respect to the fields and numbers of a state under a mean pressure, or under an
     /// approach if `is_driven`.
     fn vjp<'py>(
@@ -359,7 +359,7 @@ impl Problem {
         is_driven: bool,
         fields: BTreeMap<String, PyReadonlyArray2<'py, f64>>,
         numbers: BTreeMap<String, f64>,
-    ) -> PyResult<(Array<'py>, f64, f64, f64)> {
+    ) -> PyResult<(Array<'py>, f64, f64, Option<Array<'py>>, f64)> {
         let field = |name: &str| fields.get(name).map(|field| field.as_array().to_owned());
         let number = |name: &str| numbers.get(name).copied().unwrap_or(0.0);
         let of = Cotangents {
@@ -369,6 +369,8 @@ impl Problem {
             mean_pressure: number("mean_pressure"),
             mean_gap: number("mean_gap"),
             elastic_energy: number("elastic_energy"),
+            plastic_depth: field("plastic_depth"),
+            ..Cotangents::default()
         };
         let load = if is_driven {
             Load::Approach(state.rest.approach())
@@ -380,7 +382,8 @@ impl Problem {
             self.contact.gradient(&state.rest, load, &of)
         })?;
         let found = found.map_err(|error| refused(py, &error))?;
-        Ok((found.heights.into_pyarray(py), found.load, found.modulus, found.error))
+        let hardness = found.hardness.map(|by| by.into_pyarray(py));
+        Ok((found.heights.into_pyarray(py), found.load, found.modulus, hardness, found.error))
     }
 
     /// Returns the options with their defaults as JSON; the surface contributes only length and unit of stress.

@@ -105,6 +105,20 @@ def test_a_law_has_the_derivatives_of_its_file_and_of_a_line(tmp_path):
     assert free.vjp(pressure=np.ones(16)).load == pytest.approx(16.0)
 
 
+@pytest.mark.parametrize("hardness", [0.1, 0.1 + 0.02 * HEIGHTS / HEIGHTS.max()])
+def test_a_hardness_has_a_derivative(hardness):
+    def value(factor=1.0):
+        c = gfmd.contact(HEIGHTS, BODY, pressure=0.02, hardness=factor * hardness, tolerance=1e-12)
+        return (PRESSURE * c.pressure).sum() + 3 * c.approach + (GAP * c.plastic_depth).sum(), c
+
+    total, c = value()
+    found = c.vjp(pressure=PRESSURE, approach=3.0, plastic_depth=GAP)
+    quotient = (value(1 + 1e-6)[0] - value(1 - 1e-6)[0]) / 2e-6
+    assert np.shape(found.hardness) == np.shape(hardness)
+    assert np.sum(found.hardness * hardness) == pytest.approx(quotient, rel=1e-5)
+    assert "hardness" not in gfmd.contact(HEIGHTS, BODY, pressure=0.02).vjp(approach=1.0)
+
+
 def test_what_has_no_derivative_is_named():
     c = gfmd.contact(HEIGHTS, BODY, p_star=0.1)
     for arguments, words in [
@@ -112,12 +126,12 @@ def test_what_has_no_derivative_is_named():
         (dict(gap=np.full((16, 16), np.inf)), "the derivative by the gap has inf"),
         (dict(approach=np.nan), "approach is nan"),
         (dict(fixed="load"), "fixed is 'load'"),
+        (dict(plastic_depth=np.ones((16, 16))), "the derivative by the plastic depth is given"),
     ]:
         with pytest.raises(gfmd.InputError, match=words):
             c.vjp(**arguments)
     slab = gfmd.Body(height=0.3)
     for options, words in [
-        (dict(hardness=0.5), "hardness is given"),
         (dict(finite_slope=True), "finite.slope is given"),
         (dict(lower_surface=0.0 * HEIGHTS), "lower.surface is given"),
         (dict(base_displacement=0.01 * HEIGHTS), "base.displacement is given"),

@@ -81,6 +81,35 @@ def test_derivatives_are_difference_quotients(loads, body, options):
         assert share @ found.loads == pytest.approx(quotient, rel=1e-4, abs=1e-4)
 
 
+def test_friction_and_hardness_have_derivatives_of_their_own():
+    options = dict(pressure=[0.02, 0.03], lateral=[0, 1e-3], direction=30, steps=2, tolerance=1e-11, energy_solves=0)
+
+    def follow(friction=0.3, hardness=0.15, far=1e-3):
+        return gfmd.path(
+            HEIGHTS, STEEL, friction=friction, hardness=hardness, **{**options, "lateral": [0, far]}
+        )
+
+    def value(p):
+        return (PRESSURE[:2] * (p.shear_x - 2 * p.shear_y + 5 * p.plastic_depth)).sum() + 3 * p.steps.mean_shear[-1, 0]
+
+    p = follow()
+    assert 0 < p.steps.stick_fraction[-1] < p.steps.area_fraction[-1] and p.steps.plastic_fraction[-1] > 0
+    last = np.eye(len(p.steps.approach))[-1]
+    found = p.vjp(
+        shear_x=PRESSURE[:2], shear_y=-2 * PRESSURE[:2], plastic_depth=5 * PRESSURE[:2], mean_shear_x=3 * last
+    )
+    for name, at in [("friction", 0.3), ("hardness", 0.15)]:
+        step = 1e-6 * at
+        up, down = (value(follow(**{name: at + sign * step})) for sign in (1, -1))
+        assert found[name] == pytest.approx((up - down) / (2 * step), rel=1e-4)
+    # The steps between the waypoints lie between them.
+    share = np.linspace(0.0, 1.0, len(last))
+    up, down = (value(follow(far=1e-3 + sign * 1e-9)) for sign in (1, -1))
+    along = share @ found.lateral @ [np.cos(np.pi / 6), np.sin(np.pi / 6)]
+    assert along == pytest.approx((up - down) / 2e-9, rel=1e-4)
+    assert found.shear_strength == 0.0 and found.wear_by_slip == 0.0
+
+
 def test_steps_made_in_several_increments_have_the_derivatives_of_all():
     def follow(last):
         return gfmd.path(HEIGHTS, RUBBER, pressure=[0.02, last], time=[0, 3], steps=1, tolerance=1e-12, energy_solves=4)
@@ -119,6 +148,9 @@ def test_what_has_no_derivative_is_named(tmp_path):
         (dict(approach=np.nan), "approach is nan"),
         (dict(approach=[1.0, 2.0, 3.0]), r"approach has the shape \[3\]; it must be a number or \[2\]"),
         (dict(mean_gap="large"), "mean_gap"),
+        (dict(mean_shear_x=1.0), "the derivative by the mean shear traction is given; it must be left out"),
+        (dict(shear_y=np.ones((2, 16, 16))), "the derivative by the shear traction is given"),
+        (dict(plastic_depth=np.ones((2, 16, 16))), "the derivative by the plastic depth is given"),
     ]:
         with pytest.raises(gfmd.InputError, match=words):
             p.vjp(**arguments)
@@ -127,8 +159,6 @@ def test_what_has_no_derivative_is_named(tmp_path):
         gfmd.load(tmp_path / "p.h5").vjp(approach=1.0)
     slab = gfmd.Body(height=0.3)
     for options, words in [
-        (dict(hardness=0.5), "hardness is given"),
-        (dict(friction=0.3), "the surfaces shear each other"),
         (dict(lower_surface=0.0 * HEIGHTS), "lower.surface is given"),
         (dict(base_displacement=0.01 * HEIGHTS), "base.displacement is given"),
     ]:

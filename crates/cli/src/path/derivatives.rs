@@ -4,14 +4,14 @@ use gfmd_contact::{Cotangents, Drive, Fields as _, SolveError};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_interface::{Path, PathGradient, Refinement, follow};
-use gfmd_problem::{AnyState, OfState};
+use gfmd_problem::{AnyState, Inelastic, OfState};
 
 use super::{Args, path_input};
 
 /// Derivatives of a number with respect to the input of a path.
 #[derive(Clone, Debug)]
 pub struct Derivatives {
-    /// Derivatives, with one load for each step.
+    /// Derivatives, with one load and one lateral displacement for each step.
     pub gradient: PathGradient,
     /// Mean pressure and approach at the end of each step, followed again.
     pub reached: Vec<[f64; 2]>,
@@ -34,7 +34,8 @@ pub fn derivatives(
     let contact = prepared.pose(asked.source, &prepared.law)?;
     // A first look names what has no derivative, before the path is followed.
     contact.gradient_along(&[])?;
-    let has_history = prepared.inelastic.relaxation.is_some() || prepared.inelastic.wear.is_some();
+    let Inelastic { shear, relaxation, wear, .. } = &prepared.inelastic;
+    let has_history = shear.is_some() || relaxation.is_some() || wear.is_some() || prepared.hardness.is_some();
     let increments = match args.energy_solves() {
         solves_per_step if solves_per_step > 0 && has_history => {
             let refinement = Refinement { tolerance: args.energy_tolerance, solves_per_step };
@@ -54,9 +55,8 @@ pub fn derivatives(
         all.extend((0..*count).zip(&mut states).map(of_step));
         reached.extend(all.last().map(|(_, state, _)| [state.mean_pressure(), state.approach()]));
     }
-    let gradient = contact.gradient_along(&all)?;
-    let loads = gradient.loads_of_steps(&increments);
-    Ok(Derivatives { gradient: PathGradient { loads, ..gradient }, reached })
+    let gradient = contact.gradient_along(&all)?.of_steps(&increments);
+    Ok(Derivatives { gradient, reached })
 }
 
 /// Returns the failure of a step.

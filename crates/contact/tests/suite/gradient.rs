@@ -55,6 +55,7 @@ fn cotangents(grid: &Grid) -> Cotangents {
         mean_pressure: -2.0,
         mean_gap: 5.0,
         elastic_energy: 70.0,
+        ..Cotangents::default()
     }
 }
 
@@ -174,6 +175,54 @@ fn units_and_full_contact_change_nothing() {
     assert!(matches!(undetermined, GradientError::Undetermined(_)), "{undetermined}");
 }
 
+/// Points at the hardness keep their pressure, and are pressed in more or less.
+#[test]
+fn a_hardness_has_derivatives_of_its_own() {
+    let grid = Grid::new([16, 12], [1.0, 0.8]).unwrap();
+    let heights = rough(&grid);
+    let of = Cotangents { plastic_depth: Some(100.0 * field(&grid, 2.7)), ..cotangents(&grid) };
+    for load in [Load::MeanPressure(0.02), Load::Approach(0.005)] {
+        for (boundary, hardness) in [(Boundary::Periodic, 0.06), (Boundary::Free, 0.06)] {
+            let solve = |heights: &Array2<f64>, hardness: f64, load: Load| {
+                let contact = Contact::with_boundary(boundary, &body(None, 1.0), &grid, heights).unwrap();
+                let contact = contact.with_hardness(hardness).unwrap();
+                let solution = contact.press(load).tolerance(1e-13).solve().unwrap();
+                (contact, solution)
+            };
+            let total = |solution: &Solution| {
+                let depth = &solution.plastic.as_ref().unwrap().depth;
+                value(&of, solution) + (of.plastic_depth.as_ref().unwrap() * depth).sum()
+            };
+            let (contact, solution) = solve(&heights, hardness, load);
+            let plastic = solution.pressure.iter().filter(|p| **p >= hardness).count();
+            let elastic = solution.pressure.iter().filter(|p| **p > 0.0 && **p < hardness).count();
+            assert!(plastic > 2 && elastic > 2, "{plastic} {elastic}");
+            let found = contact.gradient(&solution, load, &of).unwrap();
+            let near = |found: f64, moved: &dyn Fn(f64) -> Solution, step: f64, size: f64| {
+                let wanted = (total(&moved(step)) - total(&moved(-step))) / (2.0 * step);
+                assert!((found - wanted).abs() <= 1e-5 * (wanted.abs() + size), "{load:?}: {found} {wanted}");
+            };
+            let most = found.heights.iter().fold(0.0, |most: f64, by| most.max(by.abs()));
+            for index in 0..12 {
+                let place = [index * 7 % 16, index * 5 % 12];
+                let moved = |change: f64| {
+                    let mut moved = heights.clone();
+                    moved[place] += change;
+                    solve(&moved, hardness, load).1
+                };
+                near(found.heights[place], &moved, 1e-8, 0.01 * most);
+            }
+            let by_hardness = found.hardness.unwrap().sum();
+            near(by_hardness, &|change| solve(&heights, hardness + change, load).1, 1e-7, 0.0);
+            let by_load = |change: f64| match load {
+                Load::MeanPressure(mean) => solve(&heights, hardness, Load::MeanPressure(mean + change)).1,
+                Load::Approach(approach) => solve(&heights, hardness, Load::Approach(approach + change)).1,
+            };
+            near(found.load, &by_load, 1e-8, 0.0);
+        }
+    }
+}
+
 #[test]
 fn unusable_derivatives_are_refused() {
     let grid = Grid::square(16, 1.0).unwrap();
@@ -187,8 +236,9 @@ fn unusable_derivatives_are_refused() {
     let bad = Array2::from_elem((16, 16), f64::NAN);
     assert!(refused(&Cotangents { pressure: Some(bad), ..none() }).contains("by the pressure has NaN"));
     assert!(refused(&Cotangents { mean_gap: f64::INFINITY, ..none() }).contains("by the mean gap has inf"));
-    let hard = contact.clone().with_hardness(0.05).unwrap();
-    assert_eq!(hard.gradient(&solution, case.load, &none()), Err(GradientError::Hardness));
+    let depth = Cotangents { plastic_depth: Some(Array2::zeros((16, 16))), ..none() };
+    assert!(refused(&depth).starts_with("the derivative by the plastic depth is given; it must be left out"));
+    assert!(contact.with_hardness(0.05).unwrap().gradient(&solution, case.load, &depth).is_ok());
     let line = Grid::line(32, 1.0).unwrap();
     let wave = Array2::from_shape_fn((32, 1), |(i, _)| 0.01 * (0.2 * i as f64).cos());
     let contact = Contact::with_boundary(Boundary::Free, &body(None, 1.0), &line, &wave).unwrap();

@@ -48,6 +48,17 @@ impl Transforms {
         }
     }
 
+    /// Computes `traction` = K `displacement`; false with free boundaries, whose stiffness is not known.
+    pub(super) fn stiffness(&mut self, displacement: &[f64], traction: &mut [f64]) -> bool {
+        match self {
+            Self::Periodic(transforms) => {
+                transforms.stiffness(displacement, traction);
+                true
+            }
+            Self::Free(_) => false,
+        }
+    }
+
     /// Returns the number of transform pairs so far, per component.
     pub(super) fn pairs(&self) -> f64 {
         match self {

@@ -1,5 +1,7 @@
 //! Shear of a step: the tractions in the plane that keep the surfaces from slipping, within their limits.
 
+pub(super) mod adjoint;
+
 use gfmd_contact::{Drive, Refusal};
 use gfmd_medium::Affine;
 use gfmd_relax::{Anderson, Budget, Descended, Ending, SpectralProjectedGradient, Watch};

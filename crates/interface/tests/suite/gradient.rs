@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Budget, Contact, Cotangents, Drive, Equilibrium as _, Fields as _, Load};
+use gfmd_contact::{Boundary, Budget, Contact, Cotangents, Drive, Equilibrium as _, Fields as _, Hardness, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_interface::{
-    Increment, Interface, Parts, Path, PathGradient, PathGradientError, QuasistaticContact, QuasistaticState,
-    Refinement, Wear, follow,
+    Increment, Interface, LimitingPressure, Parts, Path, PathGradient, PathGradientError, QuasistaticContact,
+    QuasistaticState, Refinement, Shear, Wear, follow,
 };
 use gfmd_law::{CoupledExponential, Exponential, Law, Limit, Morse, Separation};
 use gfmd_medium::{Prony, Relaxes};
-use ndarray::Array2;
+use ndarray::{Array2, Array3, Axis};
 
 use crate::rough;
 
@@ -26,10 +26,14 @@ struct Case {
     body: (Option<f64>, f64),
     law: Option<Arc<dyn Law>>,
     relaxation: Option<(Prony, Relaxes)>,
-    wear: f64,
+    /// Wear coefficients for distance and slip.
+    wear: [f64; 2],
+    hardness: Option<Hardness>,
+    shear: Option<Shear>,
     drives: Vec<Drive>,
     heights: Array2<f64>,
     factor: f64,
+    tolerance: f64,
 }
 
 fn grid() -> Grid {
@@ -54,10 +58,13 @@ impl Case {
             body: (None, 0.3),
             law: None,
             relaxation: None,
-            wear: 0.0,
+            wear: [0.0; 2],
+            hardness: None,
+            shear: None,
             drives: drives(Load::MeanPressure, &pressures),
             heights: rough(&grid(), 3),
             factor: 1.0,
+            tolerance: TOLERANCE,
         }
     }
 
@@ -71,11 +78,28 @@ impl Case {
     }
 
     fn wearing(self) -> Self {
-        Self { wear: 0.05, ..self }
+        Self { wear: [0.05, 0.0], ..self }
     }
 
     fn with(self, law: impl Law + 'static) -> Self {
         Self { law: Some(law.into_shared()), ..self }
+    }
+
+    fn hard(self, hardness: impl Into<Hardness>) -> Self {
+        Self { hardness: Some(hardness.into()), ..self }
+    }
+
+    /// Pushes the rigid surface along a curve, back and forth. The search for the shear reaches a larger residual.
+    fn pushed(mut self, limit: Limit) -> Self {
+        let places = [[0.0, 0.0], [1e-3, 4e-4], [2.5e-3, -3e-4], [1e-3, 6e-4]];
+        for (drive, lateral) in self.drives.iter_mut().zip(places) {
+            drive.lateral = lateral;
+        }
+        Self { shear: Some(limit.into()), tolerance: 1e-11, ..self }
+    }
+
+    fn wearing_by_slip(self) -> Self {
+        Self { wear: [0.0, 0.4], ..self }
     }
 
     fn free(self) -> Self {
@@ -91,16 +115,19 @@ impl Case {
         let material = Material::from_young(2.0 * self.factor, poisson).unwrap();
         let body = height.map_or_else(|| Body::half_space(material), |height| Body::slab(material, height).unwrap());
         let relaxation = self.relaxation.as_ref().map(|(prony, relaxes)| (prony, *relaxes));
-        let wear = (self.wear > 0.0).then_some(Wear { by_distance: self.wear, by_slip: 0.0 });
+        let [by_distance, by_slip] = self.wear;
+        let wear = (self.wear != [0.0; 2]).then_some(Wear { by_distance, by_slip });
         let (boundary, law, grid) = (self.boundary, self.law.clone(), grid());
-        let parts = Parts { boundary, law, relaxation, wear, ..Parts::new(&body, &grid, &self.heights) };
+        let (hardness, shear) = (self.hardness.clone(), self.shear);
+        let plain = Parts::new(&body, &grid, &self.heights);
+        let parts = Parts { boundary, law, hardness, shear, relaxation, wear, ..plain };
         QuasistaticContact::new(&parts).unwrap()
     }
 
     fn follow(&self) -> Vec<QuasistaticState> {
         let (contact, mut states) = (self.contact(), Vec::<QuasistaticState>::new());
         for drive in &self.drives {
-            let press = contact.press(*drive).tolerance(TOLERANCE).starting_from(states.last());
+            let press = contact.press(*drive).tolerance(self.tolerance).starting_from(states.last());
             states.push(press.solve().unwrap_or_else(|error| panic!("{}: {error}", self.name)));
         }
         states
@@ -146,8 +173,12 @@ fn field(phase: f64) -> Array2<f64> {
 }
 
 /// Returns derivatives of a number that depends on every part of every state.
-fn cotangents(count: usize) -> Vec<Cotangents> {
+fn cotangents(case: &Case) -> Vec<Cotangents> {
+    let (is_hard, is_sheared) = (case.hardness.is_some(), case.shear.is_some());
     let of = |step: f64| Cotangents {
+        plastic_depth: is_hard.then(|| 30.0 * field(0.7 + step)),
+        shear: is_sheared.then(|| ndarray::stack![Axis(0), field(2.3 - step), field(0.2 + step)]),
+        mean_shear: if is_sheared { [60.0 - 10.0 * step, 25.0] } else { [0.0; 2] },
         pressure: Some(field(0.4 + step)),
         gap: Some(20.0 * field(1.9 - step)),
         approach: 100.0 - 30.0 * step,
@@ -155,7 +186,7 @@ fn cotangents(count: usize) -> Vec<Cotangents> {
         mean_gap: 90.0 * (step - 1.2),
         elastic_energy: 3e4 / (1.0 + step),
     };
-    (0..count).map(|step| of(step as f64)).collect()
+    (0..case.drives.len()).map(|step| of(step as f64)).collect()
 }
 
 fn value(of: &[Cotangents], states: &[QuasistaticState]) -> f64 {
@@ -167,8 +198,41 @@ fn value(of: &[Cotangents], states: &[QuasistaticState]) -> f64 {
             + of.mean_pressure * state.mean_pressure()
             + of.mean_gap * state.gap().mean().unwrap()
             + of.elastic_energy * state.elastic_energy
+            + of.plastic_depth.as_ref().map_or(0.0, |by| (by * state.plastic_depth().unwrap()).sum())
+            + of.shear.as_ref().map_or(0.0, |by| sheared(by, state))
+            + of.mean_shear[0] * state.mean_shear[0]
+            + of.mean_shear[1] * state.mean_shear[1]
     });
     parts.sum()
+}
+
+fn sheared(by: &Array3<f64>, state: &QuasistaticState) -> f64 {
+    by.outer_iter().enumerate().map(|(axis, by)| (&by * &state.shear(axis).unwrap()).sum()).sum()
+}
+
+/// Returns which points of all states yield, stick and slip: the sets that a derivative keeps.
+fn kinds(case: &Case, states: &[QuasistaticState]) -> Vec<u8> {
+    let kind = |state: &QuasistaticState, (i, repulsion): (usize, &f64)| {
+        let pressure = state.pressure();
+        let hardness = match &case.hardness {
+            None => f64::INFINITY,
+            Some(Hardness::Uniform(hardness)) => *hardness,
+            Some(Hardness::Field(field)) => field.iter().copied().nth(i).unwrap(),
+        };
+        let at = |field: ndarray::ArrayView2<f64>| field.iter().copied().nth(i).unwrap();
+        let p = at(pressure.view());
+        let yields = p >= hardness * (1.0 - 1e-9);
+        let sticks = case.shear.is_some_and(|shear| {
+            let size = [0, 1].map(|axis| at(state.shear(axis).unwrap()));
+            let pressure = if shear.pressure == LimitingPressure::Net { p.max(0.0) } else { *repulsion };
+            size[0].hypot(size[1]) < shear.limit.at(pressure) * (1.0 - 1e-7)
+        });
+        u8::from(yields) + 2 * u8::from(sticks)
+    };
+    states
+        .iter()
+        .flat_map(|state| state.repulsion().iter().enumerate().map(|at| kind(state, at)).collect::<Vec<u8>>())
+        .collect()
 }
 
 /// Returns the points in contact of all states.
@@ -184,8 +248,9 @@ fn touching(states: &[QuasistaticState]) -> Vec<bool> {
 
 /// Returns the derivative from four states around the middle, to fourth order; `None` if points enter or leave contact.
 fn quotient(of: &[Cotangents], step: f64, moved: impl Fn(f64) -> Case) -> Option<f64> {
-    let states = [-2.0, -1.0, 1.0, 2.0].map(|times| moved(times * step).follow());
-    let sets = states.each_ref().map(|states| touching(states));
+    let cases = [-2.0, -1.0, 1.0, 2.0].map(|times| moved(times * step));
+    let states = cases.each_ref().map(Case::follow);
+    let sets = std::array::from_fn::<_, 4, _>(|k| (touching(&states[k]), kinds(&cases[k], &states[k])));
     if sets.iter().any(|set| *set != sets[0]) {
         return None;
     }
@@ -196,7 +261,7 @@ fn quotient(of: &[Cotangents], step: f64, moved: impl Fn(f64) -> Case) -> Option
 /// Compares all derivatives with difference quotients, heights relative to the largest of them.
 fn check(case: &Case) {
     let states = case.follow();
-    let of = cotangents(states.len());
+    let of = cotangents(case);
     let found = case.gradient(&states, &of);
     let name = case.name;
     assert!(found.error <= 1e-9, "{name}: {}", found.error);
@@ -227,6 +292,110 @@ fn check(case: &Case) {
     let modulus = 2.0 / (1.0 - case.body.1.powi(2));
     let wanted = wanted.unwrap_or_else(|| panic!("{name}: the contact changes"));
     assert!((found.modulus * modulus - wanted).abs() <= 1e-6 * wanted.abs(), "{name}: {} {wanted}", found.modulus);
+    check_parameters(case, &of, &found);
+}
+
+/// Compares the derivatives by lateral displacements, limit of the shear, hardness and wear.
+fn check_parameters(case: &Case, of: &[Cotangents], found: &PathGradient) {
+    let name = case.name;
+    let compare = |what: &str, by: f64, size: f64, moved: &dyn Fn(f64) -> Case| {
+        let wanted = quotient(of, size, moved).unwrap_or_else(|| panic!("{name}, {what}: the contact changes"));
+        assert!((by - wanted).abs() <= 3e-6 * wanted.abs(), "{name}, {what}: {by} {wanted}");
+    };
+    if let Some(shear) = case.shear {
+        for (step, by) in found.lateral.iter().enumerate() {
+            for (axis, by) in by.iter().enumerate() {
+                compare(&format!("place {step} {axis}"), *by, 1e-7, &|change| {
+                    let mut moved = case.clone();
+                    moved.drives[step].lateral[axis] += change;
+                    moved
+                });
+            }
+        }
+        let limited = |limit: Limit| Case { shear: Some(Shear { limit, ..shear }), ..case.clone() };
+        match shear.limit {
+            Limit::Coulomb(mu) => {
+                compare("friction", found.friction, 1e-5 * mu, &|change| limited(Limit::Coulomb(mu + change)));
+                assert_eq!(found.shear_strength, 0.0);
+            }
+            Limit::Tresca(strength) => {
+                let moved = |change| limited(Limit::Tresca(strength + change));
+                compare("strength", found.shear_strength, 1e-5 * strength, &moved);
+                assert_eq!(found.friction, 0.0);
+            }
+            Limit::Orowan { coefficient, strength } => {
+                let moved = |change| limited(Limit::Orowan { coefficient: coefficient + change, strength });
+                compare("friction", found.friction, 1e-5 * coefficient, &moved);
+                let moved = |change| limited(Limit::Orowan { coefficient, strength: strength + change });
+                compare("strength", found.shear_strength, 1e-5 * strength, &moved);
+            }
+        }
+    }
+    assert_eq!(found.hardness.is_some(), case.hardness.is_some(), "{name}");
+    if let (Some(by), Some(hardness)) = (&found.hardness, &case.hardness) {
+        assert!(by.iter().any(|by| *by != 0.0), "{name}: no point yields");
+        let field = match hardness {
+            Hardness::Uniform(hardness) => Array2::from_elem(grid().points(), *hardness),
+            Hardness::Field(field) => field.clone(),
+        };
+        let moved = |change| case.clone().hard(&field * (1.0 + change));
+        compare("hardness", (by * &field).sum(), 1e-5, &moved);
+    }
+    for (kind, by) in [found.wear.by_distance, found.wear.by_slip].into_iter().enumerate() {
+        if case.wear[kind] == 0.0 {
+            continue;
+        }
+        compare(&format!("wear {kind}"), by, 1e-4 * case.wear[kind], &|change| {
+            let mut moved = case.clone();
+            moved.wear[kind] += change;
+            moved
+        });
+    }
+}
+
+/// Surfaces that yield have a third kind of points, and keep their plastic depths.
+#[test]
+fn a_hardness_passes_derivatives_back() {
+    let field = 0.25 + 0.03 * field(0.9);
+    check(&Case::of("hardness").hard(0.25));
+    check(&Case::of("hardness, driven").hard(0.25).driven());
+    check(&Case::of("hardness, free").hard(0.25).free());
+    check(&Case::of("hardness, slab").hard(field.clone()).slab(0.3, 0.4));
+    check(&Case::of("hardness, wear").hard(0.25).wearing());
+    check(&Case::of("hardness, memory").hard(0.25).relaxing(Relaxes::Both));
+    check(&Case::of("hardness, memory of waves").hard(0.25).relaxing(Relaxes::Shear).slab(0.3, 0.4));
+    let law = Exponential::new(1e-4, 4e-3).unwrap();
+    check(&Case::of("hardness, law").hard(0.25).with(law));
+    check(&Case::of("hardness, law, wear").hard(field).with(law).wearing().driven());
+    check(&Case::of("hardness, law, memory").hard(0.25).with(law).relaxing(Relaxes::Both));
+}
+
+#[test]
+fn surfaces_that_stick_and_slip_pass_derivatives_back() {
+    let coulomb = Limit::Coulomb(0.3);
+    check(&Case::of("friction").pushed(coulomb));
+    check(&Case::of("friction, driven").driven().pushed(coulomb));
+    check(&Case::of("friction, incompressible").slab(0.4, 0.5).pushed(coulomb));
+    check(&Case::of("friction, free").free().pushed(coulomb));
+    check(&Case::of("strength").pushed(Limit::Tresca(0.05)));
+    check(&Case::of("both limits").pushed(Limit::Orowan { coefficient: 0.4, strength: 0.06 }));
+}
+
+#[test]
+fn friction_with_histories_passes_derivatives_back() {
+    let coulomb = Limit::Coulomb(0.3);
+    let law = Exponential::new(1e-4, 4e-3).unwrap();
+    check(&Case::of("friction, memory").relaxing(Relaxes::Both).pushed(coulomb));
+    check(&Case::of("friction, memory, free").relaxing(Relaxes::Both).free().pushed(coulomb));
+    check(&Case::of("friction, wear").wearing().pushed(coulomb));
+    check(&Case::of("friction, wear by slip").wearing_by_slip().pushed(coulomb));
+    check(&Case::of("friction, hardness").hard(0.25).pushed(coulomb));
+    check(&Case::of("friction, law").with(law).pushed(coulomb));
+    let mut net = Case::of("friction of the net pressure").with(law).pushed(coulomb);
+    net.shear = Some(Shear { limit: coulomb, pressure: LimitingPressure::Net });
+    check(&net);
+    check(&Case::of("friction, law, memory").with(law).relaxing(Relaxes::Both).pushed(coulomb));
+    check(&Case::of("friction, law, wear by slip").with(law).wearing_by_slip().pushed(coulomb));
 }
 
 #[test]
@@ -234,7 +403,7 @@ fn a_wall_without_history_has_the_sum_over_its_states() {
     for case in [Case::of("wall"), Case::of("free wall").free(), Case::of("wall, driven").driven()] {
         check(&case);
         let states = case.follow();
-        let of = cotangents(states.len());
+        let of = cotangents(&case);
         let along = case.gradient(&states, &of);
         let (body, grid) = (Body::half_space(Material::from_young(2.0, 0.3).unwrap()), grid());
         let contact = Contact::with_boundary(case.boundary, &body, &grid, &case.heights).unwrap();
@@ -257,7 +426,7 @@ fn a_law_without_history_has_the_sum_over_its_states() {
     {
         check(&case);
         let states = case.follow();
-        let of = cotangents(states.len());
+        let of = cotangents(&case);
         let along = case.gradient(&states, &of);
         let (body, grid) = (Body::half_space(Material::from_young(2.0, 0.3).unwrap()), grid());
         let interface = Interface::with_boundary(case.boundary, &body, &grid, &case.heights, law).unwrap();
@@ -324,7 +493,7 @@ fn heights_and_loads_together_scale_the_number() {
     ] {
         let states = case.follow();
         for (of_energy, degree) in [(false, 1.0), (true, 2.0)] {
-            let of: Vec<Cotangents> = cotangents(states.len())
+            let of: Vec<Cotangents> = cotangents(&case)
                 .into_iter()
                 .map(|of| match of_energy {
                     true => Cotangents { elastic_energy: of.elastic_energy, ..Cotangents::default() },
@@ -346,7 +515,7 @@ fn heights_and_loads_together_scale_the_number() {
 fn the_first_states_know_nothing_of_the_last() {
     let case = Case::of("memory, wear").relaxing(Relaxes::Both).wearing();
     let states = case.follow();
-    let mut of = cotangents(states.len());
+    let mut of = cotangents(&case);
     of[2..].fill(Cotangents::default());
     let all = case.gradient(&states, &of);
     let first = Case { drives: case.drives[..2].to_vec(), ..case.clone() }.gradient(&states[..2], &of[..2]);
@@ -371,17 +540,17 @@ fn steps_are_made_of_increments() {
     let value_of = |case: &Case| {
         let steps: Vec<(Drive, u64)> = case.drives.iter().copied().zip(increments).collect();
         let states = follow(&case.contact(), &steps, &budget, &mut ()).unwrap();
-        (value(&cotangents(states.len()), &states), states)
+        (value(&cotangents(case), &states), states)
     };
     let (_, states) = value_of(&case);
-    let of = cotangents(states.len());
+    let of = cotangents(&case);
     let all: Vec<Increment> = states
         .iter()
         .zip(&of)
         .map(|(state, of)| Increment { load: Load::MeanPressure(0.0), state, of: Some(of) })
         .collect();
-    let found = case.contact().gradient_along(&all).unwrap().loads_of_steps(&increments);
-    for (step, by) in found.iter().enumerate() {
+    let found = case.contact().gradient_along(&all).unwrap().of_steps(&increments);
+    for (step, by) in found.loads.iter().enumerate() {
         let size = 1e-4 * load_of(&case.drives[step]);
         let at = |times: f64| value_of(&case.with_load(step, times * size)).0;
         let wanted = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * size);
@@ -401,12 +570,12 @@ fn steps_are_made_of_increments() {
 fn units_change_nothing() {
     let case = Case::of("memory, wear").relaxing(Relaxes::Both).wearing();
     let states = case.follow();
-    let of = cotangents(states.len());
+    let of = cotangents(&case);
     let plain = case.gradient(&states, &of);
     let factor = 2.0_f64.powi(-40);
     let scaled = Case {
         factor,
-        wear: case.wear / factor,
+        wear: case.wear.map(|wear| wear / factor),
         drives: case
             .drives
             .iter()
@@ -447,6 +616,17 @@ fn paths_without_derivatives_are_refused() {
     let text = "increment 1: the shape of the derivative by the gap is [3, 4]; it must be [12, 10], the shape of the \
                 contact";
     assert_eq!(at(&states, &wrong).to_string(), text);
+    let wrong = Cotangents { plastic_depth: Some(Array2::zeros((12, 10))), ..none.clone() };
+    let text =
+        "increment 1: the derivative by the plastic depth is given; it must be left out, since the contact has none";
+    assert_eq!(at(&states, &wrong).to_string(), text);
+    for wrong in [
+        Cotangents { mean_shear: [0.0, 1.0], ..none.clone() },
+        Cotangents { shear: Some(Array3::zeros((2, 12, 10))), ..none.clone() },
+    ] {
+        let text = at(&states, &wrong).to_string();
+        assert!(text.contains("shear traction is given; it must be left out, since the contact has none"), "{text}");
+    }
     let wrong = Cotangents { approach: f64::NAN, ..none.clone() };
     assert!(at(&states, &wrong).to_string().contains("by the approach has NaN; it must be finite"));
     let reversed: Vec<QuasistaticState> = states.iter().rev().cloned().collect();
@@ -465,13 +645,6 @@ fn paths_without_derivatives_are_refused() {
         let contact = QuasistaticContact::new(parts).unwrap();
         contact.gradient_along(&[]).unwrap_err().to_string()
     };
-    let hard = refused(&Parts { hardness: Some(0.1.into()), ..plain.clone() });
-    assert!(hard.starts_with("the contact has a hardness; it must have none"), "{hard}");
-    let shear = Some(Limit::Coulomb(0.3).into());
-    let sheared = refused(&Parts { shear, ..plain.clone() });
-    assert!(sheared.starts_with("the surfaces shear each other; they must not"), "{sheared}");
-    let wear = Some(Wear { by_distance: 0.0, by_slip: 1.0 });
-    assert_eq!(refused(&Parts { shear, wear, ..plain.clone() }), sheared);
     let separation =
         Separation { normal_work: 2e-3, tangential_work: 2e-3, normal_length: 0.03, tangential_length: 0.03 };
     let law = CoupledExponential::new(separation).unwrap().into_shared();

@@ -116,6 +116,7 @@ class Gradient(Record):
         heights: dL/d(height) at each point [x, y], unit of L divided by length; read-only.
         load: dL/d(mean pressure), or dL/d(approach) if the approach is `fixed`.
         modulus: dL/dE*, E* in stress, with all moduli of the body scaled together.
+        hardness: dL/d(hardness), a number, or an array [x, y] if the hardness is one; with a hardness only.
         fixed: the prescribed load, "pressure" or "approach".
         error: relative error of the linear problem, at most 1e-8.
 
@@ -127,6 +128,7 @@ class Gradient(Record):
     heights: Array
     load: float
     modulus: float
+    hardness: Union[float, Array]
     fixed: str
     error: float
 
@@ -520,14 +522,15 @@ class Contact(Result, Numbers, Fields):
         mean_pressure: float = 0.0,
         mean_gap: float = 0.0,
         elastic_energy: float = 0.0,
+        plastic_depth: Optional[npt.ArrayLike] = None,
         fixed: Optional[Literal["pressure", "approach"] | str] = None,
     ) -> Gradient:
         """Returns the derivatives of a scalar L of this contact with respect to heights, load and modulus.
 
         The arguments are the derivatives of L with respect to fields and numbers of the contact; the result is the
         vector-Jacobian product of reverse-mode differentiation. It takes one linear solve for any number of heights.
-        The points in contact are fixed, which is exact for almost all surfaces and loads; areas and point counts have
-        no derivatives. `gfmd.torch` and `gfmd.jax` wrap the contact as a differentiable function.
+        The points in contact, and those at the hardness, are fixed, which is exact for almost all surfaces and loads;
+        areas and point counts have no derivatives. `gfmd.torch` and `gfmd.jax` wrap the contact as a differentiable function.
 
         Args:
             pressure: dL/d(pressure) at each point [x, y], unit of L divided by stress; 0 by default, like all others.
@@ -536,12 +539,13 @@ class Contact(Result, Numbers, Fields):
             mean_pressure: dL/d(mean pressure).
             mean_gap: dL/d(mean gap).
             elastic_energy: dL/d(elastic energy per area).
+            plastic_depth: dL/d(plastic depth) at each point [x, y]; with a hardness.
             fixed: load kept constant while heights and modulus change, "pressure" or "approach"; by default the
                 prescribed load of the contact ("pressure" for `p_star`).
 
         Raises:
-            InputError: arrays of the wrong shape; a contact with a hardness, finite slopes, all components, a lower
-                surface or a base that moves (not implemented); full contact under an approach that does not determine
+            InputError: arrays of the wrong shape; a contact with finite slopes, all components, a lower surface or a
+                base that moves (not implemented); full contact under an approach that does not determine
                 the pressure; a state of a law in which a small change causes a jump.
 
         Example:
@@ -560,7 +564,7 @@ class Contact(Result, Numbers, Fields):
             "mean_gap": mean_gap,
             "elastic_energy": elastic_energy,
         }
-        given = {"pressure": pressure, "gap": gap}
+        given = {"pressure": pressure, "gap": gap, "plastic_depth": plastic_depth}
         shape = self.pressure.shape
         fields = {}
         for name, value in given.items():
@@ -574,10 +578,13 @@ class Contact(Result, Numbers, Fields):
                         f"{name} has the shape {list(found.shape)}; it must be {list(shape)}, the shape of the contact"
                     )
         problem, state = self._posed()
-        heights, load, modulus, error = problem.vjp(
+        heights, load, modulus, hardness, error = problem.vjp(
             state, how == "approach", fields, {name: number(name, value) for name, value in numbers.items()}
         )
-        return Gradient({"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error})
+        found = {"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error}
+        if hardness is not None:
+            found["hardness"] = frozen(hardness) if np.ndim(self.hardness) else float(hardness.sum())
+        return Gradient(found)
 
     def interior(self, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.

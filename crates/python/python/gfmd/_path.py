@@ -45,6 +45,10 @@ class PathGradient(Record):
         heights: dL/d(height) at each point [x, y], unit of L divided by length; read-only.
         loads: dL/d(mean pressure) prescribed at each step [step], or dL/d(approach); read-only.
         modulus: dL/dE*, E* in stress, with all moduli of the body scaled together.
+        lateral: dL/d(lateral displacement) of the rigid surface at each step along x and y [step, 2]; read-only.
+        friction, shear_strength: dL/d(friction coefficient) and dL/d(shear strength); 0 without them.
+        hardness: dL/d(hardness), a number, or an array [x, y] if the hardness is one; with a hardness only.
+        wear_by_distance, wear_by_slip: dL/d(wear coefficient), stress; 0 without wear of this kind.
         error: largest relative error of the linear problems, at most 1e-8.
 
     Example:
@@ -56,7 +60,13 @@ class PathGradient(Record):
 
     heights: Array
     loads: Array
+    lateral: Array
     modulus: float
+    friction: float
+    shear_strength: float
+    hardness: Union[float, Array]
+    wear_by_distance: float
+    wear_by_slip: float
     error: float
 
 
@@ -165,15 +175,20 @@ class Path(Leaks, Computed, StepFields):
         mean_pressure: npt.ArrayLike = 0.0,
         mean_gap: npt.ArrayLike = 0.0,
         elastic_energy: npt.ArrayLike = 0.0,
+        plastic_depth: Optional[npt.ArrayLike] = None,
+        shear_x: Optional[npt.ArrayLike] = None,
+        shear_y: Optional[npt.ArrayLike] = None,
+        mean_shear_x: npt.ArrayLike = 0.0,
+        mean_shear_y: npt.ArrayLike = 0.0,
         threads: Optional[int] = None,
     ) -> PathGradient:
-        """Returns the derivatives of a scalar L of this path with respect to heights, loads and modulus.
+        """Returns the derivatives of a scalar L of this path with respect to heights, loads and material parameters.
 
         The arguments are the derivatives of L with respect to the fields at the waypoints and the numbers of the steps;
         the result is the vector-Jacobian product of reverse-mode differentiation. The path is followed again, with one
-        linear solve per step, from the last to the first: relaxation and wear by distance pass the derivatives back to
-        earlier steps. The points in contact of each step are fixed, as in `Contact.vjp`, and so are times and sliding
-        distances.
+        linear problem per step, from the last to the first: relaxation, wear, plastic depths and the places where points
+        stick pass the derivatives back to earlier steps. The points of each step in contact, at the hardness, sticking
+        and slipping are fixed, as in `Contact.vjp`, and so are times and sliding distances.
 
         Args:
             pressure: dL/d(pressure) at each point [waypoint, x, y]; 0 by default, like all others.
@@ -182,11 +197,16 @@ class Path(Leaks, Computed, StepFields):
             mean_pressure: dL/d(mean pressure),
             mean_gap: dL/d(mean gap), and
             elastic_energy: dL/d(elastic energy per area).
+            plastic_depth: dL/d(plastic depth) at each point [waypoint, x, y]; with a hardness.
+            shear_x: dL/d(shear traction along x) at each point [waypoint, x, y]; with friction or a shear strength.
+            shear_y: the same along y.
+            mean_shear_x: dL/d(mean shear traction along x) of each step, or one number for all steps.
+            mean_shear_y: the same along y.
             threads: number of threads; all cores by default.
 
         Raises:
-            InputError: arrays of the wrong shape; a path with friction, a hardness, a yielding body, all components, a
-                lower surface or a base that moves (not implemented); full contact under an approach that does not
+            InputError: arrays of the wrong shape, or of fields that the path does not have; a path with a yielding
+                body, all components, a lower surface or a base that moves (not implemented); full contact under an approach that does not
                 determine the pressure; a state of a law in which a small change causes a jump; a path that is
                 incomplete, or was read from a file. Error: the path followed again jumps differently.
 
@@ -197,13 +217,24 @@ class Path(Leaks, Computed, StepFields):
             >>> found = creep.vjp(mean_gap=[0.0, 0.0, 1.0])  # of the last mean gap
             >>> found.heights.shape, found.loads.shape
             ((16, 16), (3,))
+            >>> pushed = gfmd.path(rough, friction=0.3, pressure=0.01, lateral=[0, 1e-4], steps=1)
+            >>> by = pushed.vjp(mean_shear_x=[0.0, 1.0])  # of the last friction force
+            >>> by.friction != 0.0, by.lateral.shape
+            (True, (2, 2))
         """
         if isinstance(self._again, str):
             raise InputError(self._again)
         problem, arrays = self._again
         waypoints, count = self.pressure.shape, len(self.steps.mean_pressure)
         fields = {}
-        for name, value in {"pressure": pressure, "gap": gap}.items():
+        given_fields = {
+            "pressure": pressure,
+            "gap": gap,
+            "plastic_depth": plastic_depth,
+            "shear_x": shear_x,
+            "shear_y": shear_y,
+        }
+        for name, value in given_fields.items():
             if value is None:
                 continue
             found = array(name, value)
@@ -217,6 +248,8 @@ class Path(Leaks, Computed, StepFields):
             "mean_pressure": mean_pressure,
             "mean_gap": mean_gap,
             "elastic_energy": elastic_energy,
+            "mean_shear_x": mean_shear_x,
+            "mean_shear_y": mean_shear_y,
         }
         by_step = {}
         for name, value in given.items():
@@ -227,16 +260,17 @@ class Path(Leaks, Computed, StepFields):
             by_step[name] = [number(name, entry) for entry in np.broadcast_to(found, count).tolist()]
         used = 0 if threads is None else integer("threads", threads, 0, 4096)
         with Progress("path") as progress:
-            heights, loads, modulus, error, again = _gfmd.path_vjp(
-                problem, arrays, fields, by_step, used, progress.tick
-            )
-        for reached, name in zip(np.transpose(again), ("mean_pressure", "approach")):
+            derivatives = _gfmd.path_vjp(problem, arrays, fields, by_step, used, progress.tick)
+        for reached, name in zip(np.transpose(derivatives.pop("reached")), ("mean_pressure", "approach")):
             known = self.steps.get(name)
             if known is not None and not np.allclose(reached, known, rtol=0.0, atol=_ALIKE * np.abs(known).max()):
                 raise Error(f"the {name} of the path followed again differs from this path, which passes a jump")
-        return PathGradient(
-            {"heights": frozen(heights), "loads": frozen(np.array(loads)), "modulus": modulus, "error": error}
-        )
+        hardness = derivatives.pop("hardness")
+        if hardness is not None:
+            derivatives["hardness"] = frozen(hardness) if np.ndim(self.hardness) else float(hardness.sum())
+        for name in ("heights", "loads", "lateral"):
+            derivatives[name] = frozen(np.array(derivatives[name]))
+        return PathGradient(derivatives)
 
     @property
     def residual(self) -> Residual:
