@@ -181,7 +181,7 @@ fn a_hardness_has_derivatives_of_its_own() {
     let grid = Grid::new([16, 12], [1.0, 0.8]).unwrap();
     let heights = rough(&grid);
     let of = Cotangents { plastic_depth: Some(100.0 * field(&grid, 2.7)), ..cotangents(&grid) };
-    for load in [Load::MeanPressure(0.02), Load::Approach(0.005)] {
+    for load in [Load::MeanPressure(0.03), Load::Approach(0.02)] {
         for (boundary, hardness) in [(Boundary::Periodic, 0.06), (Boundary::Free, 0.06)] {
             let solve = |heights: &Array2<f64>, hardness: f64, load: Load| {
                 let contact = Contact::with_boundary(boundary, &body(None, 1.0), &grid, heights).unwrap();
