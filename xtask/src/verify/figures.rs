@@ -24,7 +24,10 @@ pub(super) const CAPTIONS: [(&str, &str); 10] = [
     ),
     ("wave-uz", "Figure 3.10: u_z below cos(2πx/L) on a slab of height L, without lateral surface displacement."),
     ("wave-ux", "Figure 3.11: u_x below this wave."),
-    ("punch-ux", "u_x below a sticking punch a quarter of the cell wide, on the plane y = L/2, as in all figures below."),
+    (
+        "punch-ux",
+        "u_x below a sticking punch a quarter of the cell wide, on the plane y = L/2, as in all figures below.",
+    ),
     ("punch-uz", "u_z below the punch."),
     ("punch-sxx", "σ_xx below the punch, GPa (figure 4.10 is captioned x = L/2: docs/source/README.md)."),
     ("punch-szz", "σ_zz below the punch, GPa."),
