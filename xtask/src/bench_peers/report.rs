@@ -304,6 +304,7 @@ impl Report {
         let Self { date, machine, commit, fftw, seed, tolerance, boundary, .. } = self;
         let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
         let (versions, short) = (versions.join(", "), commit.get(..12).unwrap_or(commit));
+        let programs = self.contestants.join(", ");
         let plans = match self.tamaas_fftw {
             TamaasFftw::Preloaded => "with this FFTW preloaded, since the FFTW of its package has no vector code",
             TamaasFftw::Tuned => "with this FFTW preloaded and measured plans, which its users do not have",
@@ -313,10 +314,8 @@ impl Report {
             "<!-- Written by `cargo xtask bench-peers --write-docs`; change xtask/src/bench_peers/report.rs instead. \
              -->\n\
              # Against other programs\n\n\
-             Time, memory and iterations of gfmd beside Tamaas, ContactMechanics, ASPHER and hertzian, where \
-             installed, for the\n\
-             same contacts to the same certified residual. [Any load](any-load.md): loads that each program reaches;\n\
-             [solvers](solvers.md): cost of gfmd.\n\n\
+             Time, memory and iterations of {programs}, for the same contacts to the same certified residual.\n\
+             [Any load](any-load.md): loads that each program reaches; [solvers](solvers.md): cost of gfmd.\n\n\
              {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
              Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, \
              1/ε_t = 2, 1/ε_c = 4 ([glossary](glossary.md)), seed {seed}. Tamaas ran {plans}.\n\n"
