@@ -271,11 +271,11 @@ impl Creep {
             page += &format!("> {note}\n\n");
         }
         page += &self.table().markdown();
-        page += "\n`held` checks the steps alone: pressure of a wave in full contact, whose displacement stays \
-                 as it is after the first\nstep, divided by its value with the long-term modulus, after the last step. \
-                 Backward Euler, the scheme of Tamaas,\nhas the value in the last column, and falls to 1 in the long \
-                 run. Where Tamaas differs, its contact areas are not those of\nthe material either. The steps of gfmd \
-                 are exact for a displacement linear in time ([time](time.md)).\n";
+        page += "\n`held` checks the steps alone: pressure of a wave in full contact, whose displacement stays as it \
+                 is after the first\nstep, divided by its value with the long-term modulus, after the last step. \
+                 Backward Euler, the scheme of Tamaas, has the\nvalue in the last column, and falls to 1 in the long run. Where \
+                 Tamaas differs, its contact areas are wrong for the\nmaterial, too. The steps of gfmd are exact for a \
+                 displacement linear in time ([time](time.md)).\n";
         page
     }
 }
