@@ -273,9 +273,9 @@ impl Creep {
         page += &self.table().markdown();
         page += "\n`held` checks the steps alone: pressure of a wave in full contact, whose displacement stays as it \
                  is after the first\nstep, divided by its value with the long-term modulus, after the last step. \
-                 Backward Euler, the scheme of Tamaas, has the\nvalue in the last column, and falls to 1 in the long run. Where \
-                 Tamaas differs, its contact areas are wrong for the\nmaterial, too. The steps of gfmd are exact for a \
-                 displacement linear in time ([time](time.md)).\n";
+                 Backward Euler, the scheme of Tamaas, has the\nvalue in the last column, and falls to 1 in the long \
+                 run. Where Tamaas differs, its contact areas are wrong for the\nmaterial, too. The steps of gfmd are \
+                 exact for a displacement linear in time ([time](time.md)).\n";
         page
     }
 }
