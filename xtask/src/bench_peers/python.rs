@@ -160,7 +160,7 @@ impl Environment {
             return Err(Failure::input("FFTW", reason));
         };
         if fftw.source != "system" {
-            notes.push("The system has no FFTW: that of pyFFTW was used for the yardstick and for Tamaas.".to_owned());
+            notes.push("The system has no FFTW: the yardstick and Tamaas used the FFTW of pyFFTW.".to_owned());
         }
         let mut tamaas_fftw = args.tamaas_fftw;
         if !cfg!(target_os = "linux") && tamaas_fftw != TamaasFftw::Own {

@@ -304,10 +304,9 @@ impl Report {
         let Self { date, machine, commit, fftw, seed, tolerance, boundary, .. } = self;
         let versions: Vec<String> = self.versions.iter().map(|(name, version)| format!("{name} {version}")).collect();
         let (versions, short) = (versions.join(", "), commit.get(..12).unwrap_or(commit));
+        let programs = self.contestants.join(", ");
         let plans = match self.tamaas_fftw {
-            TamaasFftw::Preloaded => {
-                "with this FFTW preloaded in place of the one in its package, which has no vector code"
-            }
+            TamaasFftw::Preloaded => "with this FFTW preloaded, since the FFTW of its package has no vector code",
             TamaasFftw::Tuned => "with this FFTW preloaded and measured plans, which its users do not have",
             TamaasFftw::Own => "with the FFTW of its package, which has no vector code",
         };
@@ -315,15 +314,11 @@ impl Report {
             "<!-- Written by `cargo xtask bench-peers --write-docs`; change xtask/src/bench_peers/report.rs instead. \
              -->\n\
              # Against other programs\n\n\
-             Time, memory and iterations of gfmd beside Tamaas, ContactMechanics, ASPHER and hertzian, as far as they \
-             are installed,\n\
-             for the same contacts to the same certified residual. [Any load](any-load.md) shows which loads each \
-             program reaches at\n\
-             all; [solvers](solvers.md) explains the cost of gfmd.\n\n\
+             Time, memory and iterations of {programs}, for the same contacts to the same certified residual.\n\
+             [Any load](any-load.md): loads that each program reaches; [solvers](solvers.md): cost of gfmd.\n\n\
              {date}. {machine}. Commit {short}. {versions}. FFTW: {fftw}.\n\n\
-             Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, cell \
-             length / longest wavelength = 2, shortest wavelength / grid spacing = 4, seed {seed}. Tamaas ran \
-             {plans}.\n\n"
+             Half-space, hard wall, {boundary} boundaries, E\\* = 1, self-affine surfaces with rms gradient 0.1, \
+             1/ε_t = 2, 1/ε_c = 4 ([glossary](glossary.md)), seed {seed}. Tamaas ran {plans}.\n\n"
         );
         let (unfinished, notes): (Vec<_>, Vec<_>) = self.notes.iter().partition(|note| note.contains(LEFT_OUT));
         for note in self.disturbance().iter().chain(notes) {

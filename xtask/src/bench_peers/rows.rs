@@ -243,11 +243,9 @@ impl Rows {
         let mut text = self.table().markdown();
         let _ = write!(
             text,
-            "\n{date}. {machine}. gfmd {version}, commit {short}. Self-affine surfaces as above, H = {hurst}. Seconds, \
-             or MB. Both sides of\n\
-             a ratio are measured in turns, {repeats} times; the median ratio is compared with the aim.\n\
-             `cargo xtask bench-rows --python PYTHON --tamaas --write-docs`, with a Python that has gfmd, makes this \
-             table.\n\n"
+            "\n{date}. {machine}. gfmd {version}, commit {short}. Surfaces as above, H = {hurst}. Seconds, or MB. \
+             Both sides in\nturns, {repeats} times; the median ratio is compared with the aim. `cargo xtask bench-rows \
+             --python PYTHON --tamaas\n--write-docs` makes this table with a PYTHON that has gfmd.\n\n"
         );
         text
     }

@@ -280,10 +280,10 @@ impl Yielding {
             "{}\n{date}. {machine}. Commit {short}. Tamaas {tamaas} (`EPICSolver.acceleratedSolve`, \
              `DFSANESolver`, its own FFTW), one thread.\n\
              A sphere of radius {RADIUS} cells on E = 1, ν = 0.3, Y = {YIELD_STRESS}, H = {HARDENING}; mean pressures \
-             {LOADS:?},\nthe last two on the way back; beyond {ALL_LOADS} points the first {FEW_LOADS} only, since \
-             Tamaas takes too long (limit {patience} s).\nTolerance {tolerance:e} in both programs. Operators are \
-             changes from plastic strain and pressure to strain. CPU of gfmd is the\nwhole process, of Tamaas the \
-             calls of its solver; memory of Tamaas is less what Python took before.\n{}\
+             {LOADS:?},\nthe last two in unloading; beyond {ALL_LOADS} points the first {FEW_LOADS} only (limit of \
+             Tamaas {patience} s). Tolerance {tolerance:e} in both programs.\nOperators map plastic strain and \
+             pressure to strain. CPU of gfmd: the whole process; of Tamaas: the calls of its solver,\nmemory less \
+             what Python took before.\n{}\
              `cargo xtask bench-peers --yielding --write-docs`.\n\n",
             self.table().markdown(),
             late.concat()

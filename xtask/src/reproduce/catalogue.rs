@@ -102,8 +102,7 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "3.6",
         source: "A strain below the same wave.",
         here: "The normal strains ε_xx (y = 0) and ε_zz (y = 0).",
-        erratum: "The text names figures 3.6 to 3.8 as strains without saying which; all six are drawn here, two in \
-                  each figure.",
+        erratum: "The text does not say which strains figures 3.6 to 3.8 show; all six are drawn here.",
         work: Work::Commands(&[picture(ABOVE_X, "y0-exx", "-exx"), picture(ABOVE_X, "y0-ezz", "-ezz")]),
     },
     Figure {
@@ -136,15 +135,14 @@ pub(super) const FIGURES: [Figure; 19] = [
     },
     Figure {
         number: "4.1a",
-        source: "The amplitude ũ_x(0, 0) of the slowest mode against the iteration for several damping factors, for \
-                 the punch; the critical one converges fastest.",
-        here: "The amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the \
-               critical damping of eq. 4.8, and the uniform mode (0, 0) of the free slab, pushed at one point, for the \
-               same factors. For the free slab factor 1 is best; for the punch, whose held points \
-               stiffen the soft modes, more damping is: 1162 steps to 1e-8 with factor 1, 578 with 2, 1240 with 3 \
-               (docs/solvers.md).",
-        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle of the punch. Its first \
-                  wave is shown in its place.",
+        source: "Amplitude ũ_x(0, 0) of the slowest mode of the punch against the iteration for several damping \
+                 factors; the critical one converges fastest.",
+        here: "Amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the critical \
+               damping of eq. 4.8, and of the uniform mode (0, 0) of the free slab, pushed at one point. For the free \
+               slab factor 1 is best; for the punch, whose held points stiffen the soft modes, 2: 1162 steps to 1e-8 \
+               with factor 1, 578 with 2, 1240 with 3 (docs/solvers.md).",
+        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle. Its first wave is shown \
+                  instead.",
         work: Work::Dampings,
     },
     Figure {
@@ -158,7 +156,7 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.3",
         source: "u_x of the surface under the sticking punch by (a) GFMD and (b) finite elements with the same nodes \
                  on the surface.",
-        here: "Ours, finite elements with the same nodes and held points, and the difference.",
+        here: "Ours, finite elements with the same nodes and held points, difference.",
         erratum: "",
         work: Work::Commands(&[picture(SURFACE, "top-u_x", "")]),
     },
@@ -187,14 +185,14 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.7",
         source: "u_x over the height, (a) and (b), on a plane captioned x/L = 0.5.",
         here: "u_x on y = L/2: ours, finite elements, difference.",
-        erratum: "On x = L/2 u_x vanishes: it is odd about the middle. The thesis must have drawn y = L/2.",
+        erratum: "On x = L/2 u_x vanishes (odd about the middle): the thesis must have drawn y = L/2.",
         work: Work::Commands(&[picture(ALONG_X, "along-x-ux", "")]),
     },
     Figure {
         number: "4.8",
         source: "u_y over the height, (a) and (b), on a plane captioned y/L = 0.5.",
         here: "u_y on x = L/2: ours, finite elements, difference.",
-        erratum: "On y = L/2 u_y vanishes for the same reason.",
+        erratum: "On y = L/2 u_y vanishes likewise.",
         work: Work::Commands(&[picture(ALONG_Y, "along-y-uy", "")]),
     },
     Figure {
@@ -208,15 +206,14 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.10",
         source: "σ_xx on the plane captioned x/L = 0.5, (a) and (b).",
         here: "σ_xx on x = L/2 as captioned, and on y = L/2: ours, finite elements, difference, in GPa.",
-        erratum: "The captions of the other figures name x = L/2 where y = L/2 is meant, so that either plane may be \
-                  the one drawn.",
+        erratum: "Other captions name x = L/2 for y = L/2, so either plane may be the one drawn.",
         work: Work::Commands(&[picture(ALONG_Y, "along-y-sxx", ""), picture(ALONG_X, "along-x-sxx", "-y")]),
     },
     Figure {
         number: "4.11",
         source: "σ_xz on a plane captioned x/L = 0.5, (a) and (b).",
         here: "σ_xz on y = L/2: ours, finite elements, difference, in GPa.",
-        erratum: "On x = L/2 σ_xz vanishes: it is odd about the middle. The thesis must have drawn y = L/2.",
+        erratum: "On x = L/2 σ_xz vanishes likewise.",
         work: Work::Commands(&[picture(ALONG_X, "along-x-sxz", "")]),
     },
 ];

@@ -9,33 +9,23 @@ use super::catalogue::{ALONG_X, ALONG_Y, FIGURES, Figure, PLANE, PREPARATION, SP
 use super::{Runs, dampings};
 
 const HEAD: &str = "# The figures of the thesis\n\n\
-Written by `cargo xtask reproduce`, which runs the commands below and draws the pictures; numbers stand in for what \
-the thesis shows as a picture, so that either can be judged.\n\
-The thesis is the one from which this program starts; \
-[coverage.md](coverage.md) goes through all its equations, tables and figures.\n\n\
-Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. The finite elements are trilinear bricks on the nodes of the \
-surface grid of the thesis, with the same held nodes, made by\n\
-[punch_elements.py](../../data/reference/punch_elements.py) without a Green's function. Paths are relative to the \
-repository; `cargo xtask` and `gfmd` run the same commands.\n";
+Drawn by `cargo xtask reproduce`, which runs the commands below, with numbers to judge what the thesis shows as a \
+picture.\n\
+[coverage.md](coverage.md) lists all equations, tables and figures of the thesis.\n\n\
+Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear bricks on the surface nodes of \
+the thesis, with the same\nheld nodes, without a Green's function \
+([punch_elements.py](../../data/reference/punch_elements.py)). Paths are relative to the repository.\n";
 
-/// Errors in the captions and numbers of these chapters, beyond the equations of theory.md, section 12.
-const ERRATA: &str = "\n## Errata of figures and text\n\n\
-(Those of equations are E1 to E27 of [theory.md](../theory.md), section 12.)\n\n\
-- **Figures 4.7, 4.8, 4.11** name planes on which the field is zero: u_x on x/L = 0.5, u_y on y/L = 0.5, σ_xz on \
-x/L = 0.5. All three are odd about the middle of the punch.\n\
-- **Figure 4.1a** names ũ_x(0, 0), which is zero at every step of the punch for the same reason (the punch has as many \
-nodes on either side of x = L/2).\n\
-- **Captions of figures 4.3 to 4.5** say \"calculated by GFMD a) calculated by FEM\" for (a) GFMD, (b) FEM.\n\
-- **Equations 3.8, 3.16 and 4.11** sum over q and list the combinations of signs as well: they hold if q runs over the \
-positive quadrant alone, and then modes on the axes count twice.\n\
-- **Δt = 0.25** (section 4.3) has no unit. In lattice units of Δx = 1 it is 0.22 of the stability limit 2/√k_max with \
-E* = 1, and 0.23 with E = 1; this program takes a quarter of the limit (docs/solvers.md).\n\
-- **Section 5.2**: the range \"p from 0.001 to 0.01\" has no unit. p/E* would be p* = 0.1 to 1 at ḡ = 0.01, where the \
-area is not proportional to the load; p/(E* ḡ) is meant by eq. 5.2, and is what the preset `thesis` takes.\n";
+/// Remarks on the errata of theory.md, section 12.
+const ERRATA: &str = "\n## Errata\n\n\
+E1 to E27 of [theory.md](../theory.md), section 12, list the errors of equations, captions and numbers.\n\n\
+- **Δt = 0.25** (section 4.3; E24), in lattice units of Δx = 1, is 0.22 of the stability limit 2/√k_max with E* = 1, \
+and 0.23 with E = 1; this program takes a quarter of the limit (docs/solvers.md).\n\
+- **Section 5.2** (E26): the preset `thesis` takes p/(E* ḡ).\n";
 
 /// Sentence on the location of the largest stress differences from finite elements.
-const AT_THE_SURFACE: &str = "Largest are the differences on the surface, where the stress of elements at a node is a \
-one-sided difference, and at the edge of the punch, where it is singular.";
+const AT_THE_SURFACE: &str = "Differences are largest on the surface, where the stress of elements is a one-sided \
+difference, and at the punch edge, where it is singular.";
 
 /// Returns the text of the page.
 pub(super) fn text(runs: &mut Runs) -> Result<String, Failure> {
@@ -107,8 +97,8 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
             };
             let (space, plane) = (largest(SPACE, runs)?, largest(PLANE, runs)?);
             format!(
-                "The largest displacements of all levels add up to the same number within {:.1e} (docs/validation.md \
-                 has the fields point by point).",
+                "The sums of the largest displacements of all levels agree within {:.1e} \
+                 ([validation](../validation.md): point by point).",
                 (space - plane).abs() / plane
             )
         }
@@ -124,9 +114,9 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
             let mut words = format!("Eq. 4.13 of u_{name} is {error:.2e}");
             words += match number {
                 "4.6" => {
-                    "; with elements half as high it is 4.2e-4, with those twice as high 2.3e-3 \
-                     (data/reference/punch3d_elements/summary.json). The 0.00196 of the thesis lies in this range; it \
-                     does not give the height of its elements."
+                    "; with elements half as high 4.2e-4, twice as high 2.3e-3 \
+                     (data/reference/punch3d_elements/summary.json). The thesis, which does not give the height of its \
+                     elements, lies between."
                 }
                 _ => ".",
             };

@@ -176,12 +176,13 @@ pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
                 difference / error
             );
         }
-        sums.iter_mut().zip(sum).for_each(|(sums, sum)| sums.push(format!("{sum:.1} at p\\* = {p_star}")));
+        sums.iter_mut().zip(sum).for_each(|(sums, sum)| sums.push(format!("{sum:.1}")));
     }
     let [scatter, all] = sums.map(|sums| sums.join(", "));
     let _ = writeln!(
         text,
-        "\nχ² of the differences over the four H: {scatter}; with the errors of form and edge, too: {all}."
+        "\nχ² of the differences over the four H at p\\* = {}: {scatter}; with the errors of form and edge {all}.",
+        LOADS.map(|p_star| p_star.to_string()).join(", ")
     );
     Ok(text)
 }

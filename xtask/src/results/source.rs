@@ -43,23 +43,22 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
         );
     }
     for protocol in summary.protocol.iter() {
-        for (axis, letter) in [("c", "ε_c"), ("f", "ε_f")] {
-            let _ = write!(text, "{}", limits(protocol, axis, letter));
-        }
+        let [t, f, c] = protocol.reference;
+        let found = [("c", "ε_c"), ("f", "ε_f")].into_iter().filter_map(|(axis, letter)| limit(protocol, axis, letter));
+        let _ = writeln!(text, "\nAbout ({t}, {f}, {c}): {}.", found.collect::<Vec<_>>().join("; "));
     }
     Ok(text)
 }
 
-/// Returns a line on the limit along one axis, and on the finest cell as predicted by the others.
-fn limits(protocol: &Protocol, axis: &str, letter: &str) -> String {
-    let Some(arm) = protocol.arm(axis) else { return String::new() };
-    let (Some(finest), Some(kappa)) = (arm.eps_inv.last(), arm.kappa.last()) else { return String::new() };
-    let [t, f, c] = protocol.reference;
-    let mut text = format!("\nAbout ({t}, {f}, {c}), {letter} → 0: {}", or_none(arm.limit.as_ref()));
+/// Describes the limit along one axis, and the finest cell with its prediction from the others.
+fn limit(protocol: &Protocol, axis: &str, letter: &str) -> Option<String> {
+    let arm = protocol.arm(axis)?;
+    let (finest, kappa) = (arm.eps_inv.last()?, arm.kappa.last()?);
+    let mut text = format!("{letter} → 0: {}", or_none(arm.limit.as_ref()));
     if let Some(predicted) = &arm.predicted {
-        let _ = write!(text, "; 1/{letter} = {finest}: κ = {}, from the others {}", kappa.shown(), predicted.shown());
+        let _ = write!(text, ", 1/{letter} = {finest}: {}, from the others {}", kappa.shown(), predicted.shown());
     }
-    text + ".\n"
+    Some(text)
 }
 
 /// Returns the table of all cells of the sweep.

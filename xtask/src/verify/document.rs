@@ -23,11 +23,10 @@ pub(super) fn write(folder: &Path, report: &Report, reference: &Reference) -> Re
 fn text(report: &Report) -> String {
     let mut text = format!(
         "# Validation\n\n\
-         Results of the program compared with independent references, closed forms and identities: {} checks, {} \
-         failed.\nWritten by `cargo xtask verify --write-docs`; `cargo test -p gfmd-tests` asserts these checks, too. \
-         An error is the largest\nof all compared numbers, relative unless stated otherwise; ″ repeats the line \
-         above. The origin of the reference\nfiles is described in \
-         [data/reference](../data/reference/README.md).\n",
+         Comparison with independent references, closed forms and identities: {} checks, {} failed. `cargo xtask \
+         verify\n--write-docs` writes this page, `cargo test -p gfmd-tests` asserts the checks. An error is the \
+         largest of all compared\nnumbers, relative unless stated otherwise; ″ repeats the line above. Origin of \
+         the references:\n[data/reference](../data/reference/README.md).\n",
         report.checks, report.failed
     );
     for topic in &report.topics {
@@ -43,7 +42,7 @@ fn text(report: &Report) -> String {
     }
     text.push_str("\n## Figures\n");
     for (name, caption) in figures::CAPTIONS {
-        let _ = write!(text, "\n![{caption}](images/validation-{name}.svg)\n\n{caption}\n");
+        let _ = write!(text, "\n![{name}](images/validation-{name}.svg)\n\n{caption}\n");
     }
     text
 }

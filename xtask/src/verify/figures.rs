@@ -16,31 +16,23 @@ use ndarray::Ix3;
 pub(super) const CAPTIONS: [(&str, &str); 10] = [
     (
         "stiffness",
-        "Stiffness of a bonded slab (ν = 0.33) against the wavenumber, with the limits of tables 3.1 and 3.2 (broken).",
+        "Stiffness of a bonded slab (ν = 0.33) against the wavenumber; broken: limits of tables 3.1 and 3.2.",
     ),
     (
         "decay",
-        "Displacement below a cosine wave of the surface without lateral displacement, against the height, for three \
-         wavelengths.",
+        "Displacement below a cosine wave without lateral surface displacement, against height, three wavelengths.",
     ),
+    ("wave-uz", "Figure 3.10: u_z below cos(2πx/L) on a slab of height L, without lateral surface displacement."),
+    ("wave-ux", "Figure 3.11: u_x below this wave."),
     (
-        "wave-uz",
-        "Figure 3.10: u_z below cos(2πx/L) on a slab of height L, without lateral displacement of the surface.",
+        "punch-ux",
+        "u_x below a sticking punch a quarter of the cell wide, on the plane y = L/2, as in all figures below.",
     ),
-    ("wave-ux", "Figure 3.11: u_x below the wave of figure 3.10."),
-    ("punch-ux", "u_x below a sticking punch a quarter of the cell wide, on the central plane y = L/2."),
-    ("punch-uz", "u_z below the punch, on the central plane."),
-    (
-        "punch-sxx",
-        "σ_xx below the punch, on the plane y = L/2, in GPa (figure 4.10 is captioned x = L/2: docs/source/README.md).",
-    ),
-    ("punch-szz", "σ_zz below the punch, on the central plane, in GPa."),
-    (
-        "punch-sxz",
-        "σ_xz below the punch, on the plane y = L/2, in GPa (it vanishes on x = L/2, which the caption of figure 4.11 \
-         names).",
-    ),
-    ("punch-mises", "Von Mises stress below the punch, on the central plane, in GPa."),
+    ("punch-uz", "u_z below the punch."),
+    ("punch-sxx", "σ_xx below the punch, GPa (figure 4.10 is captioned x = L/2: docs/source/README.md)."),
+    ("punch-szz", "σ_zz below the punch, GPa."),
+    ("punch-sxz", "σ_xz below the punch, GPa (it vanishes on x = L/2, the plane in the caption of figure 4.11)."),
+    ("punch-mises", "Von Mises stress below the punch, GPa."),
 ];
 
 /// Writes `PREFIX-name.svg` and `PREFIX-name.png` of each figure.

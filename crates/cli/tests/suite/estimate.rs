@@ -160,9 +160,8 @@ fn the_page_has_the_measured_errors() {
         });
         let [anisotropy, slopes] = ["anisotropy", "slope_kurtosis"].map(|name| number(&group[name][1]));
         table += &format!(
-            "\n{} {}: equivalent spectra with H from {hurst} and 1/ε_f from {ratio}, heights with the skewness\n\
-             {skewness} and the kurtosis {kurtosis}, mean square slopes with an anisotropy up to {anisotropy:.2}\n\
-             and a relative kurtosis up to {slopes:.2}.\n\n",
+            "\n{} {}: H {hurst}, 1/ε_f {ratio}, skewness {skewness},\nkurtosis {kurtosis}, anisotropy up to \
+             {anisotropy:.2}, slope kurtosis up to {slopes:.2}.\n\n",
             group["contacts"],
             group["name"].as_str().unwrap()
         );

@@ -581,10 +581,10 @@ class Contact(Result, Numbers, Fields):
         heights, load, modulus, hardness, error = problem.vjp(
             state, how == "approach", fields, {name: number(name, value) for name, value in numbers.items()}
         )
-        found = {"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error}
+        values = {"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error}
         if hardness is not None:
-            found["hardness"] = frozen(hardness) if np.ndim(self.hardness) else float(hardness.sum())
-        return Gradient(found)
+            values["hardness"] = frozen(hardness) if isinstance(self.hardness, np.ndarray) else float(hardness.sum())
+        return Gradient(values)
 
     def interior(self, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.
