@@ -217,7 +217,7 @@ class Path(Leaks, Computed, StepFields):
             >>> found = creep.vjp(mean_gap=[0.0, 0.0, 1.0])  # of the last mean gap
             >>> found.heights.shape, found.loads.shape
             ((16, 16), (3,))
-            >>> pushed = gfmd.path(rough, rubber, friction=0.3, pressure=0.01, lateral=[0, 1e-4], steps=1)
+            >>> pushed = gfmd.path(rough, gfmd.Body(), friction=0.3, pressure=0.01, lateral=[0, 1e-4], steps=1)
             >>> by = pushed.vjp(mean_shear_x=[0.0, 1.0])  # of the last friction force
             >>> by.friction != 0.0, by.lateral.shape
             (True, (2, 2))
