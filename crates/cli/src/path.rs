@@ -24,13 +24,14 @@ use gfmd_interface::{LimitingPressure, Path, Refinement, Step, Wear};
 use gfmd_law::LawKind;
 use gfmd_plasticity::PlasticState;
 use gfmd_problem::{AnyState, Facts, Inelastic, Posed, WearBy, key, setting, words};
+use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use self::args::{PathOptions, StepArgs};
 use self::course::{Followed, PathInput, PathSettings};
 use self::waypoints::WaypointArgs;
 use crate::loads::Sign;
-use crate::measuring::{Conducting, MeasureArgs};
+use crate::measuring::{Conducting, MeasureArgs, draw_patches};
 use crate::whole::Whole;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::hardness::HardnessArgs;
@@ -331,7 +332,14 @@ fn finish(
         let drawn = whole.map_or(Ok(Vec::new()), |Whole { surface, hardness, shown, fields }| {
             let scene = Scene::upper(&surface, &shown, report.head.e_star, hardness.as_deref());
             let depth = fields.first().map(|field| field.values.view());
-            figures::draw(prefix, &report, places, &scene, (&surface, depth, strained))
+            let mut files = figures::draw(prefix, &report, places, &scene, (&surface, depth, strained))?;
+            if args.measure.statistics {
+                let shape = surface.grid.points();
+                let repulsion = ArrayView2::from_shape(shape, &shown.repulsion);
+                let repulsion = repulsion.map_err(|error| Failure::computation(error.to_string()))?;
+                files.extend(draw_patches(prefix, &surface, repulsion)?);
+            }
+            Ok(files)
         });
         report.plots = session.agree(drawn)?;
     }

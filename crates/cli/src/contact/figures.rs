@@ -2,19 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use gfmd_files::contiguous;
 use gfmd_measure::theory::{ElastoplasticArea, persson_pressure};
-use gfmd_plot::{Axis, Below, Chart, Mark, Panel, Point, Scale, Series};
+use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
 use ndarray::ArrayView2;
 
 use super::Report;
-use crate::measuring::Gathered;
+use crate::measuring::{Gathered, draw_flow, draw_patches};
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness::GivenHardness;
 use gfmd_input::source::Surface;
-use gfmd_record::patches;
 use gfmd_report::contact::{AREAS, areas};
-use gfmd_report::figures::{Drawn, Scene, field, named, short, sides};
+use gfmd_report::figures::{Scene, named, short, sides};
 
 /// Draws the last load: `PREFIX-map`, `-traction`, `-gap` and `-section`, for a lower surface also `PREFIX-lower-map`
 /// etc.; and `PREFIX-area` if there are several loads of a hard wall. `variance` is the variance of the pressure in
@@ -62,21 +60,6 @@ fn plastic(report: &Report, hardness: f64, variance: f64) -> [Series; 3] {
 /// Largest number of loads for which distributions are drawn.
 const MOST_LOADS: usize = 4;
 
-/// Smallest flux drawn, relative to the largest.
-const LEAST_FLUX: f64 = 1e-8;
-
-/// Returns the map of a flux on a logarithmic scale.
-fn flux<'v>(surface: &Surface, values: &'v [f64], axis: &str) -> Drawn<'v> {
-    let highest = values.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let least = (LEAST_FLUX * highest).max(f64::MIN_POSITIVE);
-    let mut drawn = field(&surface.grid, values, &format!("flux along *{axis}*"), surface.unit());
-    if let Drawn::Map(map) = &mut drawn {
-        map.below = Some(Below::pale(least, "none"));
-        (map.scale, map.range) = (Scale::Log, Some([least, highest.max(2.0 * least)]));
-    }
-    drawn
-}
-
 /// Returns up to four of `count` loads, from the lowest to the highest.
 fn chosen(report: &Report, count: usize) -> Vec<usize> {
     let mut sorted: Vec<usize> = (0..count).collect();
@@ -98,28 +81,13 @@ pub(super) fn measured(
 ) -> Result<Vec<PathBuf>, Failure> {
     let (grid, unit) = (&surface.grid, surface.unit());
     let mut files = Vec::new();
-    if let Some(flow) = &gathered.flow
-        && let Some(path) = flow.paths.iter().flatten().next()
-    {
-        let axis = if flow.paths[0].is_some() { "x" } else { "y" };
-        files.extend(flux(surface, &contiguous(&path.flux), axis).save(&named(prefix, "flow"))?);
+    if let Some(flow) = &gathered.flow {
+        files.extend(draw_flow(prefix, surface, flow)?);
     }
     if gathered.states.is_empty() {
         return Ok(files);
     }
-    if !grid.is_line() {
-        let found = patches(*repulsion, surface.boundary);
-        // Patches with successive numbers get distant colours, in steps of the golden section.
-        let colour =
-            |label: &u32| if *label == 0 { 0.0 } else { 0.05 + 0.95 * (f64::from(*label) * 0.618_033_988_75).fract() };
-        let values: Vec<f64> = found.labels.iter().map(colour).collect();
-        let mut drawn = field(grid, &values, &format!("{} patches, told apart by colour", found.patches.len()), unit);
-        if let Drawn::Map(map) = &mut drawn {
-            map.below = Some(Below::pale(0.0, "no contact"));
-            (map.range, map.bar) = (Some([0.0, 1.0]), false);
-        }
-        files.extend(drawn.save(&named(prefix, "patches"))?);
-    }
+    files.extend(draw_patches(prefix, surface, repulsion.view())?);
     let chosen = chosen(report, gathered.states.len());
     let scale = report.head.e_star * report.head.rms_gradient;
     let label = |load: usize| format!("*p*\\* = {}", short(report.loads[load].number("p_star")));

@@ -159,6 +159,20 @@ fn a_resumed_path_has_the_measurements_of_one_run() {
     assert_eq!(run(folder, "check whole.h5 --rerun --json")["differing"], 0);
 }
 
+/// A path draws the patches of the step with the largest contact.
+#[test]
+fn a_path_draws_its_patches() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "path --n 32 --eps-f-inv 8 --p-star 0.02,0.1,0.05 --steps 1 --plots p -q --json";
+    let drawn = |more: &str| {
+        let report = run(folder.path(), &format!("{flags} {more}"));
+        let plots: Vec<String> =
+            report["plots"].as_array().unwrap().iter().map(|p| p.as_str().unwrap().into()).collect();
+        plots.iter().any(|plot| plot == "p-patches.png")
+    };
+    assert!(!drawn("") && drawn("--statistics --flow"));
+}
+
 /// Returns the names that a check finds after the values of a variable are changed by a part.
 fn found_after(folder: &Path, flags: &str, variable: &str) -> String {
     run(folder, &format!("{flags} --out p.h5 --json"));
