@@ -278,6 +278,12 @@ pub enum Refusal {
         /// Part of the body, or its boundary.
         with: &'static str,
     },
+    /// A body that relaxes below an elastic second one, whose common relaxation is not known.
+    #[error("a pair of bodies relaxes, one of which is elastic; this is not possible with {with}")]
+    RelaxingPair {
+        /// Other part of the contact.
+        with: &'static str,
+    },
     /// The pressure of a wave does no positive work on its displacement, so that a steady state is not unique.
     #[error(
         "the pressure of a wave leads its displacement by {found:.1} degrees; it must lead by less than 90, with less \

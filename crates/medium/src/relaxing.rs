@@ -31,12 +31,13 @@ pub struct Relaxing {
 }
 
 impl Relaxing {
-    /// Creates the medium of `body`, which has its long-term moduli, below a surface on `grid`. With one of the
+    /// Creates the medium of `body`, which has its long-term moduli, below a surface on `grid`. The second body of a pair
+    /// is elastic. With one of the
     /// `components` its memory holds u_z alone, else all components.
     ///
     /// # Errors
     /// Returns an error if only the shear modulus relaxes, and this relaxation is not known for the body, the boundary
-    /// or all components.
+    /// or all components; and for a pair of bodies in all components, or with a slab on a patch.
     pub fn new(
         body: &Body,
         grid: &Grid,
@@ -49,6 +50,9 @@ impl Relaxing {
         let alike = relaxes == Relaxes::Both || body.material().poisson() == 0.5;
         if components > 1 && !alike {
             return Err(Refusal::ShearAlone { with: "shear at the surface" });
+        }
+        if components > 1 && body.second().is_some() {
+            return Err(Refusal::RelaxingPair { with: "shear at the surface" });
         }
         let transform = match &spectrum {
             Spectrum::Common(_) => None,

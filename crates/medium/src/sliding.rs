@@ -84,6 +84,9 @@ pub enum SlidingError {
          since the lift by the shear is not known"
     )]
     Lift,
+    /// Friction on a body that relaxes below an elastic second one.
+    #[error("one body of a pair relaxes; the second body must be left out with friction, since both lift differently")]
+    PairLift,
     /// A body with unknown relaxation.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -178,6 +181,7 @@ impl SlidingContact {
             return Err(SlidingError::Coefficient(coefficient));
         }
         let shear_alone = match (relaxation, body.height()) {
+            (Some(_), _) if body.second().is_some() => return Err(SlidingError::PairLift),
             (None | Some((_, Relaxes::Both)), _) => None,
             _ if body.material().poisson() == 0.5 => None,
             (Some((prony, Relaxes::Shear)), Height::Infinite) => Some(prony.clone()),

@@ -18,7 +18,7 @@ pub(crate) enum Spectrum {
     Waves(Waves),
 }
 
-/// Branches of the waves of a slab with constant bulk modulus, `count` of them for each mode of a grid.
+/// Branches of waves that relax differently, `count` of them for each mode of a grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Waves {
     pub(crate) count: usize,
@@ -53,10 +53,12 @@ pub(crate) fn stiffness(body: &Body, grid: &Grid, stiffness_of: fn(&Body, f64) -
 }
 
 impl Spectrum {
-    /// Computes the spectrum of `body`, given by its long-term moduli, on a periodic `grid` or on a patch.
+    /// Computes the spectrum of `body`, given by its long-term moduli, on a periodic `grid` or on a patch. The second
+    /// body of a pair is elastic.
     ///
     /// # Errors
-    /// Returns an error if only the shear modulus relaxes and the spectrum is not known for the body or boundary.
+    /// Returns an error if only the shear modulus relaxes and the spectrum is not known for the body or boundary, and
+    /// for a pair with a slab on a patch.
     pub(crate) fn new(
         body: &Body,
         grid: &Grid,
@@ -64,14 +66,56 @@ impl Spectrum {
         prony: &Prony,
         relaxes: Relaxes,
     ) -> Result<Self, Refusal> {
+        let Some(second) = body.second() else { return Self::of_one(body, grid, is_free, prony, relaxes) };
+        let first = body.alone();
+        let alone = Self::of_one(&first, grid, is_free, prony, relaxes)?;
+        match alone {
+            Self::Common(branches) if [&first, second].iter().all(|body| body.height() == Height::Infinite) => {
+                let ratio = second.contact_modulus() / first.contact_modulus();
+                Ok(Self::Common(in_series(&branches, ratio)))
+            }
+            _ if is_free => Err(Refusal::RelaxingPair { with: "a slab with free boundaries" }),
+            alone => Ok(Self::Waves(alone.in_series_with(&first, second, body, grid))),
+        }
+    }
+
+    /// Computes the branches of each wave of a pair: the `first` body, with this spectrum, and an elastic second one.
+    fn in_series_with(self, first: &Body, second: &Body, pair: &Body, grid: &Grid) -> Waves {
+        let [of_first, of_second, stiffness] =
+            [first, second, pair].map(|body| stiffness(body, grid, Body::normal_stiffness));
+        let of_mode = |mode: usize| -> Vec<Branch> {
+            let branches = match &self {
+                Self::Common(branches) => branches.clone(),
+                Self::Waves(waves) => waves.of(mode).collect(),
+            };
+            match (of_first[mode], of_second[mode]) {
+                // A first body whose level is fixed leaves the relaxation of its level without effect.
+                (first, _) if first.is_infinite() => {
+                    branches.into_iter().map(|branch| Branch { weight: 0.0, ..branch }).collect()
+                }
+                (first, second) => in_series(&branches, second / first),
+            }
+        };
+        let modes: Vec<Vec<Branch>> = (0..grid.spectrum_len()).into_par_iter().map(of_mode).collect();
+        let all = || modes.iter().flatten();
+        Waves {
+            count: modes.first().map_or(0, Vec::len),
+            times: Vec::new(),
+            own: all().map(|branch| branch.time).collect(),
+            weights: all().map(|branch| branch.weight).collect(),
+            stiffness,
+        }
+    }
+
+    /// Computes the spectrum of a single body as [`new`](Self::new).
+    fn of_one(body: &Body, grid: &Grid, is_free: bool, prony: &Prony, relaxes: Relaxes) -> Result<Self, Refusal> {
         let material = body.material();
         // With a constant bulk modulus an incompressible body stays incompressible, so all of it relaxes alike.
-        if relaxes == Relaxes::Both || material.poisson() == 0.5 && is_alone(body) {
+        if relaxes == Relaxes::Both || material.poisson() == 0.5 && !matches!(body.base(), Base::Elastic(_)) {
             return Ok(Self::Common(prony.branches().to_vec()));
         }
         let refuse = |with: &'static str| Err(Refusal::ShearAlone { with });
         match (body.height(), body.base()) {
-            _ if body.second().is_some() => refuse("a second body"),
             (Height::Infinite, _) => Ok(Self::Common(of_half_space(material, prony))),
             (_, Base::Elastic(_)) => refuse("layers"),
             _ if is_free => refuse("a slab with free boundaries"),
@@ -83,9 +127,21 @@ impl Spectrum {
     }
 }
 
-/// Returns true for a half-space or a slab on a rigid base, without a second body.
-fn is_alone(body: &Body) -> bool {
-    body.second().is_none() && !matches!(body.base(), Base::Elastic(_))
+/// Returns the branches of a spring in series with a body of these `branches`; `ratio` is the stiffness of the spring
+/// divided by the long-term stiffness of the body. With the relaxation m of the body, the pair has (1 + κ)(1 − κ/(m +
+/// κ)), which has a branch for each pole (theory.md, section 7.7).
+fn in_series(branches: &[Branch], ratio: f64) -> Vec<Branch> {
+    if ratio.is_infinite() {
+        return branches.to_vec();
+    }
+    let relaxing: Vec<Branch> = branches.iter().copied().filter(|branch| branch.weight > 0.0).collect();
+    let factor = ratio * (1.0 + ratio);
+    let mut found = poles(&relaxing, ratio).into_iter();
+    let of_branch = |branch: &Branch| {
+        let pole = if branch.weight > 0.0 { found.next() } else { None };
+        pole.map_or(*branch, |[rate, residue]| Branch { time: 1.0 / rate, weight: factor * residue / rate })
+    };
+    branches.iter().map(of_branch).collect()
 }
 
 /// Returns the 2n branches of E* = G + 9K/4 − (27/4) K²/(4G + 3K) of a half-space.
@@ -283,6 +339,49 @@ mod tests {
         }
     }
 
+    /// A pair has the compliance of the relaxing body plus the compliance of the elastic one.
+    #[test]
+    fn a_second_body_is_in_series() {
+        let (prony, grid) = (three(), Grid::new([6, 4], [1.0, 0.8]).unwrap());
+        let material = |young, nu| Material::from_young(young, nu).unwrap();
+        let slab = |young, height| Body::slab(material(young, 0.3), height).unwrap();
+        let half_space = |young| Body::half_space(material(young, 0.2));
+        let of = |branches: &mut dyn Iterator<Item = Branch>, s: f64| {
+            1.0 + branches.map(|branch| branch.weight * s / (s + 1.0 / branch.time)).sum::<f64>()
+        };
+        let pairs = [
+            (half_space(1.0), half_space(3.0)),
+            (half_space(1.0), half_space(1e-9)),
+            (half_space(1.0), half_space(1e9)),
+            (slab(1.0, 0.2), half_space(2.0)),
+            (slab(1.0, 0.2), slab(0.5, 0.1)),
+            (half_space(1.0), slab(2.0, 0.1)),
+        ];
+        for ((first, second), relaxes) in pairs.iter().flat_map(|pair| Relaxes::ALL.map(|relaxes| (pair, relaxes))) {
+            let branches_of = |body: &Body, mode: usize| -> Vec<Branch> {
+                match Spectrum::new(body, &grid, false, &prony, relaxes).unwrap() {
+                    Spectrum::Common(branches) => branches,
+                    Spectrum::Waves(waves) => waves.of(mode).collect(),
+                }
+            };
+            let pair = first.clone().against(second.clone());
+            for (index, mode) in grid.modes().enumerate() {
+                let compliance = |body: &Body| match mode.wavenumber() {
+                    0.0 => body.level_compliance()[1],
+                    q => body.normal_compliance(q),
+                };
+                for s in [0.0, 1e-3, 0.2, 3.0, 1e4] {
+                    let wanted =
+                        compliance(first) / of(&mut branches_of(first, index).into_iter(), s) + compliance(second);
+                    let found = compliance(&pair) / of(&mut branches_of(&pair, index).into_iter(), s);
+                    assert!((found - wanted).abs() <= 1e-12 * wanted, "{first:?} {second:?} {s}: {found} {wanted}");
+                }
+            }
+        }
+        let common = Spectrum::new(&half_space(1.0).against(half_space(3.0)), &grid, true, &prony, Relaxes::Both);
+        assert!(matches!(common, Ok(Spectrum::Common(branches)) if branches.len() == 3));
+    }
+
     #[test]
     fn bodies_without_a_known_spectrum_are_refused() {
         let grid = Grid::square(4, 1.0).unwrap();
@@ -292,7 +391,8 @@ mod tests {
             Spectrum::new(body, &grid, is_free, &three(), Relaxes::Shear).unwrap_err().to_string()
         };
         assert!(refused(&slab(0.3).bonded_to(slab(0.3)).unwrap(), false).ends_with("with layers"));
-        assert!(refused(&slab(0.3).against(slab(0.3)), false).ends_with("with a second body"));
+        let pair = refused(&slab(0.3).against(Body::half_space(material(0.3))), true);
+        assert!(pair.ends_with("with a slab with free boundaries"), "{pair}");
         assert!(refused(&slab(0.3), true).ends_with("with a slab with free boundaries"));
         let common = Spectrum::new(&slab(0.5), &grid, true, &three(), Relaxes::Shear);
         assert!(matches!(common, Ok(Spectrum::Common(branches)) if branches.len() == 3));

@@ -245,6 +245,9 @@ parts! {
     Prony: |_| (key("prony"), "given", key("prony")), |f| f.relaxes.is_some();
     /// Viscoelastic body with a constant bulk modulus.
     Shear: |_| (key("relaxes"), "shear", setting("relaxes", "shear")), |f| f.relaxes == Some(Relaxes::Shear);
+    /// Viscoelastic body below an elastic one.
+    RelaxingPair: |_| (key("second_body"), "given", words![key("prony"), " and ", key("second_body")]),
+        |f| f.relaxes.is_some() && f.second.is_some();
     /// Surfaces that wear.
     Wear: |_| (key("coefficient"), "given", "wear".into()), |f| f.wear.is_some();
     /// Surfaces that wear by a prescribed distance.
@@ -269,7 +272,8 @@ parts! {
     OpenLaw: |f| (key("law"), f.law.name(), words!["a ", key("law"), " without a wall"]), |f| !f.law.may_have_wall();
     /// Patch on a slab.
     FreeSlab: |_| (key("boundary"), "free", words!["a slab with ", setting("boundary", "free")]),
-        |f| f.boundary == Boundary::Free && f.support != Support::HalfSpace;
+        |f| f.boundary == Boundary::Free
+            && [Some(f.support), f.second].iter().flatten().any(|support| *support != Support::HalfSpace);
     /// Base that moves.
     MovedBase: |f| match f.moved_base {
         Some(MovedBase::Traction) => (key("base_traction"), "given", key("base_traction")),
@@ -427,7 +431,9 @@ pub const RULES: &[Rule] = {
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
         rule(Line, FreeSideways, "3", "the lateral displacement of a profile is known up to a constant"),
         rule(Sliding, FreeSideways, "bonded or half-space", "the body has no lateral support"),
-        rule(SecondBody, Prony, "left out", "the second body would relax differently"),
+        rule(Rubbed, RelaxingPair, "left out", "shear moves the body that relaxes more and more than the other"),
+        rule(FreeSlab, RelaxingPair, "periodic", "the relaxation of the patch is not known"),
+        rule(RelaxingPair, Several, "left out", "waves that relax by their own branches are not shared"),
         rule(StillFriction, WearByDistance, "left out", "surfaces that slide over a distance slip at all points"),
         rule(Rubbed, Shear, "left out", "the relaxation of the shear is not known"),
         rule(Layered, Shear, "left out", "the relaxation of each wave is not known"),
@@ -574,6 +580,7 @@ impl Part {
                     | Self::WearByDistance
                     | Self::StillFriction
                     | Self::Creeping
+                    | Self::RelaxingPair
                     | Self::WearBySlip
                     | Self::Frictionless
             ),

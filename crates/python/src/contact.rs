@@ -349,9 +349,9 @@ impl Problem {
         Ok((json::to_string(&record).map_err(|error| refused(py, &error))?, arrays.collect()))
     }
 
-    /// Returns the derivatives of a scalar with respect to heights, load, modulus and hardness, and their relative error. The
-    /// inputs are its derivatives with respect to the fields and numbers of a state under a mean pressure, or under an
-    /// approach if `is_driven`.
+    /// Returns the derivatives of a scalar with respect to heights, load, modulus and hardness, and their relative
+    /// error. The inputs are its derivatives with respect to the fields and numbers of a state under a mean pressure,
+    /// or under an approach if `is_driven`.
     fn vjp<'py>(
         &self,
         py: Python<'py>,

@@ -368,7 +368,8 @@ fn the_page_has_the_rules() {
          `gfmd contact --help`, `gfmd path --help` and `gfmd slide --help` print the same lists.\n\n\
          ## `contact`\n\n{}\n## `path`\n\n{}\n## `slide`\n\n{}\n\
          Steady sliding has neither laws, wear, free boundaries, nor lateral paths. Compressible slabs that\n\
-         relax in shear alone have no --friction there, since the lift by the shear is not known.\n\n\
+         relax in shear alone, and pairs of bodies of which one relaxes, have no --friction there: the lift by the\n\
+         shear is not known.\n\n\
          ## Reasons\n\n{}",
         lines(rules_of(Task::Loads)),
         lines(rules_of(Task::Path)),

@@ -182,7 +182,7 @@ class Path(Leaks, Computed, StepFields):
         mean_shear_y: npt.ArrayLike = 0.0,
         threads: Optional[int] = None,
     ) -> PathGradient:
-        """Returns the derivatives of a scalar L of this path with respect to heights, loads and material parameters.
+        """Returns the derivatives of a scalar L of this path with respect to heights, loads and parameters.
 
         The arguments are the derivatives of L with respect to the fields at the waypoints and the numbers of the steps;
         the result is the vector-Jacobian product of reverse-mode differentiation. The path is followed again, with one
