@@ -240,7 +240,9 @@ impl Waves {
         let product = |a: Complex64, b: Complex64| a.re * b.re + a.im * b.im;
         let of_range = |range: std::ops::Range<usize>| {
             range.fold([0.0; 2], |sums, mode| {
-                let scale = weight(mode) * self.stiffness[mode];
+                // A mean level that is fixed stores nothing.
+                let stiffness = self.stiffness[mode];
+                let scale = if stiffness.is_finite() { weight(mode) * stiffness } else { 0.0 };
                 let (d, moved) = (indentation[mode], indentation[mode] - fields[0][mode]);
                 let (mut stored, mut lost) = (0.5 * d.norm_sqr(), 0.0);
                 for (branch, x) in self.of(mode).zip(&fields[1..]) {

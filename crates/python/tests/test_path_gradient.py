@@ -85,9 +85,7 @@ def test_friction_and_hardness_have_derivatives_of_their_own():
     options = dict(pressure=[0.02, 0.03], lateral=[0, 1e-3], direction=30, steps=2, tolerance=1e-11, energy_solves=0)
 
     def follow(friction=0.3, hardness=0.15, far=1e-3):
-        return gfmd.path(
-            HEIGHTS, STEEL, friction=friction, hardness=hardness, **{**options, "lateral": [0, far]}
-        )
+        return gfmd.path(HEIGHTS, STEEL, friction=friction, hardness=hardness, **{**options, "lateral": [0, far]})
 
     def value(p):
         return (PRESSURE[:2] * (p.shear_x - 2 * p.shear_y + 5 * p.plastic_depth)).sum() + 3 * p.steps.mean_shear[-1, 0]

@@ -186,8 +186,8 @@ class Path(Leaks, Computed, StepFields):
 
         The arguments are the derivatives of L with respect to the fields at the waypoints and the numbers of the steps;
         the result is the vector-Jacobian product of reverse-mode differentiation. The path is followed again, with one
-        linear problem per step, from the last to the first: relaxation, wear, plastic depths and the places where points
-        stick pass the derivatives back to earlier steps. The points of each step in contact, at the hardness, sticking
+        linear problem per step, from the last to the first: relaxation, wear, plastic depths and the places where
+        points stick pass the derivatives back to earlier steps. The points of each step in contact, at the hardness, sticking
         and slipping are fixed, as in `Contact.vjp`, and so are times and sliding distances.
 
         Args:
@@ -206,9 +206,9 @@ class Path(Leaks, Computed, StepFields):
 
         Raises:
             InputError: arrays of the wrong shape, or of fields that the path does not have; a path with a yielding
-                body, all components, a lower surface or a base that moves (not implemented); full contact under an approach that does not
-                determine the pressure; a state of a law in which a small change causes a jump; a path that is
-                incomplete, or was read from a file. Error: the path followed again jumps differently.
+                body, all components, a lower surface or a base that moves (not implemented); full contact under an
+                approach that does not determine the pressure; a state of a law in which a small change causes a jump;
+                a path that is incomplete, or was read from a file. Error: the path followed again jumps differently.
 
         Example:
             >>> rubber = gfmd.Body(prony=[(1.0, 0.5)])
@@ -267,7 +267,9 @@ class Path(Leaks, Computed, StepFields):
                 raise Error(f"the {name} of the path followed again differs from this path, which passes a jump")
         hardness = derivatives.pop("hardness")
         if hardness is not None:
-            derivatives["hardness"] = frozen(hardness) if isinstance(self.hardness, np.ndarray) else float(hardness.sum())
+            derivatives["hardness"] = (
+                frozen(hardness) if isinstance(self.hardness, np.ndarray) else float(hardness.sum())
+            )
         for name in ("heights", "loads", "lateral"):
             derivatives[name] = frozen(np.array(derivatives[name]))
         return PathGradient(derivatives)
