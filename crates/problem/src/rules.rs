@@ -245,9 +245,15 @@ parts! {
     Prony: |_| (key("prony"), "given", key("prony")), |f| f.relaxes.is_some();
     /// Viscoelastic body with a constant bulk modulus.
     Shear: |_| (key("relaxes"), "shear", setting("relaxes", "shear")), |f| f.relaxes == Some(Relaxes::Shear);
-    /// Viscoelastic body below an elastic one.
-    RelaxingPair: |_| (key("second_body"), "given", words![key("prony"), " and ", key("second_body")]),
-        |f| f.relaxes.is_some() && f.second.is_some();
+    /// Body whose waves, or components, may relax differently: with a constant bulk modulus, or below an elastic one.
+    Unlike: |f| match f.relaxes {
+        Some(Relaxes::Shear) => Part::Shear.words(f),
+        _ => (
+            key("second_body"),
+            "given",
+            words![setting("relaxes", "shear"), ", or ", key("prony"), " and ", key("second_body")],
+        ),
+    }, |f| f.relaxes == Some(Relaxes::Shear) || f.relaxes.is_some() && f.second.is_some();
     /// Surfaces that wear.
     Wear: |_| (key("coefficient"), "given", "wear".into()), |f| f.wear.is_some();
     /// Surfaces that wear by a prescribed distance.
@@ -382,7 +388,7 @@ const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) 
 /// Reason why a part has no derivatives.
 const NOT_IMPLEMENTED: &str = "not implemented";
 /// Reason of the rules for a law that moves all components.
-const LAW_ALONE: &str = "without friction a law that shears moves all components, which have no such part";
+const LAW_ALONE: &str = "the law does not say how it shears surfaces that are pressed in or worn";
 /// Reason of the rules for several processes.
 const ONLY_PERIODIC_IN_PARALLEL: &str = "several processes support only periodic contacts in u_z";
 
@@ -431,13 +437,10 @@ pub const RULES: &[Rule] = {
         rule(Plate, Free, "bonded, sliding or half-space", "nothing holds the plate far away"),
         rule(Line, FreeSideways, "3", "the lateral displacement of a profile is known up to a constant"),
         rule(Sliding, FreeSideways, "bonded or half-space", "the body has no lateral support"),
-        rule(Rubbed, RelaxingPair, "left out", "shear moves the body that relaxes more and more than the other"),
-        rule(FreeSlab, RelaxingPair, "periodic", "the relaxation of the patch is not known"),
-        rule(RelaxingPair, Several, "left out", "waves that relax by their own branches are not shared"),
         rule(StillFriction, WearByDistance, "left out", "surfaces that slide over a distance slip at all points"),
-        rule(Rubbed, Shear, "left out", "the relaxation of the shear is not known"),
+        rule(Rubbed, Unlike, "left out", "shear and pressure relax differently"),
         rule(Layered, Shear, "left out", "the relaxation of each wave is not known"),
-        rule(FreeSlab, Shear, "periodic", "the relaxation of the patch is not known"),
+        rule(FreeSlab, Unlike, "periodic", "the relaxation of the patch is not known"),
         rule(Hardness, Yield, "left out", "a hardness stands for the yielding below the surface"),
         rule(Law, Yield, "hard-wall", "with an attraction, a step of a body that yields may have several solutions"),
         rule(Friction, Yield, "left out", "the plastic strain by shear on the surface is not known"),
@@ -454,7 +457,7 @@ pub const RULES: &[Rule] = {
         rule(All, Several, "normal", ONLY_PERIODIC_IN_PARALLEL),
         rule(FiniteSlope, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
         rule(Rubbed, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Shear, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Unlike, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
         rule(Yield, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
         rule(Lower, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
         rule(Statistics, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
@@ -580,7 +583,7 @@ impl Part {
                     | Self::WearByDistance
                     | Self::StillFriction
                     | Self::Creeping
-                    | Self::RelaxingPair
+                    | Self::Unlike
                     | Self::WearBySlip
                     | Self::Frictionless
             ),
