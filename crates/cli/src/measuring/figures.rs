@@ -37,7 +37,7 @@ pub(crate) fn draw_patches(
         map.below = Some(Below::pale(0.0, "no contact"));
         (map.range, map.bar) = (Some([0.0, 1.0]), false);
     }
-    Ok(drawn.save(&named(prefix, "patches"))?)
+    drawn.save(&named(prefix, "patches"))
 }
 
 /// Draws the flux of a `flow` as `PREFIX-flow` on a logarithmic scale: along x, or along y if it is the only one.
@@ -55,5 +55,5 @@ pub(crate) fn draw_flow(prefix: &Path, surface: &Surface, flow: &Flow) -> Result
         map.below = Some(Below::pale(least, "none"));
         (map.scale, map.range) = (Scale::Log, Some([least, highest.max(2.0 * least)]));
     }
-    Ok(drawn.save(&named(prefix, "flow"))?)
+    drawn.save(&named(prefix, "flow"))
 }
