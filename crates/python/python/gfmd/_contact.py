@@ -17,7 +17,8 @@ from ._check import Array, Quantity, array, frozen, in_units, number, shown, wor
 from ._columns import Fields, LowerFace, Numbers, Patches
 from ._errors import InputError
 from ._load import Residual, of_load, residual_of_all
-from ._record import LINES, Measured, Record, json_of, reason_of, same, table, without_null
+from ._measured import Measured
+from ._record import LINES, Record, json_of, reason_of, same, table, without_null
 from ._result import Result
 from ._surface import Surface
 from ._units import Units, known, label, metre
@@ -109,7 +110,7 @@ class Adhesion(Measured):
     pastewka_robbins: float
 
 
-class Gradient(Record):
+class Gradient(Measured):
     """Derivatives of a scalar L of a contact with respect to its inputs, from `Contact.vjp`.
 
     Attributes:
@@ -581,10 +582,11 @@ class Contact(Result, Numbers, Fields):
         heights, load, modulus, hardness, error = problem.vjp(
             state, how == "approach", fields, {name: number(name, value) for name, value in numbers.items()}
         )
-        found = {"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error}
+        made = {"heights": frozen(heights), "load": load, "modulus": modulus, "fixed": how, "error": error}
         if hardness is not None:
-            found["hardness"] = frozen(hardness) if np.ndim(self.hardness) else float(hardness.sum())
-        return Gradient(found)
+            is_field = isinstance(self.hardness, np.ndarray)
+            made["hardness"] = frozen(hardness) if is_field else float(hardness.sum())
+        return Gradient(made)
 
     def interior(self, depths: Optional[Sequence[Quantity]] = None, **options: Unpack[InteriorOptions]) -> FieldsBelow:
         """Returns displacement, strain and stress below the surface; see `gfmd.interior`.
