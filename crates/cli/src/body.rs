@@ -7,6 +7,7 @@ mod input;
 mod pictures;
 mod quantity;
 mod rows;
+mod stored;
 mod volume;
 mod wave;
 
@@ -41,6 +42,7 @@ pub use rows::Slice;
 pub use wave::Wave;
 
 pub use pictures::draw_middle;
+pub use stored::stored;
 
 use input::{StoredField, Surface, relaxes};
 use pictures::{Pictures, Place};
@@ -372,7 +374,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         _ => None,
     };
     let (comparison, compared) = compared.unzip();
-    let out = session.written(volume.map(Volume::finish).transpose()?);
+    let out = session.written(volume.map(|volume| volume.finish(&planes, &levels)).transpose()?);
     let plots = match (&pictures, &args.plots) {
         (Some(pictures), Some(prefix)) => {
             let place =
@@ -599,6 +601,13 @@ impl Level {
         let reason = format!("the {what} at depth {:e} is {found}; it must be finite", self.depth);
         Err(Failure::input(surface, reason + "; choose other units of stress or length"))
     }
+
+    /// Names and meanings of the numbers at each depth, with the kinds of their units.
+    const NUMBERS: [(&str, &str, &str, fn(&Self) -> f64); 3] = [
+        ("max_displacement", "length", "largest length of the displacement at this depth", |of| of.max_displacement),
+        ("max_von_mises", "stress", "largest von Mises stress at this depth", |of| of.max_von_mises),
+        ("mean_energy_density", "stress", "mean elastic energy per volume at this depth", |of| of.mean_energy_density),
+    ];
 
     fn at(Plane { depth, side }: Plane) -> Self {
         Self { depth, side, max_displacement: f64::NAN, max_von_mises: f64::NAN, mean_energy_density: f64::NAN }

@@ -21,6 +21,7 @@ use gfmd_sweep::{Example, Extrapolation, Keep, Plan, Preset, Pressed, Run, Shard
 use serde::Deserialize;
 
 pub(crate) use check::check;
+pub use check::report_of;
 pub use config::Configured;
 pub use protocol::ProtocolReport;
 pub use report::{PlanReport, Report, ShardReport};
@@ -283,7 +284,7 @@ impl Sweep<'_> {
             .map_err(|error| error.with(remark("all runs", keeper.journal.path(), kept.clone())))?;
         keeper.journal.remove();
         let plots = gfmd_report::kappa::figures::draw(&args.out, &study)?;
-        Ok(Outcome::Done(Box::new(Report::new(&study, path, plots, seconds, peak_bytes()))))
+        Ok(Outcome::Done(Box::new(Report::new(&study.plan, &study.analysis, (path, plots), (seconds, peak_bytes())))))
     }
 }
 

@@ -34,6 +34,7 @@ mod figures;
 mod input;
 mod refinement;
 mod report;
+mod stored;
 
 use comparison::Reference;
 use gfmd_problem::options::{Kinds, Options};
@@ -41,6 +42,7 @@ use gfmd_problem::options::{Kinds, Options};
 pub use comparison::Comparison;
 pub use refinement::Refinement;
 pub use report::Report;
+pub use stored::stored;
 
 /// Flags of `punch`. The defaults are the case of the thesis (theory.md, section 0): lengths in micrometres, stress in
 /// GPa.
@@ -520,6 +522,7 @@ impl Prepared {
         }
         report.not_converged.as_ref().map_or(Ok(()), |unmet| unmet.write(&mut archive))?;
         report.history.as_ref().map_or(Ok(()), |history| history.write(&mut archive, "length"))?;
+        report.refinement.as_ref().map_or(Ok(()), |refinement| refinement.write(&mut archive))?;
         Ok(archive.finish()?)
     }
 }

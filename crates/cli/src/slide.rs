@@ -23,7 +23,7 @@ use gfmd_input::source::SourceArgs;
 use gfmd_medium::{SlidingContact, SlidingError, Velocity, VelocityError};
 use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::values::{Entry, as_numbers, from_numbers, numbers};
-use gfmd_problem::options::{BodyArgs, PronyArgs, named, parse_choice};
+use gfmd_problem::options::{BodyArgs, PronyArgs, named, parse_choice_but};
 use gfmd_problem::{Facts, GridError, Inelastic, SIZES, Unusable, key, words};
 use gfmd_record::{Record, Sliding, SlidingContext, SlidingFacts};
 use gfmd_report::figures::parse_prefix;
@@ -98,7 +98,7 @@ pub struct Args {
     /// on the finer grid
     #[arg(
         long,
-        value_parser = parse_choice::<GridError>(),
+        value_parser = parse_choice_but::<GridError>(&["estimate"]),
         default_value_t = GridError::None,
         help_heading = "Accuracy"
     )]
@@ -260,7 +260,8 @@ impl SlideInput {
     fn new(args: &Args, session: &Session) -> Result<Self, Failure> {
         args.control.check(Sign::Positive)?;
         if args.grid_error == GridError::Estimate {
-            let why = "the error of a single solution is not known while surfaces slide";
+            let why = "the estimate was measured on contacts at rest; while surfaces slide, the pressure has different \
+                       slopes at leading and trailing edges, and their errors do not cancel in the friction";
             return Err(Failure::from(
                 Unusable::value(key("grid_error"), args.grid_error, words!["none or refine"]).because(why),
             ));

@@ -19,7 +19,7 @@ pub mod text;
 pub mod values;
 
 pub use body::{BodyArgs, HEIGHTS, Layer, OtherArgs, RecordedBodyArgs, height, height_if, parse_height, sides};
-pub use choice::{Choice, named, named_if, parse_choice};
+pub use choice::{Choice, named, named_if, parse_choice, parse_choice_but};
 pub use compliance::{ComplianceArgs, Row, check_wavenumbers};
 pub use dynamics::{DampedBy, DynamicsArgs};
 pub use generator::{GeneratorArgs, LARGEST_SEED, Method};

@@ -97,36 +97,49 @@ pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<(Vec<String>,
     Ok((texts.collect::<PyResult<_>>()?, fields))
 }
 
-/// Reads the report of a path, of steady sliding or of a study in a file, as JSON, and the names of its fields.
+/// Reads the report of any result but a contact in a file, as JSON, and the names of its fields.
 #[pyfunction]
-pub(crate) fn read_report(py: Python<'_>, path: &str) -> PyResult<(String, Vec<&'static str>)> {
+pub(crate) fn read_report(py: Python<'_>, path: &str) -> PyResult<(String, Vec<String>)> {
     let read = quick(py, || {
         let reader = Reader::open(path)?;
         let session = Session::embedded();
         let there = |name: &&str| reader.contains(&format!("/fields/{name}"));
+        let names = |names: &mut dyn Iterator<Item = &'static str>| names.filter(there).map(Into::into).collect();
         Ok::<_, Failure>(match ResultKind::of(&reader) {
+            Some(ResultKind::Path) => {
+                let report = gfmd_cli::path::stored(&reader, &session)?;
+                (json::to_string(&report), names(&mut arrays(&report.facts).map(|array| array.name)))
+            }
             Some(ResultKind::Slide) => {
                 let report = gfmd_cli::slide::stored(&reader, &session)?;
-                let names = SLIDING_FIELDS.iter().map(|field| field.name).filter(there).collect();
-                (json::to_string(&report), names)
+                (json::to_string(&report), names(&mut SLIDING_FIELDS.iter().map(|field| field.name)))
             }
+            Some(ResultKind::Punch) => {
+                (json::to_string(&gfmd_cli::punch::stored(&reader, &session)?), reader.names("/fields"))
+            }
+            Some(ResultKind::Body) => (json::to_string(&gfmd_cli::body::stored(&reader)?), reader.names("/fields")),
+            Some(ResultKind::KappaSweep) => (json::to_string(&gfmd_cli::kappa_sweep::report_of(&reader)?), Vec::new()),
             Some(ResultKind::Study) => (json::to_string(&gfmd_cli::study::report_of(&reader)?), Vec::new()),
-            _ => {
-                let report = gfmd_cli::path::stored(&reader, &session)?;
-                let names = arrays(&report.facts).map(|array| array.name).filter(there).collect();
-                (json::to_string(&report), names)
-            }
+            Some(ResultKind::Contact) | None => return Err(Failure::input(path, "it has no report of a command")),
         })
     })?;
     let (text, fields) = read.map_err(|failure| unusable(py, failure))?;
     Ok((text.map_err(|error| refused(py, &error))?, fields))
 }
 
-/// Reads the kind of a result, the name of its command.
+/// Reads the kind of a file, the name of its command; refuses a file that was damaged or changed.
 #[pyfunction]
 pub(crate) fn read_kind(py: Python<'_>, path: &str) -> PyResult<Option<&'static str>> {
-    let read = quick(py, || Ok::<_, gfmd_files::FileError>(ResultKind::of(&Reader::open(path)?)))?;
-    Ok(read.map_err(|error| refused(py, &error))?.map(ResultKind::name))
+    let read = quick(py, || {
+        let reader = Reader::open(path).map_err(|error| Failure::refused(error.to_string()))?;
+        let kind = ResultKind::of(&reader).map(ResultKind::name);
+        let is_surface = || kind.is_none() && reader.contains("/surface/height");
+        if reader.is_intact()? == Some(false) {
+            return Err(Failure::input(path, "it is damaged, or was changed; gfmd check says where"));
+        }
+        Ok::<_, Failure>(if is_surface() { Some("surface") } else { kind })
+    })?;
+    read.map_err(|failure| unusable(py, failure))
 }
 
 /// Reads a text attribute of a file.
@@ -135,30 +148,10 @@ pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> 
     quick(py, || Reader::open(path).and_then(|reader| reader.text(group, name)))?.map_err(|error| refused(py, &error))
 }
 
-/// Returns the advice for a result that is not read.
-fn other(kind: ResultKind) -> String {
-    let name = kind.name();
-    let (function, group) = match kind {
-        ResultKind::Punch => ("punch", "punch"),
-        ResultKind::Body => ("interior", "fields"),
-        _ => ("kappa_sweep", "points"),
-    };
-    format!(
-        "it is a result of {name}, and load reads contacts, paths, slides and studies; gfmd.{function} returns one of \
-         {name}, h5py.File(FILE)[\"{group}\"] has its numbers, and the command gfmd report FILE makes its page"
-    )
-}
-
 /// Reads the configuration of a `contact` result as JSON. It has only keys and types that such results have.
 #[pyfunction]
 pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
-    let read = quick(py, || {
-        let reader = Reader::open(path)?;
-        match ResultKind::of(&reader) {
-            Some(kind) if kind != ResultKind::Contact => Err(Failure::input(path, other(kind))),
-            _ => configuration(&reader),
-        }
-    })?;
+    let read = quick(py, || configuration(&Reader::open(path)?))?;
     // A missing file is unusable input, like a file of another kind.
     let table = read.map_err(|failure| unusable(py, failure))?;
     serde_json::to_string(&table).map_err(|error| refused(py, &error))

@@ -15,7 +15,7 @@ import pytest
 from gfmd._columns import LowerFace, Patches, States, Steps
 from gfmd._given import TABLES
 from gfmd._options import ContactOptions, PathOptions, SlideOptions
-from gfmd._options_inside import InteriorOptions, PunchOptions
+from gfmd._options_inside import GreenOptions, InteriorOptions, PunchOptions, StudyOptions, SweepOptions
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -290,6 +290,13 @@ gfmd.slide(surface, body, velocity=1.0, p_star=0.1, heat=("0.2W/(m K)", "1e-7m^2
 gfmd.punch(body, contact="glued")  # wrong
 gfmd.punch(body, mask=np.ones((4, 4)), shift=(0.001, 0.0), history_modes=[(1, 0, "x")])
 gfmd.interior(contact, [0.1], quantities=["heat"])  # wrong
+gfmd.slide(surface, body, velocity=1.0, p_star=0.1, grid_error="estimate")  # wrong
+gfmd.green(body, qx=1.0, qz=2.0)  # wrong
+gfmd.green(body, qx=1.0, qy=2.0, dim=3, depth=0.1)
+gfmd.kappa_sweep("smoke", resum=True)  # wrong
+gfmd.kappa_sweep({"points": {}}, out="k.h5", resume=True, threads=2)
+gfmd.study("study.toml", threads="all")  # wrong
+gfmd.study("study.toml", out=None, progress=False)
 """
 
 
@@ -311,6 +318,9 @@ TAKING = {
     gfmd.slide: (SlideOptions, LOADS | {"velocity"}),
     gfmd.interior: (InteriorOptions, set()),
     gfmd.punch: (PunchOptions, set()),
+    gfmd.green: (GreenOptions, {"qx"}),
+    gfmd.kappa_sweep: (SweepOptions, set()),
+    gfmd.study: (StudyOptions, {"progress"}),
 }
 
 

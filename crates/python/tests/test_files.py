@@ -193,12 +193,101 @@ def test_a_path_is_loaded_from_its_file(case, folder):
     assert loaded.figures().keys() == made.figures().keys()
 
 
+RING = np.hypot(*np.indices((16, 16)) - 8) // 1 == 4
+HELD = np.zeros((16, 16, 3)) + np.where(RING, 0.0, 0.01)[..., None]
+COATED = gfmd.Body(young=2.0, poisson=0.3, height=0.1, base="half-space", base_young=1.0, base_poisson=0.2)
+LINE = gfmd.self_affine(n=32, dim=2, eps_f_inv=4, size="10 um", unit="um")
+MANY = {"command": "contact", "contact": {"n": 16, "p_star": [0.1, 0.2]}, "study": {"seed": "1:3"}}
+OTHERS = {
+    "punch": lambda: gfmd.punch(n=16),
+    "grids": lambda: gfmd.punch(n=16, dim=2, refine=3, contact="frictionless", depth=0.1),
+    "ring": lambda: gfmd.punch(COATED, size=1.0, mask=RING, traction=HELD, shift=(1e-3, 0)),
+    "steps": lambda: gfmd.punch(
+        n=16,
+        solver="verlet",
+        history=True,
+        history_modes=[(1, -1, "x"), (0, 1, "z")],
+        history_points=[(0.1, 0.2, "z")],
+        tolerance=1e-3,
+    ),
+    "below": lambda: gfmd.interior(gfmd.contact(ROUGH, COATED, p_star=0.05), levels=5, deepest=0.2),
+    "slice": lambda: gfmd.punch(n=16).interior(depths=[0.0, 0.1], along="y=0.5", quantities=["stress"]),
+    "line": lambda: gfmd.contact(LINE, gfmd.Body(young="3 MPa"), p_star=0.05).interior(depths=["0.5 um", "1 um"]),
+    "sweep": lambda: gfmd.kappa_sweep("smoke"),
+    "study": lambda: gfmd.study(MANY),
+}
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_other_results_are_loaded_from_their_files(case, folder):
+    made = OTHERS[case]()
+    made.save("r.h5")
+    loaded = gfmd.load("r.h5")
+    assert type(loaded) is type(made) and loaded.units == made.units and repr(loaded) == repr(made)
+    names = (made.keys() | loaded.keys()) - {"seconds"}  # a study has the time until its file was written
+    differing = [name for name in names if not equal(made.get(name), loaded.get(name))]
+    assert not differing, [(name, made.get(name), loaded.get(name)) for name in differing]
+    assert loaded == made
+    loaded.save("again.h5")
+    assert (folder / "again.h5").read_bytes() == (folder / "r.h5").read_bytes()
+    if isinstance(made, gfmd.Punch):
+        assert loaded.interior(depths=[0.05]) == made.interior(depths=[0.05])
+
+
+def test_results_of_the_program_are_loaded(folder, run_program):
+    run_program("punch", "--n", "16", "--nodes", "inclusive", "--refine", "3", "--out", "punch.h5")
+    assert gfmd.load("punch.h5") == gfmd.punch(n=16, nodes="inclusive", refine=3)
+    run_program("body", "--surface", "punch.h5", "--depths", "0,0.1", "--slice", "x=0.5", "--out", "below.h5")
+    below = gfmd.load("below.h5")
+    assert below == gfmd.load("punch.h5").interior(depths=[0.0, 0.1], along="x=0.5") and below.n == [16, 16]
+    wave = ("--wave", "1,1,z,0.005", "--young", "1", "--poisson", "0.3", "--height", "1", "--depths", "0.2")
+    run_program("body", *wave, "--n", "8", "--out", "wave.h5")
+    assert gfmd.load("wave.h5").stress.shape == (1, 8, 8, 6)
+    run_program("kappa-sweep", "--preset", "smoke", "--out", "kappa.h5")
+    assert gfmd.load("kappa.h5") == gfmd.kappa_sweep("smoke")
+    words = ("--n", "32", "--eps-f-inv", "4", "--size", "10um", "--unit", "um")
+    run_program("surface", *words, "--statistics", "--out", "surface.h5")
+    surface = gfmd.load("surface.h5")
+    assert surface == gfmd.self_affine(n=32, eps_f_inv=4, size="10 um", unit="um") and "seed 1" in repr(surface)
+
+
+def test_a_punch_that_did_not_converge_is_loaded_as_it_ended(folder):
+    with pytest.raises(gfmd.NotConverged) as error:
+        gfmd.punch(n=16, solver="verlet", max_iterations=3, out="cut.h5")
+    made, loaded = error.value.state, gfmd.load("cut.h5")
+    assert loaded == made and not loaded.converged and loaded.not_converged.why == made.not_converged.why
+
+
+@pytest.mark.parametrize("case", ["punch", "below", "sweep", "study"])
+def test_a_damaged_file_is_refused_in_one_line(case, folder):
+    OTHERS[case]().save("r.h5")
+    whole = bytearray((folder / "r.h5").read_bytes())
+    refused = 0
+    for place in np.linspace(len(whole) // 3, len(whole) - 9, 40).astype(int):
+        broken = bytearray(whole)
+        broken[place : place + 8] = bytes(255 - byte for byte in broken[place : place + 8])
+        (folder / "broken.h5").write_bytes(broken)
+        try:
+            loaded = gfmd.load("broken.h5")
+        except gfmd.InputError as error:
+            assert "\n" not in str(error) and len(str(error)) < 300, error
+            refused += 1
+        else:
+            assert type(loaded) is type(gfmd.load("r.h5"))  # a byte that no variable has
+    assert refused > 5
+    for part in (whole[: len(whole) // 2], b"", b"no file"):
+        (folder / "broken.h5").write_bytes(part)
+        with pytest.raises(gfmd.InputError, match="^[^\n]*broken.h5[^\n]*$"):
+            gfmd.load("broken.h5")
+
+
 def test_a_path_that_ended_early_is_loaded_as_it_ended(folder):
     with pytest.raises(gfmd.NotConverged) as error:
         gfmd.path(ROUGH, gfmd.Body(), p_star=[0.01, 0.1], steps=2, max_iterations=2, out="cut.h5")
     made, loaded = error.value.state, gfmd.load("cut.h5")
     assert equal(made.steps.mean_pressure, loaded.steps.mean_pressure) and made.parted_at is loaded.parted_at is None
     assert equal(made.steps.converged, loaded.steps.converged) and not loaded.steps.converged[-1]
+    assert equal(made.not_converged, loaded.not_converged)
     adhesion = gfmd.law("exponential", gamma=1e-4, range=1.2e-3)
     pulled = gfmd.path(ROUGH, gfmd.Body(), law=adhesion, pressure=[0.001, -0.1], steps=4, coarse=True, out="parted.h5")
     assert pulled.parted_at is not None and gfmd.load("parted.h5").parted_at == pulled.parted_at

@@ -117,31 +117,6 @@ def test_both_leak_rates_are_one_number(surface):
     assert np.allclose(alone.leak_rate(**fluid), np.diag(alone.flow().conductivity) * slit, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["punch", "interior"])
-def test_load_says_what_reads_files_of_other_results(results, name):
-    folder, _ = results
-    kind = "body" if name == "interior" else name
-    with pytest.raises(gfmd.InputError, match=rf"it is a result of {kind}, .* gfmd\.{name} .*h5py.*gfmd report"):
-        gfmd.load(folder / f"{name}.h5")
-
-
-def test_the_group_that_load_names_has_the_numbers(results):
-    h5py = pytest.importorskip("h5py")
-    folder, found = results
-    for name in found.keys() - {"path", "wear", "slide"}:
-        with pytest.raises(gfmd.InputError) as error:
-            gfmd.load(folder / f"{name}.h5")
-        group = str(error.value).split('["')[1].split('"]')[0]
-        with h5py.File(folder / f"{name}.h5") as file:
-            assert len(file[group]) > 0
-
-
-def test_load_of_a_sweep(tmp_path):
-    gfmd.kappa_sweep("smoke").save(tmp_path / "k.h5")
-    with pytest.raises(gfmd.InputError, match=r"it is a result of kappa-sweep, .*gfmd\.kappa_sweep"):
-        gfmd.load(tmp_path / "k.h5")
-
-
 def test_a_contact_is_shown_in_a_dozen_lines_with_errors(pressed):
     lines = repr(pressed).splitlines()
     assert len(lines) <= 15 and not any("_limit" in line or "nan" in line for line in lines), lines

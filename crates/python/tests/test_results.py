@@ -202,8 +202,10 @@ def test_a_result_is_saved(results, kind, tmp_path):
         assert set(differing) <= {rows, "plots", "surface", "wear"}
         assert np.array_equal(loaded.surface.heights, made.surface.heights)
     else:
-        with pytest.raises(gfmd.InputError, match="it is a result of .*h5py"):
-            gfmd.load(tmp_path / "r.h5")
+        loaded = gfmd.load(tmp_path / "r.h5")
+        assert type(loaded) is type(results[kind]) and loaded == results[kind] and loaded.units == results[kind].units
+        loaded.save(tmp_path / "again.h5")
+        assert (tmp_path / "again.h5").read_bytes() == (tmp_path / "r.h5").read_bytes()
 
 
 @pytest.mark.parametrize("kind", ["path", "wear", "slide", "punch", "contact"])
@@ -236,3 +238,58 @@ def test_residuals_have_one_shape(results, kind):
     assert np.array_equal(residual.largest, largest) and float(residual) == largest.max()
     assert float(residual) <= 1e-8 and repr(residual).startswith("Residual, the largest ")
     assert all(getattr(residual, name) is residual[name] for name in residual)
+
+
+# Calls of all results, and whether the numbers of a result alone refuse them.
+CALLS = {
+    "save": (lambda of, folder: of.save(folder / "of.h5"), True),
+    "to_dataframe": (lambda of, folder: of.to_dataframe(), False),
+    "to_xarray": (lambda of, folder: of.to_xarray(), True),
+    "plot": (lambda of, folder: of.plot(), True),
+    "units": (lambda of, folder: of.units, False),
+    "repr": (lambda of, folder: repr(of), False),
+}
+# Calls beside a table and units that numbers without a file have.
+HAVE = {"PronyFit": {"plot"}, "Estimate": {"plot", "to_xarray"}, "Surface": {"plot", "to_xarray"}}
+
+
+def parts(results):
+    """Numbers that belong to a result, by the names of their classes."""
+    contact, rough = results["contact"], results["contact"].surface
+    elastic = gfmd.contact(rough.heights, gfmd.Body(), p_star=0.05)
+    way = gfmd.path(rough.heights, gfmd.Body(), p_star=0.05, steps=1)
+    curves = {"frequency": [0.1, 1, 10], "storage": [2.0, 2.5, 3.0], "loss": [0.1, 0.5, 0.1]}
+    found = [
+        contact.flow(),
+        results["adhesive"].adhesion(),
+        elastic.vjp(approach=1.0),
+        way.vjp(approach=1.0),
+        rough.statistics(),
+        gfmd.green(gfmd.Body(), qx=3.0),
+        gfmd.prony(**curves, branches=1, stress_unit="MPa"),
+        gfmd.estimate(gfmd.self_affine(n=64, hurst=0.8), gfmd.Body(), p_star=[0.01, 0.1]),
+        rough,
+    ]
+    return {type(part).__name__: part for part in found}
+
+
+def test_every_result_has_the_same_calls_or_says_why_not(results, tmp_path):
+    pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    all_classes = {
+        name
+        for name in gfmd.__all__
+        if isinstance(getattr(gfmd, name), type) and {"to_dataframe", "save"} <= set(dir(getattr(gfmd, name)))
+    } - {"Result"}
+    made = {**{type(result).__name__: result for result in results.values()}, **parts(results)}
+    made["Study"] = gfmd.study({"command": "contact", "contact": {"n": 16, "p_star": 0.1}, "study": {"seed": "1:2"}})
+    assert set(made) == all_classes
+    for name, result in made.items():
+        for call, (perform, is_refused) in CALLS.items():
+            if is_refused and not isinstance(result, gfmd.Result) and call not in HAVE.get(name, ()):
+                with pytest.raises(gfmd.Error, match=f"^{name} has no (file|fields|figure); [^\n]*$"):
+                    perform(result, tmp_path)
+            else:
+                assert call == "save" or perform(result, tmp_path) is not None, (name, call)
+        assert len(repr(result).splitlines()) <= 15 and len(result.units) == 2
+        assert len(result.to_dataframe()) > 0 and len(result.to_dataframe().columns) > 0, name
+    matplotlib.pyplot.close("all")

@@ -30,6 +30,11 @@ impl Default for History {
 }
 
 impl History {
+    /// Returns iteration and residual of each sample.
+    pub fn samples(&self) -> impl Iterator<Item = (u64, f64)> {
+        self.iteration.iter().copied().zip(self.residual.iter().copied())
+    }
+
     /// Adds an iteration; a search that begins anew has a new history.
     pub fn see(&mut self, iteration: u64, residual: f64) {
         if self.last.is_some_and(|(last, _)| iteration < last) {
@@ -102,11 +107,17 @@ impl fmt::Display for History {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Criterion {
     /// Name of the residual, as in `residual` of the report.
-    pub name: &'static str,
+    pub name: String,
     /// Residual.
     pub value: f64,
     /// Largest allowed value.
     pub allowed: f64,
+}
+
+impl fmt::Display for Criterion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {:e} above {:e}", self.name, self.value, self.allowed)
+    }
 }
 
 /// Part of a run that did not converge.
@@ -151,7 +162,7 @@ impl NotConverged {
         Self {
             part,
             why: why.to_string(),
-            criteria: unmet.map(|(name, value)| Criterion { name, value, allowed }).collect(),
+            criteria: unmet.map(|(name, value)| Criterion { name: name.into(), value, allowed }).collect(),
             advice: advice(why, &history, allowed).spelled(spelling),
             history,
         }
@@ -185,41 +196,29 @@ impl NotConverged {
         archive.attribute("/not_converged", "part", self.part as u64)?;
         archive.attribute("/not_converged", "why", self.why.as_str())?;
         archive.attribute("/not_converged", "advice", self.advice.as_str())?;
-        let criteria: Vec<String> =
-            self.criteria.iter().map(|c| format!("{}: {:e} above {:e}\n", c.name, c.value, c.allowed)).collect();
+        let criteria: Vec<String> = self.criteria.iter().map(|criterion| format!("{criterion}\n")).collect();
         archive.attribute("/not_converged", "criteria", criteria.concat())?;
         Ok(())
     }
-}
 
-/// Failure in `/not_converged` of a file, as [`NotConverged::write`] writes it: its texts, and samples of iterations
-/// and residuals.
-pub struct StoredFailure {
-    /// Number of the load, step or grid.
-    pub part: f64,
-    /// Reason why the search ended.
-    pub why: String,
-    /// Residuals and their allowed values.
-    pub criteria: String,
-    /// Advice to the user.
-    pub advice: String,
-    /// Iterations and residuals.
-    pub history: Vec<(f64, f64)>,
-}
-
-impl StoredFailure {
-    /// Reads the failure of a file; `None` if it has none.
+    /// Reads the group `/not_converged` of a file; `None` if it has none. A missing number is 0 or absent.
     pub fn read(reader: &Reader) -> Option<Self> {
         let group = "/not_converged";
         let why = reader.text(group, "why").ok()?;
         let text = |name| reader.text(group, name).unwrap_or_default();
         let samples = |name| reader.values::<f64>(&format!("{group}/{name}")).unwrap_or_default();
+        let criterion = |line: &str| {
+            let (name, numbers) = line.rsplit_once(": ")?;
+            let (value, allowed) = numbers.split_once(" above ")?;
+            Some(Criterion { name: name.into(), value: value.parse().ok()?, allowed: allowed.parse().ok()? })
+        };
+        let iteration = samples("iteration").into_iter().map(|iteration| iteration as u64).collect();
         Some(Self {
-            part: reader.number(group, "part").unwrap_or(f64::NAN),
+            part: reader.number(group, "part").unwrap_or(0.0) as usize,
             why,
-            criteria: text("criteria"),
+            criteria: text("criteria").lines().filter_map(criterion).collect(),
+            history: History { iteration, residual: samples("residual"), ..History::default() },
             advice: text("advice"),
-            history: samples("iteration").into_iter().zip(samples("residual")).collect(),
         })
     }
 }

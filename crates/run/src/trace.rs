@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use gfmd_field::Grid;
-use gfmd_files::{Archive, Dimension, Variable};
+use gfmd_files::{Archive, Dimension, FileError, Reader, Variable};
 use gfmd_problem::{key, words};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -258,6 +258,42 @@ impl Trace {
         let modes = modes.iter_mut().flat_map(|mode| [&mut mode.re, &mut mode.im]);
         let points = points.iter_mut().map(|point| &mut point.u);
         [residual, energy].into_iter().chain(modes).chain(points).for_each(Vec::clear);
+    }
+
+    /// Reads the group `/history`; `None` if the file has none.
+    ///
+    /// # Errors
+    /// Returns an error for a group without the numbers of its samples.
+    pub fn read(reader: &Reader) -> Result<Option<Self>, FileError> {
+        let path = |name: &str| format!("/history/{name}");
+        let values = |name: &str| reader.values::<f64>(&path(name));
+        let names = |name: &str| reader.texts(&path(name)).unwrap_or_default();
+        if !reader.contains(&path("iteration")) {
+            return Ok(None);
+        }
+        let iteration: Vec<u64> = values("iteration")?.into_iter().map(|iteration| iteration as u64).collect();
+        let samples = iteration.len().max(1);
+        let rows = |name: &str, names: &[String]| match names {
+            [] => Ok(Vec::new()),
+            _ => values(name).map(|values| values.chunks(samples).map(<[f64]>::to_vec).collect::<Vec<_>>()),
+        };
+        let (modes, points) = (names("mode"), names("point"));
+        let parts = rows("mode_re", &modes)?.into_iter().zip(rows("mode_im", &modes)?);
+        let mode = |(name, (re, im)): (&String, (Vec<f64>, Vec<f64>))| {
+            let ModeOf { numbers, axis } = name.parse().ok()?;
+            Some(ModeTrace { mode: numbers, component: AXES[axis], re, im })
+        };
+        let point = |(name, u): (&String, Vec<f64>)| {
+            let PointOf { position, axis } = name.parse().ok()?;
+            Some(PointTrace { point: position, component: AXES[axis], u })
+        };
+        Ok(Some(Self {
+            iteration,
+            residual: values("residual")?,
+            energy: values("energy")?,
+            modes: modes.iter().zip(parts).filter_map(mode).collect(),
+            points: points.iter().zip(rows("point_u", &points)?).filter_map(point).collect(),
+        }))
     }
 
     /// Writes the group `/history`.

@@ -207,6 +207,7 @@ const SLIDE: &[Row] = &[
 ];
 
 const PUNCH: &[Row] = &[
+    row(&["/refinement/*"], Checksum, Verified, "the second run, on all grids"),
     row(&["/punch/seconds"], Checksum, Checksum, ""),
     row(&["/punch/iterations", "/punch/transform_pairs"], Checksum, Verified, "the second run"),
     row(&["/punch/residual"], InPart, Verified, "the traction, to 1e-3; its bound"),
@@ -217,7 +218,7 @@ const PUNCH: &[Row] = &[
 
 const BODY: &[Row] = &[
     row(&["/input@*"], InPart, InPart, "the file, if it exists"),
-    row(&["/fields/*", "/fields@slice"], Verified, Verified, "a second run, if the input exists; else nothing"),
+    row(&["/fields/*", "/fields@*"], Verified, Verified, "a second run, if the input exists; else nothing"),
 ];
 
 const SWEEP: &[Row] = &[

@@ -9,7 +9,7 @@ use gfmd_problem::{key, words};
 
 use super::quantity::{AXES, AXES_OF_A_LINE, Fields, Quantity, TENSOR, TENSOR_OF_A_LINE};
 use super::rows::Rows;
-use super::{Plane, Side};
+use super::{Level, Plane, Side};
 use gfmd_input::failure::Failure;
 use gfmd_unit::Units;
 
@@ -74,11 +74,27 @@ impl<'a> Volume<'a> {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Result<PathBuf, Failure> {
+    /// Completes the file; an archive also has the numbers at each depth.
+    pub(super) fn finish(self, planes: &Planes, levels: &[Level]) -> Result<PathBuf, Failure> {
         Ok(match self.sink {
-            Sink::Archive(archive) => archive.finish()?,
+            Sink::Archive(mut archive) => {
+                let depth = planes.depth();
+                for (name, kind, long_name, number) in Level::NUMBERS {
+                    let variable = Variable { dimensions: &[&depth], units: &planes.units.name(kind), long_name };
+                    let values: Vec<f64> = levels.iter().map(number).collect();
+                    archive.write(&format!("/fields/{name}"), &variable, &values)?;
+                }
+                archive.finish()?
+            }
             Sink::Image { image, .. } => image.finish()?,
         })
+    }
+}
+
+impl Planes<'_> {
+    fn depth(&self) -> Dimension {
+        let depths = self.below.iter().map(|plane| plane.depth).collect();
+        Dimension::values("depth", depths, &self.units.name("length"), "depth below the surface")
     }
 }
 
@@ -111,7 +127,7 @@ fn archive<'a>(
         archive.attribute("/input", "file_sha256", checksum.as_str())?;
     }
     let depths: Vec<f64> = planes.below.iter().map(|plane| plane.depth).collect();
-    let depth = Dimension::values("depth", depths.clone(), unit, "depth below the surface");
+    let depth = planes.depth();
     if planes.below.iter().any(|plane| plane.side.is_some()) {
         let side = |plane: &Plane| plane.side.map_or(0.0, |side| if side == Side::Above { 1.0 } else { -1.0 });
         let long_name = "side of a plane between two layers: 1 in the upper, -1 in the lower one, else 0";
@@ -143,6 +159,9 @@ fn archive<'a>(
         dimensions.extend(planes.rows.axes.iter().map(|&axis| &lateral[axis]));
         dimensions.extend(last);
         archive.define(&path(quantity), &Variable { dimensions: &dimensions, units, long_name })?;
+    }
+    for (name, points) in ["points_x", "points_y"].into_iter().zip(grid.points()) {
+        archive.attribute("/fields", name, points as u64)?;
     }
     if let Some(slice) = planes.rows.selected() {
         archive.attribute("/fields", "slice", slice.to_string())?;

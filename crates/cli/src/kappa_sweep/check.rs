@@ -7,7 +7,7 @@ use gfmd_problem::key;
 use gfmd_record::Origin;
 use gfmd_sweep::{Analysis, Config, Plan, Pressed, Study, run_one};
 
-use super::file;
+use super::{Report, file};
 use gfmd_check::result::{Against, Comparison, Folder, Pair, ResultKind};
 use gfmd_check::sweep::{columns, example, record, runs};
 use gfmd_input::failure::Failure;
@@ -37,6 +37,25 @@ pub(super) fn earlier(path: &Path, plan: &Plan) -> Result<Vec<Vec<Pressed>>, Fai
         0 => Ok(runs),
         count => Err(refuse(&format!("{count} of its numbers do not fulfil their certificates"))),
     }
+}
+
+/// Reads the report of the sweep in a file. No contact is solved: points and fits follow from the runs in the file.
+///
+/// # Errors
+/// Returns an error if the file is not a result of a sweep, or for runs that do not fulfil their certificates.
+pub fn report_of(reader: &Reader) -> Result<Report, Failure> {
+    let path = reader.path();
+    let refuse = |reason: &dyn std::fmt::Display| Failure::refused(format!("{}: {reason}", path.display()));
+    let text = reader.text("/", "config").map_err(|error| Failure::refused(error.to_string()))?;
+    let config: Config = toml::from_str(&text).map_err(|error| refuse(&error.message()))?;
+    let (plan, mut comparison) = (Plan::new(config)?, Comparison::default());
+    let runs = runs(reader, &plan, &mut comparison)?;
+    if comparison.counts().2 > 0 {
+        return Err(refuse(&"numbers of its runs do not fulfil their certificates; gfmd check names them"));
+    }
+    let analysis = Analysis::new(&plan, &runs)?;
+    let seconds = reader.number("/", "seconds").unwrap_or(f64::NAN);
+    Ok(Report::new(&plan, &analysis, (path.to_path_buf(), Vec::new()), (seconds, 0)))
 }
 
 /// Recomputes the points and fits of a sweep from its runs, certifies its example, and computes runs again if asked to.

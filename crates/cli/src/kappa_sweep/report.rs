@@ -7,7 +7,7 @@ use gfmd_fit::{Axis, Datum};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, PERSSON_KAPPA};
 use gfmd_problem::MemoryNeed;
 use gfmd_surface::Discretisation;
-use gfmd_sweep::{Alternative, Area, Extrapolation, Key, Plan, Point, Shard, Study};
+use gfmd_sweep::{Alternative, Analysis, Area, Extrapolation, Key, Plan, Point, Shard};
 use serde::Serialize;
 
 use super::calibration::seconds_per_pair;
@@ -211,8 +211,12 @@ impl FitReport {
 
 impl Report {
     /// Collects the numbers to be printed.
-    pub fn new(study: &Study, out: PathBuf, plots: Vec<PathBuf>, seconds: f64, peak_bytes: u64) -> Self {
-        let Study { plan, analysis, .. } = study;
+    pub fn new(
+        plan: &Plan,
+        analysis: &Analysis,
+        (out, plots): (PathBuf, Vec<PathBuf>),
+        (seconds, peak_bytes): (f64, u64),
+    ) -> Self {
         let points = analysis.data.iter().filter(|(key, _)| key.area == Area::Raw).map(|(key, raw)| {
             let point = &plan.points[key.point];
             let corrected = analysis.data.get(&Key { area: Area::Corrected, ..*key });

@@ -7,6 +7,7 @@ use gfmd_files::Reader;
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_record::Record;
+use gfmd_run::convergence::NotConverged;
 
 use super::report::Report;
 use super::{Args, PathInput, path_input, report_of};
@@ -31,5 +32,6 @@ pub fn stored(reader: &Reader, session: &Session) -> Result<Report, Failure> {
     let converged = records.last().is_some_and(|last| last.number("converged") == 1.0);
     let is_loaded = |step: &usize| matches!(drives[*step].load, Load::MeanPressure(_));
     let parted_at = Some(records.len()).filter(|step| *step < drives.len() && converged && is_loaded(step));
-    Ok(Report { parted_at, ..report_of(&args, prepared, contact.surface(), (records, places))? })
+    let report = report_of(&args, prepared, contact.surface(), (records, places))?;
+    Ok(Report { parted_at, not_converged: NotConverged::read(reader), ..report })
 }

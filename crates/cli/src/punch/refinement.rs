@@ -1,5 +1,6 @@
 //! The limit of the mean pressure of a punch on finer and finer grids.
 
+use gfmd_files::{Archive, Dimension, FileError, Reader, Variable};
 use serde::Serialize;
 
 /// The mean pressure on grids that are each twice as fine as the one before.
@@ -27,6 +28,24 @@ impl Refinement {
         let extrapolated = extrapolate(&mean_pressure);
         let uncertainty = order.map(|_| (extrapolated - extrapolate(&mean_pressure[1..])).abs());
         Self { n, mean_pressure, order, extrapolated, uncertainty }
+    }
+
+    /// Writes the group `/refinement`.
+    pub(super) fn write(&self, archive: &mut Archive) -> Result<(), FileError> {
+        let n = self.n.iter().map(|n| *n as f64).collect();
+        let n = Dimension::values("n", n, "1", "points along each axis");
+        let long_name = "mean pressure over the whole surface on this grid";
+        let variable = Variable { dimensions: &[&n], units: "stress", long_name };
+        archive.write("/refinement/mean_pressure", &variable, &self.mean_pressure)
+    }
+
+    /// Reads the group `/refinement`; `None` if the file has none.
+    pub(super) fn read(reader: &Reader) -> Result<Option<Self>, FileError> {
+        if !reader.contains("/refinement/mean_pressure") {
+            return Ok(None);
+        }
+        let n = reader.values::<f64>("/refinement/n")?.into_iter().map(|n| n as usize).collect();
+        Ok(Some(Self::of(n, reader.values("/refinement/mean_pressure")?)))
     }
 }
 

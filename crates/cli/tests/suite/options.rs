@@ -43,7 +43,8 @@ fn choices(arg: &Arg) -> Vec<String> {
     if !takes_value(arg) {
         return Vec::new();
     }
-    arg.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect()
+    let listed = arg.get_possible_values().into_iter().filter(|value| !value.is_hide_set());
+    listed.map(|value| value.get_name().to_owned()).collect()
 }
 
 fn takes_value(arg: &Arg) -> bool {
@@ -261,8 +262,8 @@ fn default_of(arg: &Arg, of: &str) -> Value {
         _ => Value::from(text),
     };
     match &given[..] {
-        // A law of Python has parameters, and a hard wall is no law.
-        _ if key(arg) == "law" => Value::Null,
+        // A law of Python has parameters, and a hard wall is no law; nothing is written by default.
+        _ if ["law", "out"].contains(&key(arg)) => Value::Null,
         [] if of.starts_with("Sequence[") => Value::Array(Vec::new()),
         [] => Value::Null,
         all if of.starts_with("Sequence[") => all.iter().map(|text| one(text)).collect(),
@@ -437,6 +438,27 @@ fn python_has_the_types_of_the_options() {
             text: "Arguments of `punch` beside the body.",
             command: "punch",
             keys: with(without(all("punch"), &elastic, &loads), &["threads"]),
+            further: &[],
+        },
+        Class {
+            name: "GreenOptions",
+            text: "Arguments of `green` beside the body and the wave vector along x.",
+            command: "green",
+            keys: without(all("green"), &elastic, &["qx"]),
+            further: &[],
+        },
+        Class {
+            name: "SweepOptions",
+            text: "Arguments of `kappa_sweep` beside the configuration.",
+            command: "kappa-sweep",
+            keys: with(Vec::new(), &["out", "resume", "threads"]),
+            further: &[],
+        },
+        Class {
+            name: "StudyOptions",
+            text: "Arguments of `study` beside the configuration.",
+            command: "study",
+            keys: with(Vec::new(), &["out", "resume", "threads"]),
             further: &[],
         },
     ];

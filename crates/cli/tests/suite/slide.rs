@@ -247,6 +247,11 @@ fn grid_errors_follow_from_a_finer_grid() {
         }
     }
     assert_eq!(json(folder.path(), &["check", "r.h5", "--rerun", "--json"])["differing"], 0);
+    // One solution does not give it.
+    let refused = gfmd(folder.path(), &words(&format!("slide --n 24 {prony} --p-star 0.05 --grid-error estimate")));
+    let text = String::from_utf8(refused.stderr).unwrap();
+    assert!(!refused.status.success() && text.trim().lines().count() == 1, "{text}");
+    assert!(text.contains("it must be none or refine (") && text.contains("leading and trailing edges"), "{text}");
     // At an approach, the finer grid has other highest points.
     let held = of("--n 24 --approach 0.01 --grid-error refine");
     assert!(held["states"][0]["friction_grid_error"].as_f64().unwrap() < 0.1);

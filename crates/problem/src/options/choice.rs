@@ -60,7 +60,13 @@ choices! {
 
 /// Parses the name of a choice; the help lists all names with their meanings.
 pub fn parse_choice<T: Choice>() -> impl TypedValueParser<Value = T> {
-    let rows = T::all().iter().map(|value| PossibleValue::new(value.name()).help(value.meaning()));
+    parse_choice_but(&[])
+}
+
+/// Parses the name of a choice; the help does not list the `refused` ones, which the command refuses with a reason.
+pub fn parse_choice_but<T: Choice>(refused: &'static [&'static str]) -> impl TypedValueParser<Value = T> {
+    let row = |value: &T| PossibleValue::new(value.name()).help(value.meaning()).hide(refused.contains(&value.name()));
+    let rows = T::all().iter().map(row);
     PossibleValuesParser::new(rows).try_map(|name| {
         T::all().iter().copied().find(|value| value.name() == name).ok_or("it is not in the table of this flag")
     })

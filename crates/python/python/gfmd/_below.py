@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
@@ -16,10 +15,10 @@ from ._check import quantities as lengths
 from ._columns import PunchNumbers
 from ._errors import InputError
 from ._given import TABLES, taking
-from ._hints import hinted
-from ._options_inside import InteriorOptions, PunchOptions
+from ._options_inside import GreenOptions, InteriorOptions, PunchOptions
+from ._measured import Measured
 from ._record import LINES, Record, table
-from ._result import Computed
+from ._result import Computed, Contents, File
 from ._types import Loaded
 from ._units import attributes, known, label
 
@@ -309,7 +308,7 @@ class FieldsBelow(Computed):
         return ["xx", "yy", "zz", "yz", "xz", "xy"] if len(self.mean_traction) == 3 else ["xx", "yy", "zz", "xz"]
 
 
-class Green(Record):
+class Green(Measured):
     """Elasticity of one wave vector: traction = K u with u = exp(+i q r). Infinite entries are NaN.
 
     Attributes:
@@ -382,7 +381,7 @@ def punch(body: Optional[Body] = None, **options: Unpack[PunchOptions]) -> Punch
     given = None if body is None else as_body(body, of_moduli=True)
     modes, points = options.pop("history_modes", ()), options.pop("history_points", ())
     arrays = {"mask": options.pop("mask", None), "traction": options.pop("traction", None)}
-    threads, out, history = options.pop("threads", None), options.pop("out", None), options.get("history", False)
+    threads, out = options.pop("threads", None), options.pop("out", None)
     problem: dict[str, Any] = {} if given is None else _elastic(given, given.layers)
     problem.update(options, history_mode=[], history_point=[])
     for first, second, component in _threes("history_modes", modes):
@@ -393,14 +392,19 @@ def punch(body: Optional[Body] = None, **options: Unpack[PunchOptions]) -> Punch
         problem["history_point"].append([*position, word("history_points", component)])
     arrays = {name: None if value is None else array(name, value) for name, value in arrays.items()}
     values, failure, fields, file = _command.solve("punch", problem, arrays, threads, out)
+    return _command.ended(punch_of(values, fields, file), failure)
+
+
+def punch_of(values: dict[str, Any], fields: Mapping[str, Array], file: File | Contents) -> Punch:
+    """Makes a punch from the report of the command, its fields and the file."""
     if values["height"] == "inf":
         values["height"] = math.inf
-    for name in arrays:
+    for name in ("mask", "traction"):
         values.pop(name, None)
-    if history:
+    if "history" in values:
         values["history"] = _history(values["history"])
     reported = {name: _command.records(value) for name, value in values.items()}
-    return _command.ended(Punch({**reported, **fields}, file), failure)
+    return Punch({**reported, **fields}, file)
 
 
 def _place(name: str, value: object, allowed: Sequence[str]) -> int:
@@ -471,13 +475,18 @@ def interior(
         raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")
     own, given = source._loading()
     values, failure, fields, file = _command.solve("body", {**problem, **own}, {"surface": given}, threads, out)
-    del values["surface"]
     named = {name.replace("-", "_") for name in problem["quantities"]}
     found = {name: field for name, field in fields.items() if name in named}
+    return _command.ended(below_of(values, found, file), failure)
+
+
+def below_of(values: dict[str, Any], fields: Mapping[str, Array], file: File | Contents) -> FieldsBelow:
+    """Makes fields below a surface from the report of the command, the fields and the file."""
+    del values["surface"]
     reported = {name: _command.records(value) for name, value in values.items()}
     units = known(values.get("unit"), values.get("stress_unit"))
     reported["levels"] = [Record(level, units) for level in values["levels"]]
-    return _command.ended(FieldsBelow({**reported, **found}, file), failure)
+    return FieldsBelow({**reported, **fields}, file)
 
 
 def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
@@ -489,10 +498,8 @@ def _elastic(values: Any, layers: Sequence[Sequence[Any]]) -> dict[str, Any]:
     return {**elastic, **_command.other_keys(values, layers)}
 
 
-@hinted
-def green(
-    body: Body, *, qx: float, qy: float = 0.0, dim: int = 3, z: Optional[float] = None, depth: Optional[float] = None
-) -> Green:
+@taking(GreenOptions)
+def green(body: Body, *, qx: float, **options: Unpack[GreenOptions]) -> Green:
     """Computes the elasticity of one wave vector: `stiffness`, `compliance` (complex matrices), `normal_compliance`.
 
     Args:
@@ -513,16 +520,9 @@ def green(
         0.1627
     """
     given = as_body(body, of_moduli=True)
-    if z is not None and depth is not None:
+    if "z" in options and "depth" in options:
         raise InputError("z and depth are both given; give one of the two")
-    problem = dict(
-        **_elastic(given, given.layers),
-        qx=number("qx", qx),
-        qy=number("qy", qy),
-        dim=integer("dim", dim, 2, 3),
-        z=None if z is None else number("z", z),
-        depth=None if depth is None else number("depth", depth),
-    )
+    problem = dict(**_elastic(given, given.layers), qx=number("qx", qx), **options)
     values, *_ = _command.solve("green", problem)
     for name in ("stiffness", "compliance", "displacement_transfer", "stress_transfer"):
         if values.get(name) is not None:

@@ -17,7 +17,8 @@ from ._check import Array, Quantity, array, frozen, in_units, number, shown, wor
 from ._columns import Fields, LowerFace, Numbers, Patches
 from ._errors import InputError
 from ._load import Residual, of_load, residual_of_all
-from ._record import LINES, Measured, Record, json_of, reason_of, same, table, without_null
+from ._measured import Measured
+from ._record import LINES, Record, json_of, reason_of, same, table, without_null
 from ._result import Result
 from ._surface import Surface
 from ._units import Units, known, label, metre
@@ -109,7 +110,7 @@ class Adhesion(Measured):
     pastewka_robbins: float
 
 
-class Gradient(Record):
+class Gradient(Measured):
     """Derivatives of a scalar L of a contact with respect to its inputs, from `Contact.vjp`.
 
     Attributes:

@@ -7,18 +7,19 @@ from typing import Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _command
+from . import _command, _show
 from ._body import Body, as_body
 from ._check import Array, Quantity, frozen, quantities, quantity
 from ._errors import InputError
 from ._hints import hinted
 from ._load import LOADS
+from ._measured import Measured
 from ._record import LINES, Record, reason_of, table
 from ._surface import Surface, as_surface
 from ._units import Units
 
 
-class Estimate(Record):
+class Estimate(Measured):
     """Numbers of contacts estimated from the surface's spectrum and highest points.
 
     Each has an error: 95 % of solved contacts deviate by less. An unknown estimate is NaN.
@@ -94,6 +95,63 @@ class Estimate(Record):
             ('the errors are known from p* = 0.0001 to 1', None)
         """
         return reason_of(self, name)
+
+    def _at_loads(self) -> Record:
+        """Returns the arrays [load] by name."""
+        return Record({name: value for name, value in self.items() if isinstance(value, np.ndarray)})
+
+    def to_dataframe(self) -> Any:
+        """Returns the numbers as a pandas.DataFrame with one row per load; units in `attrs["units"]`.
+
+        Raises:
+            Error: pandas is not installed.
+
+        Example:
+            >>> e = gfmd.estimate(gfmd.self_affine(n=64, hurst=0.8), gfmd.Body(), p_star=[0.01, 0.1])
+            >>> len(e.to_dataframe())  # doctest: +SKIP
+            2
+        """
+        return _show.table_frame(self, self._at_loads())
+
+    def to_xarray(self) -> Any:
+        """Returns the numbers [load] as an xarray.Dataset.
+
+        Raises:
+            Error: xarray is not installed.
+
+        Example:
+            >>> e = gfmd.estimate(gfmd.self_affine(n=64, hurst=0.8), gfmd.Body(), p_star=[0.01, 0.1])
+            >>> e.to_xarray().area_fraction.dims
+            ('load',)
+        """
+        columns = {name: ("load", values, _show.described(self, name)) for name, values in self._at_loads().items()}
+        loads = ("load", np.arange(len(self.p_star)), {"long_name": "load step"})
+        return _show.needed("xarray", "to_xarray").Dataset(columns, {"load": loads})
+
+    def plot(self, y: str = "area_fraction", ax: Any = None) -> Any:
+        """Draws a number with its error against the mean pressure with matplotlib. Returns the axes.
+
+        Args:
+            y: name of an array [load].
+            ax: axes to draw into; new ones by default.
+
+        Raises:
+            InputError: an unknown name. Error: matplotlib is not installed.
+
+        Example:
+            >>> e = gfmd.estimate(gfmd.self_affine(n=64, hurst=0.8), gfmd.Body(), p_star=[0.01, 0.1])
+            >>> ax = e.plot("mean_gap")
+        """
+        table = self._at_loads()
+        name, values = _show.column(table, y)
+        along, x_label = _show.caption("mean_pressure", self.mean_pressure, self.units)
+        factor, y_label = _show.caption(name, values, self.units)
+        error = table.get(f"{name}_error", np.zeros(len(values)))
+        ax = _show.axes(ax)
+        ax.errorbar(self.mean_pressure * along, values * factor, error * factor, fmt="o-", ms=4, capsize=2)
+        ax.set_xlabel(x_label)
+        ax.set_ylabel(y_label)
+        return ax
 
     def __repr__(self) -> str:
         names = ("p_star", "mean_pressure", "area_fraction", "mean_gap", "stiffness", "rms_pressure", "max_pressure")

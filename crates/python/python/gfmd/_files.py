@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
 
 from . import _check, _gfmd
+from ._below import FieldsBelow, Punch, below_of, punch_of
 from ._body import body_of, law_of
 from ._check import Array
 from ._command import body_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError
+from ._kappa import KappaSweep
+from ._kappa import made_of as _sweep_of
 from ._load import LOADS, of_load
 from ._parts import Wear
 from ._path import Path, gathered
@@ -34,14 +37,14 @@ _ARRAYS = {
 }
 
 
-def _stored(name: str, group: str, given: Sequence[float]) -> Surface:
-    """Reads a surface from a file, with the size `given` by the configuration."""
+def _stored(name: str, group: str, given: Sequence[float], description: str = "description") -> Surface:
+    """Reads a surface from a file, with the size `given` by the configuration, and its text `description`."""
     heights, size, unit, *_ = _gfmd.read(f"{name}:{group}/height")
     if len(given) == 2:
         size = (given[0], given[1])
     elif size is not None and len(given) == 1:
         size = (given[0], size[1])
-    return _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, group, "description"))
+    return _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, group, description))
 
 
 def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> Array:
@@ -52,22 +55,29 @@ def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> 
     return found
 
 
-def _reported(name: str) -> tuple[dict[str, Any], dict[str, Any], Contents]:
-    """Reads the report in a file, its surfaces and fields by name, and the bytes of the file."""
+def _read(name: str, wanted: Optional[Collection[str]] = None) -> tuple[dict[str, Any], dict[str, Any], Contents]:
+    """Reads the report in a file, its fields by name (the `wanted` ones, all by default), and the bytes of the file."""
     text, names = _gfmd.read_report(name)
     values = parsed(text)
+    names = [field for field in names if wanted is None or field in wanted]
+    fields: dict[str, Any] = {field: _check.frozen(_array(name, f"/fields/{field}")) for field in names}
+    for of_the_run in ("peak_bytes", "plots", "scan", "out"):
+        values.pop(of_the_run, None)
+    values["warnings"] = _warnings(name)
+    return values, fields, _contents(name)
+
+
+def _reported(name: str) -> tuple[dict[str, Any], dict[str, Any], Contents]:
+    """Reads the report in a file, its surfaces and fields by name, and the bytes of the file."""
+    values, found, contents = _read(name)
     size = values["size"] if "second_surface" not in values else []
-    found: dict[str, Any] = {field: _check.frozen(_array(name, f"/fields/{field}")) for field in names}
     found["surface"] = _stored(name, "/surface", size)
     if values.get("hardness") is not None and not isinstance(values["hardness"], float):
         found["hardness"] = _check.frozen(_array(name, "/surface/hardness"))
     if "lower" in values:
         found["lower_surface"] = _stored(name, "/lower", size)
         values["lower"]["surface"] = _gfmd.read_text(name, "/lower", "description")
-    for of_the_run in ("peak_bytes", "plots", "scan", "out"):
-        values.pop(of_the_run, None)
-    values["warnings"] = _warnings(name)
-    return values, found, _contents(name)
+    return values, found, contents
 
 
 def _warnings(name: str) -> list[dict[str, str]]:
@@ -104,21 +114,60 @@ def _slide(name: str) -> Slide:
 
 def _study(name: str) -> Study:
     """Reads a study from its file."""
-    values = parsed(_gfmd.read_report(name)[0])
-    return _study_of({**values, "warnings": _warnings(name)}, _contents(name))
+    values, _, contents = _read(name)
+    return _study_of(values, contents)
 
 
-def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path, Slide, Study]:
-    """Reads a contact, contacts under several loads, a path, steady sliding or a study from a file.
+def _sweep(name: str) -> KappaSweep:
+    """Reads a kappa sweep from its file."""
+    values, _, contents = _read(name)
+    return _sweep_of(values, contents)
 
-    The file comes from `--out` or `save`. Nothing is solved. Paths and steady sliding have only the largest part of
-    each residual, as their files do.
+
+def _punch(name: str) -> Punch:
+    """Reads a punch from its file."""
+    return punch_of(*_read(name, ("displacement", "traction", "under_punch")))
+
+
+def _below(name: str) -> FieldsBelow:
+    """Reads fields below a surface from their file."""
+    return below_of(*_read(name, ("displacement", "strain", "stress", "von_mises", "energy_density")))
+
+
+def _heights(name: str) -> Surface:
+    """Reads a surface from its file."""
+    return _stored(name, "/surface", [], "source")
+
+
+_Loaded = Union[FieldsBelow, KappaSweep, Path, Punch, Slide, Study, Surface]
+
+# Readers by kind of a file; a contact has more than a report.
+_READERS: dict[str | None, Callable[[str], _Loaded]] = {
+    "path": _path,
+    "slide": _slide,
+    "study": _study,
+    "kappa-sweep": _sweep,
+    "punch": _punch,
+    "body": _below,
+    "surface": _heights,
+}
+
+
+def load(
+    path: Union[str, "os.PathLike[str]"],
+) -> Union[Contact, Contacts, FieldsBelow, KappaSweep, Path, Punch, Slide, Study, Surface]:
+    """Reads the result in an HDF5 file of this package or the program, as the function of its command returned it.
+
+    The file comes from `save`, `out=` or `--out`: a contact, contacts under several loads, a path (also wear and
+    friction), steady sliding, a punch, fields below a surface, a kappa sweep, a study, or the surface of `gfmd
+    surface`. Nothing is solved. Paths and steady sliding have only the largest part of each residual, and paths with
+    wear no unit of their coefficient, as their files do.
 
     Args:
         path: HDF5 file name.
 
     Raises:
-        InputError: not a file of these results.
+        InputError: not a file of these results, or a file that was damaged or changed.
 
     Example:
         >>> c.save("c.h5")
@@ -127,15 +176,14 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path,
         >>> loop.save("loop.h5")
         >>> bool((gfmd.load("loop.h5").steps.mean_pressure == loop.steps.mean_pressure).all())
         True
-        >>> sliding.save("slide.h5")
-        >>> gfmd.load("slide.h5").pressure.shape == sliding.pressure.shape
+        >>> punch.save("punch.h5")
+        >>> gfmd.load("punch.h5") == punch
         True
     """
     name = _check.path("path", path)
-    others: dict[str | None, Callable[[str], Path | Slide | Study]] = {"path": _path, "slide": _slide, "study": _study}
     kind = _gfmd.read_kind(name)
-    if kind in others:
-        return others[kind](name)
+    if kind in _READERS:
+        return _READERS[kind](name)
     # Checked for keys and types, as a file may come from anyone.
     config = json.loads(_gfmd.read_config(name))
     size = [] if "second_surface" in config else config.get("size", [])

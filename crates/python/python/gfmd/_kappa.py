@@ -8,16 +8,21 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
 from . import _command, _show
-from ._check import flag, path
+from ._check import path
 from ._errors import InputError, Interrupted, NotConverged
+from ._given import taking
+from ._options_inside import SweepOptions
 from ._record import LINES, Record, table
 from ._result import Computed, Contents
 from ._units import attributes
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class KappaSweep(Computed):
@@ -113,12 +118,9 @@ class KappaSweep(Computed):
         return f"{head}\nkappa_tfc = {self.fit.kappa_tfc:.4f}{interval}"
 
 
+@taking(SweepOptions)
 def kappa_sweep(
-    config: Union[str, "os.PathLike[str]", Mapping[str, Any]] = "default",
-    *,
-    out: Union[str, "os.PathLike[str]", None] = None,
-    resume: bool = False,
-    threads: Optional[int] = None,
+    config: Union[str, "os.PathLike[str]", Mapping[str, Any]] = "default", **options: Unpack[SweepOptions]
 ) -> KappaSweep:
     """Extrapolates kappa from many contacts to the thermodynamic, fractal and continuum limit, with uncertainty.
 
@@ -144,13 +146,10 @@ def kappa_sweep(
     file = os.path.join(folder, "kappa.h5")
     kept = None
     try:
-        file = file if out is None else path("out", out)
-        problem = {**given(config), "out": file, "resume": flag("resume", resume)}
-        values, failure, *_ = _command.solve("kappa-sweep", problem, threads=threads)
-        contents = Contents(Path(file).read_bytes())
-        return _command.ended(
-            KappaSweep({name: _command.records(value) for name, value in values.items()}, contents), failure
-        )
+        file = os.fspath(options.get("out") or file)
+        problem = {**given(config), "out": file, "resume": options.get("resume", False)}
+        values, failure, *_ = _command.solve("kappa-sweep", problem, threads=options.get("threads"))
+        return _command.ended(made_of(values, Contents(Path(file).read_bytes())), failure)
     except (KeyboardInterrupt, NotConverged) as error:
         if isinstance(getattr(error, "state", None), KappaSweep):
             raise
@@ -163,8 +162,13 @@ def kappa_sweep(
         kind = NotConverged if isinstance(error, NotConverged) else Interrupted
         raise kind(reported, Record({"out": kept, "runs": runs})) from error
     finally:
-        if kept is None or out is not None:
+        if kept is None or "out" in options:
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def made_of(values: dict[str, Any], contents: Contents) -> KappaSweep:
+    """Makes a sweep from the report of the command and the file."""
+    return KappaSweep({name: _command.records(value) for name, value in values.items()}, contents)
 
 
 def given(config: Any) -> dict[str, Any]:

@@ -111,6 +111,6 @@ class SlideOptions(TypedDict, total=False):
     direction: Optional[float]
     tolerance: Optional[float]
     max_iterations: Optional[int]
-    grid_error: Optional[Literal["none", "estimate", "refine"]]
+    grid_error: Optional[Literal["none", "refine"]]
     out: Optional[str | os.PathLike[str]]
     threads: Optional[int]

@@ -49,3 +49,28 @@ class PunchOptions(TypedDict, total=False):
     refine: Optional[int]
     out: Optional[str | os.PathLike[str]]
     threads: Optional[int]
+
+
+class GreenOptions(TypedDict, total=False):
+    """Arguments of `green` beside the body and the wave vector along x."""
+
+    dim: Optional[int]
+    qy: Optional[float]
+    z: Optional[float]
+    depth: Optional[float]
+
+
+class SweepOptions(TypedDict, total=False):
+    """Arguments of `kappa_sweep` beside the configuration."""
+
+    out: Optional[str | os.PathLike[str]]
+    resume: bool
+    threads: Optional[int]
+
+
+class StudyOptions(TypedDict, total=False):
+    """Arguments of `study` beside the configuration."""
+
+    out: Optional[str | os.PathLike[str]]
+    resume: bool
+    threads: Optional[int]

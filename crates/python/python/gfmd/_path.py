@@ -22,6 +22,7 @@ from ._load import LOADS, Residual, residual_of
 from ._options import PathOptions
 from ._parts import Wear, wear_keys
 from ._progress import Progress
+from ._measured import Measured
 from ._record import Record, by_name, without_null
 from ._result import Computed, Contents, File
 from ._surface import Surface, as_hardness, as_lower, as_surface
@@ -38,7 +39,7 @@ _ALIKE = 1e-6
 _READ = "the path was read from a file; it must be a result of gfmd.path, for derivatives"
 
 
-class PathGradient(Record):
+class PathGradient(Measured):
     """Derivatives of a scalar L of a path with respect to its inputs, from `Path.vjp`.
 
     Attributes:

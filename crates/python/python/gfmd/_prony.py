@@ -12,11 +12,12 @@ import numpy.typing as npt
 from . import _check, _command, _show
 from ._check import number, numbers, shown
 from ._errors import InputError
+from ._measured import Measured
 from ._record import Record
 from ._units import Units
 
 
-class PronyFit(Record):
+class PronyFit(Measured):
     """A Prony series fitted to measured moduli.
 
     Attributes:

@@ -195,15 +195,6 @@ class Record(Mapping[str, Any]):
         return f"<b>{type(self).__name__}</b><table>{''.join(cells)}</table>"
 
 
-class Measured(Record):
-    """Numbers measured on a result, with its units."""
-
-    @property
-    def units(self) -> Units:
-        """Length unit and stress unit of all numbers, None if unknown."""
-        return self._known
-
-
 def parsed(text: str) -> dict[str, Any]:
     """Parses a JSON object."""
     found = json.loads(text)

@@ -26,7 +26,8 @@ _MOST_POINTS, _MOST_BYTES, _MOST_PICTURES = 1 << 20, 100_000, 2
 class Result:
     """A result, with the file, page and figures of the program, tables and a plot.
 
-    `Contact`, `Contacts`, `Path`, `Slide`, `Punch`, `FieldsBelow`, `KappaSweep` and `Study` are results.
+    `Contact`, `Contacts`, `Path`, `Slide`, `Punch`, `FieldsBelow`, `KappaSweep` and `Study` are results; `gfmd.load`
+    reads them from their files.
 
     Example:
         >>> isinstance(c, gfmd.Result)

@@ -7,17 +7,22 @@ import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 from . import _command, _show
 from ._check import Array, flag, frozen, path, shown
 from ._errors import InputError, Interrupted, NotConverged
+from ._given import taking
 from ._kappa import given
+from ._options_inside import StudyOptions
 from ._progress import hidden
 from ._record import LINES, Record, cut, table
 from ._result import Computed, Contents
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Numbers in the table of a study.
 _SHOWN = ("area_fraction", "mean_gap", "friction", "mean_pressure")
@@ -154,13 +159,9 @@ class Study(Computed):
         return f"{title}{table(columns, LINES - 3)}\n  {rest}"
 
 
+@taking(StudyOptions)
 def study(
-    config: Union[str, "os.PathLike[str]", Mapping[str, Any]],
-    *,
-    out: Union[str, "os.PathLike[str]", None] = None,
-    resume: bool = False,
-    progress: bool = True,
-    threads: Optional[int] = None,
+    config: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, progress: bool = True, **options: Unpack[StudyOptions]
 ) -> Study:
     """Computes the contacts of all combinations of surfaces, seeds, bodies and loads of a study.
 
@@ -190,11 +191,11 @@ def study(
     folder = tempfile.mkdtemp(prefix="gfmd-")
     file = os.path.join(folder, "study.h5")
     try:
-        file = file if out is None else path("out", out)
+        file = os.fspath(options.get("out") or file)
         described = given(config) if isinstance(config, Mapping) else {"config": path("config", config)}
-        problem = {**described, "out": file, "resume": flag("resume", resume)}
+        problem = {**described, "out": file, "resume": options.get("resume", False)}
         with hidden(not flag("progress", progress)):
-            values, failure, *_ = _command.solve("study", problem, threads=threads)
+            values, failure, *_ = _command.solve("study", problem, threads=options.get("threads"))
         return _command.ended(made_of(values, Contents(Path(file).read_bytes())), failure)
     except KeyboardInterrupt as error:
         if isinstance(error, Interrupted) and isinstance(error.state, Study):

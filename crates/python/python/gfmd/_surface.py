@@ -12,8 +12,10 @@ from . import _check, _gfmd, _show
 from ._check import Array, frozen, in_units, integer, number, numbers, optional, quantities, quantity, word
 from ._columns import SurfaceNumbers
 from ._hints import attribute, hinted
-from ._errors import InputError
-from ._record import Measured, Record, by_name, parsed, without_null
+from ._errors import Error, InputError
+from ._measured import Measured
+from ._record import Record, by_name, parsed, without_null
+from ._units import Units
 
 Size = Union[float, str, tuple[Union[float, str], Union[float, str]], None]
 
@@ -804,6 +806,52 @@ class Surface:
             >>> ax = s.plot()
         """
         return _show.field(self._heights, self, "height", ax)
+
+    @property
+    def units(self) -> Units:
+        """Length unit, None if unknown, and stress unit, which a surface does not have."""
+        return self._unit, None
+
+    def to_dataframe(self) -> Any:
+        """Returns the `statistics` as a pandas.DataFrame with one row; units in `attrs["units"]`.
+
+        Raises:
+            Error: pandas is not installed.
+
+        Example:
+            >>> gfmd.self_affine(n=64).to_dataframe().rms_gradient.shape  # doctest: +SKIP
+            (1,)
+        """
+        return self.statistics().to_dataframe()
+
+    def to_xarray(self) -> Any:
+        """Returns the heights [y, x] as an xarray.Dataset.
+
+        Raises:
+            Error: xarray is not installed.
+
+        Example:
+            >>> gfmd.self_affine(n=64).to_xarray().height.dims
+            ('y', 'x')
+        """
+        height = (("y", "x"), self._heights.T, {"long_name": "height", **({"units": self._unit} if self._unit else {})})
+        return _show.needed("xarray", "to_xarray").Dataset({"height": height}, _show.coordinates(self))
+
+    def save(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Refused: a surface has a file with its contacts alone.
+
+        Args:
+            path: file name.
+
+        Raises:
+            Error: always.
+
+        Example:
+            >>> gfmd.self_affine(n=64).save("s.h5")
+            Traceback (most recent call last):
+            gfmd.Error: Surface has no file; save a contact with it, pickle it, or numpy.save(path, s.heights)
+        """
+        raise Error("Surface has no file; save a contact with it, pickle it, or numpy.save(path, s.heights)")
 
     def to_pyvista(self) -> Any:
         """Returns a pyvista.ImageData with the heights [x, y] as point data; `.warp_by_scalar()` makes a relief.

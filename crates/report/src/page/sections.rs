@@ -13,7 +13,7 @@ use super::reading::{FaceFields, InUnit, Stored, StoredSurface};
 use super::write::{given, number, powers, text, transforms, whole};
 use super::{Certificate, Fact, Page, Table};
 use crate::figures::{Face, FigureKind, Scene, heights, rough, sides};
-use gfmd_run::convergence::StoredFailure;
+use gfmd_run::convergence::NotConverged;
 
 /// Returns true for a column that has a number and is not left out.
 fn is_shown(form: Form, values: &[f64]) -> bool {
@@ -178,15 +178,16 @@ impl Page {
 
     /// Adds the failure of a search, if the file has one; `part` is the name of the counted part.
     pub(crate) fn failure(&mut self, reader: &Reader, part: &str) {
-        let Some(stored) = StoredFailure::read(reader) else { return };
+        let Some(stored) = NotConverged::read(reader) else { return };
         self.failed = Some(html! {
             p {
-                (part) " " (whole(stored.part)) " (counted from 0): " (text(&stored.why)) ". Its numbers are no result."
+                (part) " " (stored.part) " (counted from 0): " (text(&stored.why)) ". Its numbers are no result."
             }
-            ul { @for line in stored.criteria.lines() { li { (text(line)) } } }
+            ul { @for criterion in &stored.criteria { li { (text(&criterion.to_string())) } } }
             p { (text(&stored.advice)) }
         });
-        let positive = stored.history.into_iter().filter(|(_, residual)| *residual > 0.0);
+        let samples = stored.history.samples().map(|(iteration, residual)| (iteration as f64, residual));
+        let positive = samples.filter(|(_, residual)| *residual > 0.0);
         let panel = Panel {
             x: Axis::linear("iterations"),
             y: Axis::log("residual"),
