@@ -18,6 +18,8 @@ from ._errors import InputError
 from ._load import LOADS, of_load
 from ._parts import Wear
 from ._path import Path, gathered
+from ._prony import PronyFit
+from ._prony import loaded as _prony_of
 from ._record import parsed
 from ._result import Contents
 from ._slide import Slide
@@ -108,14 +110,23 @@ def _study(name: str) -> Study:
     return _study_of({**values, "warnings": _warnings(name)}, _contents(name))
 
 
-def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path, Slide, Study]:
-    """Reads a contact, contacts under several loads, a path, steady sliding or a study from a file.
+def _is_json(name: str) -> bool:
+    """Returns True for a file that begins as a JSON object."""
+    try:
+        with open(name, "rb") as file:
+            return file.read(64).lstrip().startswith(b"{")
+    except OSError:
+        return False
 
-    The file comes from `--out` or `save`. Nothing is solved. Paths and steady sliding have only the largest part of
-    each residual, as their files do.
+
+def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path, Slide, Study, PronyFit]:
+    """Reads a contact, contacts under several loads, a path, steady sliding, a study or a Prony series from a file.
+
+    The file comes from `--out`, `gfmd prony --json` or `save`. Nothing is solved. Paths and steady sliding have only
+    the largest part of each residual, as their files do.
 
     Args:
-        path: HDF5 file name.
+        path: name of an HDF5 file, of a Prony series a JSON file.
 
     Raises:
         InputError: not a file of these results.
@@ -132,6 +143,8 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Union[Contact, Contacts, Path,
         True
     """
     name = _check.path("path", path)
+    if _is_json(name):
+        return _prony_of(name)
     others: dict[str | None, Callable[[str], Path | Slide | Study]] = {"path": _path, "slide": _slide, "study": _study}
     kind = _gfmd.read_kind(name)
     if kind in others:
