@@ -1,5 +1,6 @@
 """A Prony series from storage and loss moduli, from a file and from arrays."""
 
+import json
 from pathlib import Path
 
 import gfmd
@@ -45,6 +46,52 @@ def test_a_file_is_shifted_and_read_as_the_program_does(tmp_path):
         **{name: [point[name] for point in fit.points] for name in ("frequency", "storage", "loss")}, stress_unit="MPa"
     )
     assert copied.young_long_term == pytest.approx(fit.young_long_term, rel=1e-9)
+
+
+def test_a_saved_fit_and_a_printed_one_are_loaded(tmp_path, run_program):
+    fit, given = gfmd.prony(EXAMPLE, wlf=(8.86, 101.6, 20.0)), gfmd.prony(**curves(), long_term=3.0)
+    fit.save(tmp_path / "fit.json")
+    read = gfmd.load(tmp_path / "fit.json")
+    assert read == fit and read.units == (None, "MPa") and read.series == fit.series
+    given.save(tmp_path / "given.json")
+    assert np.isnan(given.young_long_term_error) and gfmd.load(tmp_path / "given.json") == given
+    printed = run_program("prony", "--dma", str(EXAMPLE), "--wlf", "8.86,101.6,20")
+    (tmp_path / "printed.json").write_text(json.dumps(printed))
+    assert gfmd.load(tmp_path / "printed.json") == fit
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("{}", "it has no young_long_term of a Prony series"),
+        ('{"young_long_term": 1.0, "young_long_term_error": "no"}', "it has no young_long_term_error"),
+        ("{", "it is no JSON"),
+        ('{"young_long_term": 1.0, "young_long_term_error": null, "prony": [[1.0]]}', "it has no prony"),
+        ("[1.0]", "HDF5"),
+    ],
+)
+def test_files_without_a_fit_are_refused(tmp_path, text, words):
+    (tmp_path / "fit.json").write_text(text)
+    with pytest.raises(gfmd.InputError) as error:
+        gfmd.load(tmp_path / "fit.json")
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_measured_moduli_rub_in_full_contact_as_in_the_closed_form():
+    """The friction force per area is the sum of |h|² q_x |q| Im E(q_x v)/(2 (1 − ν²)) over all waves."""
+    fit = gfmd.prony(EXAMPLE, wlf=(8.86, 101.6, 20.0))
+    rubber = gfmd.Body(young=fit.young, poisson=0.5, prony=fit.series)
+    surface = gfmd.self_affine(n=64, eps_f_inv=8, size="1 mm", unit="mm")
+    velocity = np.geomspace(1e-3, 1e6, 10)
+    sliding = gfmd.slide(surface, rubber, velocity=velocity, pressure="20 GPa").states
+    assert np.all(sliding.area_fraction == 1.0)
+    wave = 2 * np.pi * np.fft.fftfreq(64, 1 / 64)
+    power = np.abs(np.fft.fft2(surface.heights) / 64**2) ** 2 * wave[:, np.newaxis] * np.hypot(*np.meshgrid(wave, wave))
+    y = 1j * wave[:, np.newaxis, np.newaxis] * velocity[:, np.newaxis] * [branch.time for branch in fit.branches]
+    loss = 1e6 * (y / (1 + y) @ [branch.modulus for branch in fit.branches]).imag
+    force = np.einsum("xy,xv->v", power, loss) / (2 * 0.75)
+    assert sliding.friction_hysteresis == pytest.approx(force / sliding.mean_pressure, rel=1e-6)
+    assert 0 < np.argmax(force) < 9
 
 
 def test_figure_and_table():

@@ -21,6 +21,8 @@ from ._kappa import made_of as _sweep_of
 from ._load import LOADS, of_load
 from ._parts import Wear
 from ._path import Path, gathered
+from ._prony import PronyFit
+from ._prony import loaded as _prony_of
 from ._record import parsed
 from ._result import Contents
 from ._slide import Slide
@@ -153,18 +155,27 @@ _READERS: dict[str | None, Callable[[str], _Loaded]] = {
 }
 
 
+def _is_json(name: str) -> bool:
+    """Returns True for a file that begins as a JSON object."""
+    try:
+        with open(name, "rb") as file:
+            return file.read(64).lstrip().startswith(b"{")
+    except OSError:
+        return False
+
+
 def load(
     path: Union[str, "os.PathLike[str]"],
-) -> Union[Contact, Contacts, FieldsBelow, KappaSweep, Path, Punch, Slide, Study, Surface]:
-    """Reads the result in an HDF5 file of this package or the program, as the function of its command returned it.
+) -> Union[Contact, Contacts, FieldsBelow, KappaSweep, Path, PronyFit, Punch, Slide, Study, Surface]:
+    """Reads the result in a file of this package or the program, as the function of its command returned it.
 
     The file comes from `save`, `out=` or `--out`: a contact, contacts under several loads, a path (also wear and
-    friction), steady sliding, a punch, fields below a surface, a kappa sweep, a study, or the surface of `gfmd
-    surface`. Nothing is solved. Paths and steady sliding have only the largest part of each residual, and paths with
+    friction), steady sliding, a punch, fields below a surface, a kappa sweep, a study, the surface of `gfmd surface`,
+    or the Prony series of `gfmd prony --json`. Nothing is solved. Paths and steady sliding have only the largest part of each residual, and paths with
     wear no unit of their coefficient, as their files do.
 
     Args:
-        path: HDF5 file name.
+        path: name of an HDF5 file, of a Prony series a JSON file.
 
     Raises:
         InputError: not a file of these results, or a file that was damaged or changed.
@@ -181,6 +192,8 @@ def load(
         True
     """
     name = _check.path("path", path)
+    if _is_json(name):
+        return _prony_of(name)
     kind = _gfmd.read_kind(name)
     if kind in _READERS:
         return _READERS[kind](name)

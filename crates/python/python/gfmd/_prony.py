@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
 from typing import Any, Optional, Union
@@ -9,11 +10,11 @@ from typing import Any, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _check, _command, _show
+from . import _check, _command, _gfmd, _show
 from ._check import number, numbers, shown
 from ._errors import InputError
 from ._measured import Measured
-from ._record import Record
+from ._record import Record, json_of
 from ._units import Units
 
 
@@ -84,6 +85,23 @@ class PronyFit(Measured):
         """
         unit = self.get("stress_unit")
         return self.young_long_term if unit is None else f"{self.young_long_term!r} {unit}"
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes the JSON that `gfmd prony --json` prints, for `gfmd.load`.
+
+        Args:
+            path: file name.
+
+        Raises:
+            InputError: a file that cannot be written. An existing file is then kept.
+
+        Example:
+            >>> fit = gfmd.prony(frequency=[0.1, 1, 10], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1], branches=1)
+            >>> fit.save("fit.json")
+            >>> gfmd.load("fit.json") == fit
+            True
+        """
+        _gfmd.write_file(_check.path("path", path), (json_of(self) + "\n").encode())
 
     def to_dataframe(self) -> Any:
         """Returns the branches as a pandas.DataFrame with one row per branch; units in `attrs["units"]`.
@@ -214,8 +232,48 @@ def prony(
 
 def _fitted(file: str, problem: dict[str, Any]) -> PronyFit:
     values, *_ = _command.solve("prony", dict(problem, dma=file))
-    values.pop("dma", None)
+    return _made_of(values)
+
+
+def _made_of(values: dict[str, Any]) -> PronyFit:
+    """Returns the fit in a report of the program."""
+    values = {name: value for name, value in values.items() if name not in ("dma", "plots")}
     if values["young_long_term_error"] is None:
         values["young_long_term_error"] = float("nan")
     found = {name: _command.records(value) for name, value in values.items()}
     return PronyFit(found, (None, values.get("stress_unit")))
+
+
+# Keys that every report has, and the types of their values.
+_KEYS: dict[str, Any] = {
+    "young_long_term": float,
+    "young_long_term_error": (float, type(None)),
+    "young_instantaneous": float,
+    "prony": list,
+    "branches": list,
+    "storage_misfit": float,
+    "loss_misfit": float,
+    "options": str,
+    "tried": list,
+    "points": list,
+    "warnings": list,
+}
+
+
+def _is_branch(given: Any) -> bool:
+    return isinstance(given, list) and len(given) == 2 and all(isinstance(value, float) for value in given)
+
+
+def loaded(name: str) -> PronyFit:
+    """Reads a fit from a file of JSON."""
+    try:
+        with open(name, encoding="utf-8") as stream:
+            values = json.load(stream)
+    except ValueError as error:
+        raise InputError(f"{name}: it is no JSON: {error}") from None
+    wrong = [key for key, kind in _KEYS.items() if not isinstance(values.get(key, _KEYS), kind)]
+    if "prony" not in wrong and not all(_is_branch(branch) for branch in values["prony"]):
+        wrong.insert(0, "prony")
+    if wrong:
+        raise InputError(f"{name}: it has no {wrong[0]} of a Prony series; gfmd prony --json and save write it")
+    return _made_of(values)
