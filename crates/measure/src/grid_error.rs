@@ -369,7 +369,7 @@ fn near_closing(conductivity: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Boundary, contact_area};
+    use crate::Boundary;
     use ndarray::Array2;
 
     /// Places thirty discs of this radius (in points) at random, each in its cell of the grid. Returns their area as a
@@ -390,22 +390,13 @@ mod tests {
                 field[[i, j]] += f64::from(u8::from(distance < radius));
             }
         }
-        let found = contact_area(field.view(), Boundary::Periodic);
+        let [pressure, displacement, gap] = [(); 3].map(|()| field.view());
         let summary = Summary {
-            mean_pressure: 0.01,
-            p_star: 0.1,
-            area_fraction: found.fraction,
-            area_fraction_corrected: found.corrected_fraction,
-            kappa: 10.0 * found.fraction,
-            kappa_corrected: 10.0 * found.corrected_fraction,
-            contact_nodes: found.nodes as u64,
-            boundary_links: found.boundary_links as u64,
             mean_gap: 0.1,
-            max_pressure: 1.0,
-            mean_pressure_in_contact: 0.01 / found.fraction,
             pressure_deviation_in_contact: 0.1,
             pressure_moment_2: 0.01,
             elastic_energy: 1e-3,
+            ..Summary::of(pressure, displacement, gap, 0.01, &SCALES, Boundary::Periodic)
         };
         (30.0 * std::f64::consts::PI * radius * radius / (SIDE * SIDE) as f64, summary)
     }

@@ -15,7 +15,7 @@ import pytest
 from gfmd._columns import LowerFace, Patches, States, Steps
 from gfmd._given import TABLES
 from gfmd._options import ContactOptions, PathOptions, SlideOptions
-from gfmd._options_inside import GreenOptions, InteriorOptions, PunchOptions, StudyOptions, SweepOptions
+from gfmd._options_inside import GreenOptions, InteriorOptions, PronyOptions, PunchOptions, StudyOptions, SweepOptions
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -293,6 +293,8 @@ gfmd.interior(contact, [0.1], quantities=["heat"])  # wrong
 gfmd.slide(surface, body, velocity=1.0, p_star=0.1, grid_error="estimate")  # wrong
 gfmd.green(body, qx=1.0, qz=2.0)  # wrong
 gfmd.green(body, qx=1.0, qy=2.0, dim=3, depth=0.1)
+gfmd.prony("dma.csv", branch=2)  # wrong
+gfmd.prony(frequency=np.ones(3), storage=np.ones(3), loss=np.ones(3), times=np.ones(1), wlf=(8.86, 101.6, 300.0))
 gfmd.kappa_sweep("smoke", resum=True)  # wrong
 gfmd.kappa_sweep({"points": {}}, out="k.h5", resume=True, threads=2)
 gfmd.study("study.toml", threads="all")  # wrong
@@ -320,6 +322,7 @@ TAKING = {
     gfmd.punch: (PunchOptions, set()),
     gfmd.green: (GreenOptions, {"qx"}),
     gfmd.kappa_sweep: (SweepOptions, set()),
+    gfmd.prony: (PronyOptions, {"frequency", "storage", "loss", "temperature", "log_a_t"}),
     gfmd.study: (StudyOptions, {"progress"}),
 }
 

@@ -206,7 +206,7 @@ fn options_of_commands_with_groups_have_one() {
 }
 
 /// Types of arguments that Python takes in a form of its own.
-const TYPES: [(&str, &str); 15] = [
+const TYPES: [(&str, &str); 17] = [
     ("accuracy", "float | str"),
     ("cells", "str | Sequence[Quantity]"),
     ("damping", "float | Sequence[float]"),
@@ -222,6 +222,8 @@ const TYPES: [(&str, &str); 15] = [
     ("slice", "str"),
     ("steps", "int | Sequence[int]"),
     ("time", "Quantity | npt.ArrayLike"),
+    ("times", "npt.ArrayLike"),
+    ("wlf", "tuple[float, float, float]"),
 ];
 
 /// Returns the type of the Python argument of an option.
@@ -315,7 +317,7 @@ impl Class {
     }
 
     fn type_of(&self, arg: &Arg) -> String {
-        type_of(arg, self.command != "punch" && self.command != "green")
+        type_of(arg, !["punch", "green", "prony"].contains(&self.command))
     }
 
     /// Returns the class as Python.
@@ -445,6 +447,13 @@ fn python_has_the_types_of_the_options() {
             text: "Arguments of `green` beside the body and the wave vector along x.",
             command: "green",
             keys: without(all("green"), &elastic, &["qx"]),
+            further: &[],
+        },
+        Class {
+            name: "PronyOptions",
+            text: "Arguments of `prony` beside the measured moduli.",
+            command: "prony",
+            keys: with(Vec::new(), &["wlf", "stress_unit", "branches", "times", "long_term"]),
             further: &[],
         },
         Class {

@@ -60,6 +60,16 @@ class GreenOptions(TypedDict, total=False):
     depth: Optional[float]
 
 
+class PronyOptions(TypedDict, total=False):
+    """Arguments of `prony` beside the measured moduli."""
+
+    wlf: Optional[tuple[float, float, float]]
+    stress_unit: Optional[str]
+    branches: Optional[int]
+    times: Optional[npt.ArrayLike]
+    long_term: Optional[float]
+
+
 class SweepOptions(TypedDict, total=False):
     """Arguments of `kappa_sweep` beside the configuration."""
 

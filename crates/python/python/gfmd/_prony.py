@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -13,9 +13,14 @@ import numpy.typing as npt
 from . import _check, _command, _gfmd, _show
 from ._check import number, numbers, shown
 from ._errors import InputError
+from ._given import taking
 from ._measured import Measured
+from ._options_inside import PronyOptions
 from ._record import Record, json_of
 from ._units import Units
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class PronyFit(Measured):
@@ -167,6 +172,7 @@ def _table(columns: dict[str, Any]) -> str:
     return "\n".join([",".join(found), *rows, ""])
 
 
+@taking(PronyOptions)
 def prony(
     dma: Union[str, os.PathLike[str], None] = None,
     *,
@@ -175,11 +181,7 @@ def prony(
     loss: Optional[npt.ArrayLike] = None,
     temperature: Optional[npt.ArrayLike] = None,
     log_a_t: Optional[npt.ArrayLike] = None,
-    wlf: Optional[tuple[float, float, float]] = None,
-    stress_unit: Optional[str] = None,
-    branches: Optional[int] = None,
-    times: Optional[npt.ArrayLike] = None,
-    long_term: Optional[float] = None,
+    **options: Unpack[PronyOptions],
 ) -> PronyFit:
     """Fits a Prony series to storage and loss moduli, as `gfmd prony` does.
 
@@ -208,13 +210,7 @@ def prony(
     given = [name for name, values in columns.items() if values is not None]
     if dma is not None and given:
         raise InputError(f"{given[0]} is given beside the file {shown(dma)}; give one of the two")
-    problem = dict(
-        wlf=None if wlf is None else numbers("wlf", wlf),
-        stress_unit=None if stress_unit is None else _check.word("stress_unit", stress_unit),
-        branches=None if branches is None else _check.integer("branches", branches),
-        times=None if times is None else numbers("times", times),
-        long_term=None if long_term is None else number("long_term", long_term),
-    )
+    problem = {name: numbers(name, value) if name in ("wlf", "times") else value for name, value in options.items()}
     if dma is not None:
         return _fitted(_check.path("dma", dma), problem)
     table = _table(columns)

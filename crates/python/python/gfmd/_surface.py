@@ -847,9 +847,7 @@ class Surface:
             Error: always.
 
         Example:
-            >>> gfmd.self_affine(n=64).save("s.h5")
-            Traceback (most recent call last):
-            gfmd.Error: Surface has no file; save a contact with it, pickle it, or numpy.save(path, s.heights)
+            >>> np.save("heights.npy", gfmd.self_affine(n=64).heights)  # keeps the heights
         """
         raise Error("Surface has no file; save a contact with it, pickle it, or numpy.save(path, s.heights)")
 
