@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _check, _command, _gfmd, _show
-from ._check import number, numbers, shown
+from ._check import numbers, shown
 from ._errors import InputError
 from ._given import taking
 from ._measured import Measured
