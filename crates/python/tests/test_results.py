@@ -250,7 +250,7 @@ CALLS = {
     "repr": (lambda of, folder: repr(of), False),
 }
 # Calls beside a table and units that numbers without a file have.
-HAVE = {"PronyFit": {"plot"}, "Estimate": {"plot", "to_xarray"}, "Surface": {"plot", "to_xarray"}}
+HAVE = {"PronyFit": {"plot", "save"}, "Estimate": {"plot", "to_xarray"}, "Surface": {"plot", "to_xarray"}}
 
 
 def parts(results):
