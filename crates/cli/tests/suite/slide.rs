@@ -388,7 +388,10 @@ fn unusable_input_is_refused_in_one_line() {
         ("--prony 1:0.5 --velocity nan --pressure 0.01", "--velocity is NaN; it must be positive and finite"),
         ("--prony 1:0.5 --velocity 1 --direction inf --pressure 0.01", "--direction is inf; it must be finite"),
         ("--prony 1:0.5 --velocity 1 --pressure 0", "--pressure is 0; it must be positive and finite"),
-        ("--prony 1:0.5 --velocity 1 --pressure 0.01 --second-body 1,0.3", "--second-body is given"),
+        (
+            "--prony 1:0.5 --velocity 1 --pressure 0.01 --second-body 1,0.3 --friction 0.2",
+            "--friction: one body of a pair relaxes; the second body must be left out with friction",
+        ),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --boundary free", "--boundary"),
         ("--velocity 1 --pressure 0.01 --heat 1,1", "--friction is missing; it is needed with --heat"),
         ("--prony 1:0.5 --velocity 1 --pressure 0.01 --friction -1", "--friction is -1; it must be at least 0 and at"),
