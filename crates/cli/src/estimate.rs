@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use clap::Args as ClapArgs;
-use gfmd_measure::theory::{Estimate, Estimated, Persson, Summits};
+use gfmd_measure::theory::{Estimate, Estimated, Persson, Summits, UnlikeSpectrum};
 use gfmd_problem::{key, words};
 use gfmd_record::{Importance, Printed, Sheet};
 use gfmd_surface::{Areal, Direction, PowerSpectrum, SurfaceError};
@@ -114,9 +114,6 @@ pub fn numbers(estimated: &Estimated) -> [Option<f64>; 5] {
     [Some(area_fraction), Some(mean_gap), Some(stiffness), Some(rms_pressure), max_pressure]
 }
 
-/// Reason for surfaces with spectra unlike all that were measured.
-const UNLIKE: &str = "the spectrum is unlike any self-affine one, and the formula is known for these";
-
 /// Largest part of the mean square slope at the seam; half of it is the relative error of the area.
 const SEAM: f64 = 0.05;
 
@@ -140,7 +137,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let (rms_gradient, grid) = (surface.rms_gradient(), surface.grid);
     let loads = args.loads.reduced(e_star * rms_gradient, &grid)?;
     let [area, area_error] = measured.percolation;
-    let band = estimate.as_ref().map(Estimate::band);
+    let band = estimate.as_ref().ok().map(Estimate::band);
     let known = known(estimate.as_ref(), &surface, measured)?;
     Ok(Report {
         measured: known.as_ref().ok().map(|(_, errors)| errors.group.name.as_str()),
@@ -163,12 +160,15 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     })
 }
 
-/// Returns the estimate of a surface on a body, `None` for a spectrum unlike all self-affine ones, and the contact
-/// modulus.
+/// Returns the estimate of a surface on a body, or why its spectrum has none, and the contact modulus.
 ///
 /// # Errors
 /// Returns an error for a flat surface, a profile, and a body that is not a half-space.
-pub fn of(surface: &Surface, source: &SourceArgs, body: &BodyArgs) -> Result<(Option<Estimate>, f64), Failure> {
+pub fn of(
+    surface: &Surface,
+    source: &SourceArgs,
+    body: &BodyArgs,
+) -> Result<(Result<Estimate, UnlikeSpectrum>, f64), Failure> {
     body.check_modulus(surface.unit.as_deref())?;
     let (elastic, grid) = (body.body()?, surface.grid);
     let e_star = elastic.contact_modulus();
@@ -223,19 +223,19 @@ fn seam_share(surface: &Surface) -> f64 {
 
 /// Returns the estimate of a surface that is like the measured ones with its errors, or the reason why it is not.
 fn known<'a>(
-    estimate: Option<&'a Estimate>,
+    estimate: Result<&'a Estimate, &UnlikeSpectrum>,
     surface: &Surface,
     measured: &'static Deviations,
 ) -> Result<Result<(&'a Estimate, Errors<'static>), String>, Failure> {
     let (heights, seam) = (shape(surface)?, seam_share(surface));
     Ok(match estimate {
-        None => Err(UNLIKE.to_owned()),
-        Some(_) if seam > SEAM => Err(format!(
+        Err(unlike) => Err(unlike.to_string()),
+        Ok(_) if seam > SEAM => Err(format!(
             "{:.0} % of the mean square slope are steps across the periodic seam, and the errors are known for \
              surfaces that repeat",
             100.0 * seam
         )),
-        Some(estimate) => measured.like(estimate.band(), heights).map(|errors| (estimate, errors)),
+        Ok(estimate) => measured.like(estimate.band(), heights).map(|errors| (estimate, errors)),
     })
 }
 

@@ -14,7 +14,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 pub use asperities::{Asperities, AsperityContact, AsperityTheory};
 pub use elastoplastic::ElastoplasticArea;
-pub use estimate::{EquivalentBand, Estimate, Estimated, HURST_MARGIN};
+pub use estimate::{EquivalentBand, Estimate, Estimated, HURST_MARGIN, UnlikeSpectrum};
 pub use persson::{ENERGY_FACTOR, Persson};
 pub use summits::Summits;
 

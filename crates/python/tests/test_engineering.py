@@ -36,6 +36,32 @@ def test_a_surface_with_a_rough_seam_has_no_estimate_until_it_is_periodic():
     assert "seam" not in str(gfmd.estimate(mirrored, BODY, p_star=0.1))
 
 
+def test_smooth_and_rough_parts_have_an_estimate_with_larger_errors():
+    """The short waves are multiplied by a lognormal factor, as in the measured surfaces, with another strength."""
+    even = gfmd.self_affine(n=256, eps_f_inv=16, eps_t_inv=2, hurst=0.8, seed=41)
+    wave = np.fft.fftfreq(256, 1 / 256)
+    is_long = np.hypot(wave[:, np.newaxis], wave) <= 8
+    long = np.fft.ifft2(np.where(is_long, np.fft.fft2(even.heights), 0)).real
+    factor = gfmd.self_affine(n=256, eps_f_inv=2, eps_t_inv=2, hurst=0.0, seed=42).heights
+    heights = long + (even.heights - long) * np.exp(0.6 * factor / factor.std())
+    estimate, contact = (call(heights, gfmd.Body(), p_star=[0.003, 0.03]) for call in (gfmd.estimate, gfmd.contact))
+    assert estimate.measured == "surfaces of uneven roughness"
+    plain = gfmd.estimate(even, gfmd.Body(), p_star=[0.003, 0.03])
+    assert plain.measured == "isotropic Gaussian surfaces"
+    for name in ("area_fraction", "mean_gap", "stiffness", "max_pressure"):
+        assert np.all(np.abs(estimate[name] - contact.__getattr__(name)) < 1.5 * estimate[f"{name}_error"]), name
+    wider = estimate.area_fraction_error / estimate.area_fraction > plain.area_fraction_error / plain.area_fraction
+    assert wider.all()
+
+
+def test_a_spectrum_of_noise_has_no_estimate_and_its_number_is_named():
+    noise = rough().heights.copy()
+    noise[::2] += 1.0
+    estimate = gfmd.estimate(noise, gfmd.Body(), p_star=0.1)
+    assert np.isnan(estimate.area_fraction[0]) and "measured" not in estimate
+    assert "the logarithm of the wavenumber has the skewness -" in estimate.reason("area_fraction")
+
+
 @pytest.mark.parametrize(
     "given, words",
     [
@@ -112,7 +138,7 @@ def test_contacts_without_a_law_are_refused():
         (gfmd.contacts(rough(), BODY, pressure=["10 MPa"]), {}, "1 load"),
         (bare, {}, "no unit"),
         (free, {}, "boundary"),
-        (two[0], {}, "Contact"),
+        (two[0], {}, "results has a Contact; it must have Contacts, of two or more loads"),
         ([two, gfmd.contact(rough(), BODY, pressure=["10 MPa", "0.2 GPa"])], {}, "realisation 1"),
         (two, {"format": "vtk"}, "csv, abaqus or ansys"),
         (two, {"flow": 1}, "flow"),

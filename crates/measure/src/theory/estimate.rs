@@ -21,6 +21,9 @@ pub struct EquivalentBand {
 /// Largest magnitude of the exponent t of a density e^{t x} on (0, 1).
 const STEEPEST: f64 = 60.0;
 
+/// Variance of the logarithm of one wavenumber, by rounding.
+const ROUNDING: f64 = 1e-20;
+
 /// Number of bisections of an interval.
 const HALVINGS: usize = 60;
 
@@ -38,21 +41,23 @@ fn exponential(t: f64, rule: &[(f64, f64)]) -> [f64; 2] {
 }
 
 impl EquivalentBand {
-    /// Returns the band of the waves, each a wavenumber with its contribution to the mean square gradient. `None` if
-    /// no band has their skewness, for one wavenumber for example.
-    fn of(waves: impl Iterator<Item = (f64, f64)> + Clone) -> Option<Self> {
+    /// Returns the band of the waves, each a wavenumber with its contribution to the mean square gradient.
+    ///
+    /// # Errors
+    /// No band has their skewness, for one wavenumber for example.
+    fn of(waves: impl Iterator<Item = (f64, f64)> + Clone) -> Result<Self, UnlikeSpectrum> {
         let logarithms = waves.map(|(wavenumber, square)| (wavenumber.ln(), square));
         let total: f64 = logarithms.clone().map(|(_, square)| square).sum();
         let mean = logarithms.clone().map(|(x, square)| x * square).sum::<f64>() / total;
         let moment = |k: i32| logarithms.clone().map(|(x, square)| square * (x - mean).powi(k)).sum::<f64>() / total;
         let variance = moment(2);
-        let skewness = moment(3) / variance.powf(1.5);
+        let skewness = if variance > ROUNDING { moment(3) / variance.powf(1.5) } else { f64::NAN };
         let rule = gauss_legendre(80, [0.0, 1.0]);
         // The skewness falls as t grows.
         let [mut low, mut high] = [-STEEPEST, STEEPEST];
         let ends = [low, high].map(|t| exponential(t, &rule)[1]);
         if !(skewness < ends[0] && skewness > ends[1]) {
-            return None;
+            return Err(UnlikeSpectrum::Skewness { skewness, ends: [ends[1], ends[0]] });
         }
         for _ in 0..HALVINGS {
             let t = 0.5 * (low + high);
@@ -60,7 +65,41 @@ impl EquivalentBand {
         }
         let t = 0.5 * (low + high);
         let length = (variance / exponential(t, &rule)[0]).sqrt();
-        Some(Self { hurst: 1.0 - 0.5 * t / length, eps_f_inv: length.exp() })
+        Ok(Self { hurst: 1.0 - 0.5 * t / length, eps_f_inv: length.exp() })
+    }
+}
+
+/// A spectrum without an estimate, unlike all self-affine ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum UnlikeSpectrum {
+    /// No band has its skewness.
+    Skewness {
+        /// Skewness of the logarithm of the wavenumber, weighted by the mean square gradient; NaN for one wavenumber.
+        skewness: f64,
+        /// Least and largest skewness of bands.
+        ends: [f64; 2],
+    },
+    /// The equivalent band has a Hurst exponent far from 0 to 1.
+    Hurst(f64),
+}
+
+impl std::fmt::Display for UnlikeSpectrum {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let unlike = "the spectrum is unlike any self-affine one:";
+        match self {
+            Self::Skewness { skewness, .. } if skewness.is_nan() => write!(f, "{unlike} it has a single wavenumber"),
+            Self::Skewness { skewness, ends: [least, most] } => write!(
+                f,
+                "{unlike} weighted by the mean square slope, the logarithm of the wavenumber has the skewness \
+                 {skewness:.2}, and the formula is known from {least:.2} to {most:.2}"
+            ),
+            Self::Hurst(hurst) => write!(
+                f,
+                "{unlike} it has the Hurst exponent {hurst:.2}, and the formula is known from {:.2} to {:.2}",
+                -HURST_MARGIN,
+                1.0 + HURST_MARGIN
+            ),
+        }
     }
 }
 
@@ -110,19 +149,20 @@ pub struct Estimated {
 pub const HURST_MARGIN: f64 = 0.5;
 
 impl Estimate {
-    /// Takes Persson's theory of the surface on a half-space, and the area of the cell, length². `None` if the spectrum
-    /// is unlike all self-affine ones: no equivalent band, or one with a Hurst exponent below −0.5 or above 1.5.
-    pub fn new(persson: Persson, cell: f64) -> Option<Self> {
+    /// Takes Persson's theory of the surface on a half-space, and the area of the cell, length².
+    ///
+    /// # Errors
+    /// The spectrum is unlike all self-affine ones: no equivalent band, or one with a Hurst exponent below −0.5 or
+    /// above 1.5.
+    pub fn new(persson: Persson, cell: f64) -> Result<Self, UnlikeSpectrum> {
         let band = EquivalentBand::of(persson.variances())?;
         let hurst = band.hurst.clamp(0.0, 1.0);
         let is_near = (band.hurst - hurst).abs() <= HURST_MARGIN;
-        if !is_near {
-            return None;
-        }
+        let formula = SelfAffineArea::new(hurst).filter(|_| is_near).ok_or(UnlikeSpectrum::Hurst(band.hurst))?;
         let variance = persson.variance(f64::INFINITY);
         let square: f64 = persson.variances().map(|(q, part)| q * q * part).sum();
         let patches = cell * square / variance / (2.0 * TAU);
-        Some(Self { band, formula: SelfAffineArea::new(hurst)?, summits: None, variance, patches, persson })
+        Ok(Self { band, formula, summits: None, variance, patches, persson })
     }
 
     /// Takes the heights and slopes of the surface's highest points, in place of the ones of a Gaussian surface.
@@ -273,10 +313,18 @@ mod tests {
     #[test]
     fn spectra_unlike_all_self_affine_ones_have_no_estimate() {
         let one = Persson::new([(1.0, 1.0)], |q| 0.5 * q).unwrap();
-        assert!(Estimate::new(one, 1.0).is_none());
+        let reason = |found: Result<Estimate, UnlikeSpectrum>| found.unwrap_err().to_string();
+        assert!(reason(Estimate::new(one, 1.0)).contains("a single wavenumber"));
         for hurst in [-0.8, 1.8] {
-            assert!(Estimate::new(band(hurst, 0.5, 0.01), 1.0).is_none(), "{hurst}");
+            let reason = reason(Estimate::new(band(hurst, 0.5, 0.01), 1.0));
+            assert!(
+                reason.contains(&format!("Hurst exponent {hurst:.2}, and the formula is known from -0.50 to 1.50"))
+            );
         }
+        // Most of the slope is noise of the shortest waves.
+        let noise = (1..=400).map(|k| (f64::from(k), if k < 400 { 1.0 } else { 4000.0 } / f64::from(k * k)));
+        let reason = reason(Estimate::new(Persson::new(noise, |q| 0.5 * q).unwrap(), 1.0));
+        assert!(reason.contains("skewness -") && reason.contains("known from -2.00 to 2.00"), "{reason}");
     }
 
     /// The area, the force and the mean square of the pressures are integrals of one distribution.

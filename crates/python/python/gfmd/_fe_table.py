@@ -105,7 +105,7 @@ def fe_table(
         >>> [line for line in text.splitlines() if line.startswith("*S")][1]
         '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR'
     """
-    all_of = [results] if isinstance(results, Contacts) else list(results)
+    all_of = [results] if isinstance(results, (Contact, Contacts)) else list(results)
     for found in all_of:
         if not isinstance(found, Contacts):
             raise InputError(f"results has a {type(found).__name__}; it must have Contacts, of two or more loads")
