@@ -285,8 +285,8 @@ impl Contact {
 }
 
 impl Cotangents {
-    /// Checks that the fields have the shape of the contact, that it has a hardness (`is_hard`) and `lateral` components
-    /// of shear if the number depends on them, and that all values are finite.
+    /// Checks that the fields have the shape of the contact, that it has a hardness (`is_hard`) and this number of
+    /// `lateral` components of shear if the number depends on them, and that all values are finite.
     ///
     /// # Errors
     /// A field that differs in shape or that the contact does not have, a number that is not finite.

@@ -31,9 +31,8 @@ pub struct Relaxing {
 }
 
 impl Relaxing {
-    /// Creates the medium of `body`, which has its long-term moduli, below a surface on `grid`. The second body of a pair
-    /// is elastic. With one of the
-    /// `components` its memory holds u_z alone, else all components.
+    /// Creates the medium of `body`, which has its long-term moduli, below a surface on `grid`. The second body of a
+    /// pair is elastic. With one of the `components` its memory holds u_z alone, else all components.
     ///
     /// # Errors
     /// Returns an error if only the shear modulus relaxes, and this relaxation is not known for the body, the boundary

@@ -531,7 +531,8 @@ class Contact(Result, Numbers, Fields):
         The arguments are the derivatives of L with respect to fields and numbers of the contact; the result is the
         vector-Jacobian product of reverse-mode differentiation. It takes one linear solve for any number of heights.
         The points in contact, and those at the hardness, are fixed, which is exact for almost all surfaces and loads;
-        areas and point counts have no derivatives. `gfmd.torch` and `gfmd.jax` wrap the contact as a differentiable function.
+        areas and point counts have no derivatives. `gfmd.torch` and `gfmd.jax` wrap the contact as a differentiable
+        function.
 
         Args:
             pressure: dL/d(pressure) at each point [x, y], unit of L divided by stress; 0 by default, like all others.

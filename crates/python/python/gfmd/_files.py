@@ -170,9 +170,9 @@ def load(
     """Reads the result in a file of this package or the program, as the function of its command returned it.
 
     The file comes from `save`, `out=` or `--out`: a contact, contacts under several loads, a path (also wear and
-    friction), steady sliding, a punch, fields below a surface, a kappa sweep, a study, the surface of `gfmd surface`,
-    or the Prony series of `gfmd prony --json`. Nothing is solved. Paths and steady sliding have only the largest part of each residual, and paths with
-    wear no unit of their coefficient, as their files do.
+    friction), steady sliding, a punch, fields below a surface, a kappa sweep, a study, the surface of `gfmd
+    surface`, or the Prony series of `gfmd prony --json`. Nothing is solved. Paths and steady sliding have only the
+    largest part of each residual, and paths with wear no unit of their coefficient, as their files do.
 
     Args:
         path: name of an HDF5 file, of a Prony series a JSON file.

@@ -188,8 +188,8 @@ class Path(Leaks, Computed, StepFields):
         The arguments are the derivatives of L with respect to the fields at the waypoints and the numbers of the steps;
         the result is the vector-Jacobian product of reverse-mode differentiation. The path is followed again, with one
         linear problem per step, from the last to the first: relaxation, wear, plastic depths and the places where
-        points stick pass the derivatives back to earlier steps. The points of each step in contact, at the hardness, sticking
-        and slipping are fixed, as in `Contact.vjp`, and so are times and sliding distances.
+        points stick pass the derivatives back to earlier steps. The points of each step in contact, at the hardness,
+        sticking and slipping are fixed, as in `Contact.vjp`, and so are times and sliding distances.
 
         Args:
             pressure: dL/d(pressure) at each point [waypoint, x, y]; 0 by default, like all others.
