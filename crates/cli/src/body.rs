@@ -588,6 +588,9 @@ fn evenly_spaced(levels: usize, deepest: f64) -> impl Iterator<Item = f64> {
     (0..levels).map(move |k| if k == last { deepest } else { deepest * k as f64 / last as f64 })
 }
 
+/// Name, kind of the unit and meaning of a number at a depth, and the number.
+type NumberOfLevel = (&'static str, &'static str, &'static str, fn(&Level) -> f64);
+
 impl Level {
     /// Refuses units in which a number of the level is not finite.
     fn check(&self, family: Family, surface: &str) -> Result<(), Failure> {
@@ -602,8 +605,8 @@ impl Level {
         Err(Failure::input(surface, reason + "; choose other units of stress or length"))
     }
 
-    /// Names and meanings of the numbers at each depth, with the kinds of their units.
-    const NUMBERS: [(&str, &str, &str, fn(&Self) -> f64); 3] = [
+    /// Numbers at each depth.
+    const NUMBERS: [NumberOfLevel; 3] = [
         ("max_displacement", "length", "largest length of the displacement at this depth", |of| of.max_displacement),
         ("max_von_mises", "stress", "largest von Mises stress at this depth", |of| of.max_von_mises),
         ("mean_energy_density", "stress", "mean elastic energy per volume at this depth", |of| of.mean_energy_density),
