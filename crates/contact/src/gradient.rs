@@ -254,7 +254,7 @@ impl Contact {
         source.iter_mut().zip(&inside).for_each(|(source, inside)| *source *= inside);
         let sum = if is_driven { None } else { Some(opened - approach) };
         let Adjoint { pressure: adjoint, level, error } = problem.solve(&source, sum);
-        // What is left of ∂L/∂p where the pressure is the hardness.
+        // ∂L/∂p less the share of the adjoint, where the pressure is the hardness.
         let hardness = by_pressure.map(|mut by_pressure| {
             let mut image = vec![0.0; n];
             problem.displace(&adjoint, &mut image);

@@ -278,8 +278,8 @@ pub enum Refusal {
         /// Part of the body, or its boundary.
         with: &'static str,
     },
-    /// A body that relaxes below an elastic second one, whose common relaxation is not known.
-    #[error("a pair of bodies relaxes, one of which is elastic; this is not possible with {with}")]
+    /// Relaxation of a body beside an elastic second one, with a part for which it is not known.
+    #[error("the body relaxes beside an elastic second body; it must be alone with {with}")]
     RelaxingPair {
         /// Other part of the contact.
         with: &'static str,

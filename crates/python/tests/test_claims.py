@@ -84,7 +84,7 @@ def claims():
     tamaas, aspher = f"{tamaas_low:.0f} to {tamaas_high:.0f}", f"{aspher_low:.0f} to {aspher_high:.0f}"
     yield "docs/others.md", f"Tamaas takes {tamaas} times the time of gfmd, and ASPHER {aspher} times"
     yield "docs/glossary.md", f"nearly constant at small loads, {low:.1f} to {high:.1f}"
-    yield "docs/glossary.md", f"√(8/π) = {PERSSON:.3f}, that of Bush, Gibson and Thomas √(2π) = {BUSH:.3f}"
+    yield "docs/glossary.md", f"√(8/π) = {PERSSON:.3f}, the theory of Bush, Gibson and Thomas √(2π) = {BUSH:.3f}"
     yield "docs/tutorials/kappa.md", f"Persson's theory gives {PERSSON:.3f}, Bush, Gibson and Thomas give {BUSH:.3f}"
     light, heavy = (100 * load * at(0.8, load)["kappa"] for load in (0.01, 0.2))
     yield "docs/glossary.md", f"at 0.01 about {light:.0f} % are in contact, at 0.2 about {heavy:.0f} %"

@@ -315,7 +315,7 @@ impl QuasistaticContact {
         let (found, sheared) = solved.transpose(load, &at_end)?;
         let ClearanceGradient { clearance: by_step, load: by_load, modulus: by_modulus, hardness, error, effort } =
             found;
-        let modulus = at_end.modulus + by_modulus * self.contact_modulus / self.units.modulus();
+        let mut modulus = at_end.modulus + by_modulus * self.contact_modulus / self.units.modulus();
         let wear = match self.wear {
             Some(_) => {
                 let by = solved.by_compliance(&by_step, &at_end);
@@ -338,7 +338,6 @@ impl QuasistaticContact {
             }
         }
         let (mut by_moved, mut limit, mut sideways) = ([0.0; 2], [0.0; 2], Vec::new());
-        let mut modulus = modulus;
         if let Some(sheared) = sheared {
             let fields = sheared.stuck.chunks_exact(self.points());
             by_moved.iter_mut().zip(fields).for_each(|(sum, by)| *sum = total(by));
@@ -524,8 +523,8 @@ impl<'a> Solved<'a> {
         Err(GradientError::Inexact { error: change, iterations: effort.iterations }.into())
     }
 
-    /// Transposes the shear, from the derivatives with respect to the clearance of the normal contact, part of which is
-    /// minus the displacement caused by the shear.
+    /// Transposes the shear, from the derivatives with respect to the clearance of the normal contact. This clearance
+    /// contains the displacement caused by the shear, with a minus sign.
     fn transpose_shear(&self, adjoint: &mut ShearAdjoint, by_step: &Array2<f64>, at_end: &AtEnd) -> ShearGradient {
         let lift: Vec<f64> = by_step.iter().map(|by| -by).collect();
         let slip = self.by_slip(by_step, at_end);

@@ -309,7 +309,7 @@ fn unusable_friction_is_refused() {
     let slab = Body::slab(material(0.3), 0.2).unwrap();
     let refused = contact(&slab, &grid, Some(&one()), None).with_friction(&slab, 0.3, Some((&one(), Relaxes::Shear)));
     assert!(matches!(refused, Err(SlidingError::Lift)));
-    // Of a pair the second body is elastic, and both lift differently.
+    // The second body of a pair is elastic, and both bodies lift differently.
     let both = Body::half_space(material(0.5)).against(Body::half_space(material(0.0)));
     let pair = contact(&both, &grid, Some(&one()), None).with_friction(&both, 0.3, Some((&one(), Relaxes::Both)));
     assert!(matches!(pair, Err(SlidingError::PairLift)));

@@ -12,7 +12,7 @@ const TOLERANCE: f64 = 1e-12;
 /// Largest number of iterations.
 const ITERATIONS: u64 = 5000;
 
-/// How the shear of a point changes with small changes of its slip and its limit.
+/// Response of the shear of a point to small changes of its slip and its limit.
 #[derive(Clone, Copy)]
 enum Motion {
     /// There is no shear.
