@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
-use gfmd_contact::{Boundary, Drive, Fields as _, Refusal, Visit};
+use gfmd_contact::{Boundary, Drive, Refusal, Visit};
 use gfmd_files::Output;
 use gfmd_flow::Wanted;
 use gfmd_interface::Path;
@@ -25,6 +25,7 @@ use gfmd_problem::{AnyState, Facts, Posed, Unknown, key, words};
 use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
+use ndarray::ArrayView2;
 use serde::{Deserialize, Serialize};
 
 use crate::loads::{LoadArgs, Sign};
@@ -279,7 +280,7 @@ impl Loads {
         };
         let mut file = series.file(output.as_ref(), config, args.out.is_some())?;
         let progress = Progress::new(session, "loads", drives.len() as f64);
-        let finer = Finer::pose(&args.problem, prepared)?.into_iter().map(|finer| {
+        let finer = Finer::pose(&args.problem, prepared, session)?.into_iter().map(|finer| {
             let conducting = Conducting::new(&args.measure, &finer.prepared, args.problem.solver.solver)?;
             Ok((finer, conducting))
         });
@@ -332,7 +333,7 @@ impl Loads {
             let shown = SceneFields::of(state, lift, state.plastic_depth());
             let fields =
                 if args.vtk.is_some() { fields(&prepared.facts, state, prepared.base.as_ref()) } else { Vec::new() };
-            let whole = Whole::of(prepared, shown, fields);
+            let whole = Whole::of(prepared, shown, fields, state.lateral());
             session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
         }
         let law = self.law.as_ref().filter(|_| failure.is_none()).map(|law| law.write(&report, prepared)).transpose();
@@ -371,7 +372,7 @@ impl Loads {
         report: &mut Report,
     ) -> Result<(), Failure> {
         if let Some(vtk) = &self.vtk {
-            report.vtk = Some(vtk.write(&whole.surface, &whole.shown, &whole.fields, state.lateral())?);
+            report.vtk = Some(vtk.write(&whole.surface, &whole.shown, &whole.fields, &whole.lateral)?);
         }
         let Some(prefix) = &args.plots else { return Ok(()) };
         let Whole { surface, hardness, shown, .. } = whole;
@@ -381,7 +382,9 @@ impl Loads {
         let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
         let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
         report.plots = figures::draw(prefix, report, &scenes, variance)?;
-        let measured = figures::measured(prefix, report, surface, &state.repulsion().view(), gathered, variance)?;
+        let repulsion = ArrayView2::from_shape(surface.grid.points(), &shown.repulsion);
+        let repulsion = repulsion.map_err(|error| Failure::computation(error.to_string()))?;
+        let measured = figures::measured(prefix, report, surface, &repulsion, gathered, variance)?;
         report.plots.extend(measured);
         Ok(())
     }
@@ -431,7 +434,7 @@ impl StateHandler for Measuring<'_> {
         let wanted = if self.args.plots.is_some() { Wanted::Fields } else { Wanted::Conductivity };
         let surface = (&prepared.surface, conducting);
         let findings = Findings::of(&self.args.measure, surface, &Touching::of(state, &at), wanted, warn);
-        let findings = findings.map_err(|failure| failure.at(format!("load {index}")))?;
+        let findings = self.session.agree(findings.map_err(|failure| failure.at(format!("load {index}"))))?;
         let seconds = started.elapsed().as_secs_f64();
         let finer = match is_cut {
             true => self.finer.iter().map(|_| Err(NOT_SOLVED.to_owned())).collect(),

@@ -328,8 +328,8 @@ fn finish(
         let depth = path.state().and_then(|state| state.on_path()?.wear_depth());
         let depth = depth.map(|depth| Field { name: "wear_depth", units: "length", values: depth.into() });
         let strained = path.state().and_then(AnyState::yielding);
-        let whole = Whole::of(prepared, shown, depth.into_iter().collect());
-        let drawn = whole.map_or(Ok(Vec::new()), |Whole { surface, hardness, shown, fields }| {
+        let whole = Whole::of(prepared, shown, depth.into_iter().collect(), &[]);
+        let drawn = whole.map_or(Ok(Vec::new()), |Whole { surface, hardness, shown, fields, .. }| {
             let scene = Scene::upper(&surface, &shown, report.head.e_star, hardness.as_deref());
             let depth = fields.first().map(|field| field.values.view());
             let mut files = figures::draw(prefix, &report, places, &scene, (&surface, depth, strained))?;

@@ -15,16 +15,29 @@ pub(crate) struct Whole<'a> {
     pub(crate) hardness: Option<Cow<'a, Hardness>>,
     pub(crate) shown: SceneFields,
     pub(crate) fields: Vec<Field<'a>>,
+    /// Lateral displacement of the surface.
+    pub(crate) lateral: Cow<'a, [Array2<f64>]>,
 }
 
 impl<'a> Whole<'a> {
     /// Gathers the fields; `None` on all processes but the first. All processes must call it.
-    pub(crate) fn of(prepared: &'a Prepared, shown: SceneFields, fields: Vec<Field<'a>>) -> Option<Self> {
+    pub(crate) fn of(
+        prepared: &'a Prepared,
+        shown: SceneFields,
+        fields: Vec<Field<'a>>,
+        lateral: &'a [Array2<f64>],
+    ) -> Option<Self> {
         let Prepared { surface, hardness, .. } = prepared;
         let share = &surface.share;
         if share.is_whole() {
             let hardness = hardness.as_ref().map(Cow::Borrowed);
-            return Some(Self { surface: Cow::Borrowed(surface), hardness, shown, fields });
+            return Some(Self {
+                surface: Cow::Borrowed(surface),
+                hardness,
+                shown,
+                fields,
+                lateral: Cow::Borrowed(lateral),
+            });
         }
         let columns = surface.grid.points()[1];
         let SceneFields { pressure, repulsion, gap, level } = shown;
@@ -40,10 +53,13 @@ impl<'a> Whole<'a> {
             Hardness::Field(field) => rows::gathered(share, field.view()).map(Hardness::Field),
             uniform => Some(uniform.clone()),
         });
+        let lateral: Vec<Option<Array2<f64>>> =
+            lateral.iter().map(|field| rows::gathered(share, field.view())).collect();
+        let lateral = lateral.into_iter().flatten().collect();
         let surface = Cow::Owned(surface.gathered()?);
         let shown = SceneFields { pressure: pressure?, repulsion: repulsion?, gap: gap?, level: level? };
         let hardness = hardness.flatten().map(Cow::Owned);
-        Some(Self { surface, hardness, shown, fields: fields.into_iter().flatten().collect() })
+        Some(Self { surface, hardness, shown, fields: fields.into_iter().flatten().collect(), lateral })
     }
 }
 

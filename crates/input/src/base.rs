@@ -199,14 +199,18 @@ impl MovedBase {
 
     /// Distributes the rows of the base that the first process has read; the other processes give `None`.
     pub fn handed_out(base: Option<Self>, grid: &Grid, share: &Share) -> Self {
-        let lift = rows::handed_out(share, base.as_ref().map(|base| &base.lift), grid.points()[1]);
+        let own = |field: Option<&Array2<f64>>| rows::handed_out(share, field, grid.points()[1]);
+        let lift = own(base.as_ref().map(|base| &base.lift));
+        let components = share.each(base.as_ref().map_or(0, |base| base.sideways.len()));
+        let components = components.into_iter().max().unwrap_or(0);
+        let sideways = (0..components).map(|c| own(base.as_ref().and_then(|base| base.sideways.get(c)))).collect();
         let nothing = || Self {
             kind: Prescribed::Displacement,
             field: ArrayD::zeros(IxDyn(&[0, 0, 0])),
             lift: Array2::zeros([0, 0]),
             sideways: Vec::new(),
         };
-        Self { lift, sideways: Vec::new(), ..base.unwrap_or_else(nothing) }
+        Self { lift, sideways, ..base.unwrap_or_else(nothing) }
     }
 }
 

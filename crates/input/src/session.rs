@@ -114,6 +114,15 @@ impl Session {
         }
     }
 
+    /// Creates a session of the same processes that prints nothing.
+    #[must_use]
+    pub fn silenced(&self) -> Self {
+        match &self.ranks {
+            Some(ranks) => Self::silent().together(Arc::clone(ranks), self.here),
+            None => Self::silent(),
+        }
+    }
+
     /// Creates a session that prints nothing, in the process of a caller that also holds other things in memory.
     pub fn embedded() -> Self {
         Self { is_embedded: true, spelling: Spelling::Argument, ..Self::silent() }

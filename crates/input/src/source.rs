@@ -233,15 +233,22 @@ pub struct Second {
     checksum: String,
 }
 
+/// Returns the highest of the heights of all processes.
+pub fn highest(share: &Share, heights: &Array2<f64>) -> f64 {
+    let own = heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height));
+    share.each(own).into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
 impl Surface {
-    /// Returns true if the heights, or a part of them, were read at points, not made of waves.
+    /// Returns true if the heights, or a part of them, were read at points, not made of waves. Only the first of several
+    /// processes knows.
     pub fn is_read(&self) -> bool {
         self.scan.is_some() || self.second.is_some()
     }
 
     /// Returns the highest point of the grid, length.
     pub fn highest(&self) -> f64 {
-        self.heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height))
+        highest(&self.share, &self.heights)
     }
 
     /// Returns the moments: spectral ones, or from inner differences if the surface is not periodic.

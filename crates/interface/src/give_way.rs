@@ -85,7 +85,7 @@ impl Interface {
     pub(crate) fn check_hardness(&self, load: Load) -> Result<(), Refusal> {
         let (Some(hardness), Load::MeanPressure(found)) = (&self.hardness, load) else { return Ok(()) };
         let what = if let Upper::Each(_) = hardness { "mean hardness" } else { "hardness" };
-        let hardness = hardness.mean_over(&self.share) * self.units.stress();
+        let hardness = hardness.mean_over(self.surface.share()) * self.units.stress();
         if found < hardness { Ok(()) } else { Err(Refusal::BeyondHardness { found, what, hardness }) }
     }
 

@@ -1,18 +1,23 @@
-//! Means and extremes of fields, over the points of all processes that share them. A whole share has all points of a
-//! vector, whatever its length.
+//! Means and extremes of fields, over the points of all processes that share them.
 
 use std::ops::Range;
 
 use gfmd_vector::{Serialise, Share, add};
 
-/// Reduces a vector with `length` values on this process, as [`gfmd_vector::reduce`].
+/// Reduces a vector with `length` values on this process, as [`gfmd_vector::reduce`]: components one after another, each
+/// with the points of the share. Other vectors, such as the values inside a patch, belong to a single process.
 pub(crate) fn reduce<R: Serialise>(
     share: &Share,
     length: usize,
     leaf: &(impl Fn(Range<usize>) -> R + Sync),
     merge: &(impl Fn(R, R) -> R + Sync),
 ) -> R {
-    if share.is_whole() { gfmd_vector::reduce(length, leaf, merge) } else { share.reduce(leaf, merge) }
+    match length / share.own().len() {
+        components @ 1.. if length == components * share.own().len() => {
+            share.reduce_components(components, leaf, merge)
+        }
+        _ => gfmd_vector::reduce(length, leaf, merge),
+    }
 }
 
 /// Returns the sum over a vector with `length` values on this process; `leaf` returns the sum over a range.
@@ -22,12 +27,13 @@ pub(crate) fn sum(share: &Share, length: usize, leaf: &(impl Fn(Range<usize>) ->
 
 /// Returns the sum of a vector.
 pub(crate) fn total(share: &Share, vector: &[f64]) -> f64 {
-    if share.is_whole() { gfmd_vector::total(vector) } else { share.total_of(vector) }
+    sum(share, vector.len(), &|range| vector[range].iter().sum())
 }
 
 /// Returns the scalar product of two vectors.
 pub(crate) fn dot(share: &Share, a: &[f64], b: &[f64]) -> f64 {
-    if share.is_whole() { gfmd_vector::dot(a, b) } else { share.dot(a, b) }
+    let length = a.len().min(b.len());
+    sum(share, length, &|range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum())
 }
 
 /// Returns the mean of a field of a single process.

@@ -29,7 +29,7 @@ pub struct Trapping {
 pub struct Interface {
     /// Response of the body, law and rigid surface, in `units`.
     pub(crate) elastic: Elastic,
-    /// Rows of this process; all points in all components, on a patch and of a plate.
+    /// Rows of this process, of the cell of a patch and of both faces of a plate.
     pub(crate) share: Share,
     pub(crate) law: Arc<dyn Law>,
     /// Largest pressure that the body feels at each inside point, in `units`.
@@ -123,6 +123,21 @@ impl Interface {
         Self::in_own_units(body, grid, heights, law, FullResponse::new)
     }
 
+    /// Creates an interface as [`in_all_components`](Self::in_all_components), solved by several processes as
+    /// [`distributed`](Self::distributed).
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new), on all processes.
+    pub fn in_all_components_over(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::over(share, body, grid, heights, law, FullResponse::distributed)
+    }
+
     /// Creates an interface as [`in_all_components`](Self::in_all_components), with the given boundary. With
     /// [`Boundary::Free`] the lateral displacement, too, is relative to points far away; the rest is as for
     /// [`with_boundary`](Self::with_boundary).
@@ -187,10 +202,11 @@ impl Interface {
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
         let elastic = elastic.into();
-        let surface = Arc::new(RigidSurface::new(elastic.grid(), heights)?);
+        let share = elastic.share();
+        let surface = Arc::new(RigidSurface::distributed(&share, elastic.grid(), heights)?);
         let (given, contact_modulus) = (Arc::clone(&surface), elastic.contact_modulus());
         let (law, patch, units) = (law.into_shared(), None, Units::ONE);
-        let (hardness, springs, sideways, share) = (None, None, None, elastic.grid().whole());
+        let (hardness, springs, sideways) = (None, None, None);
         Ok(Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
     }
 
@@ -270,13 +286,13 @@ impl Interface {
         Self::with_surface(body, given.into(), law, of_cell)
     }
 
-    fn over(
+    fn over<E: Into<Elastic>>(
         share: &Share,
         body: &Body,
         grid: &Grid,
         heights: &ArrayRef2<f64>,
         law: impl Law + 'static,
-        response: impl FnOnce(Grid, &Body, &Share) -> NormalResponse,
+        response: impl FnOnce(Grid, &Body, &Share) -> E,
     ) -> Result<Self, Refusal> {
         let given = RigidSurface::distributed(share, grid, heights)?.into();
         Self::with_surface(body, given, law, |surface, body| Ok((response(*surface.grid(), body, share).into(), None)))
@@ -306,7 +322,7 @@ impl Interface {
         let surface = units.surface(&given);
         let (elastic, patch) = response(&surface, &units.body(body))?;
         let (hardness, springs, sideways, contact_modulus) = (None, None, None, body.contact_modulus());
-        let share = surface.share().clone();
+        let share = elastic.share();
         Ok(Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
     }
 

@@ -121,7 +121,9 @@ impl QuasistaticContact {
         let heights = if units.are_one() { (*heights).to_owned() } else { *heights / length };
         let response = match (shear, boundary) {
             (None, _) => None,
-            (Some(_), Boundary::Periodic) => Some(Response::Periodic(FullResponse::new(*grid, body).into())),
+            (Some(_), Boundary::Periodic) => {
+                Some(Response::Periodic(FullResponse::distributed(*grid, body, share).into()))
+            }
             (Some(_), Boundary::Free) => Some(Response::Free(FreeFullCompliance::new(*grid, body)?.into())),
         };
         let normal = match (law, &response) {
@@ -133,9 +135,10 @@ impl QuasistaticContact {
                 Normal::Wall(Contact::distributed(share, body, grid, &heights)?)
             }
             (None, _) => Normal::Wall(Contact::with_boundary(*boundary, body, grid, &heights)?),
-            (Some(law), _) if *all_components => {
-                Normal::Law(Interface::in_all_components_with_boundary(*boundary, body, grid, &heights, law)?)
-            }
+            (Some(law), _) if *all_components => Normal::Law(match boundary {
+                Boundary::Periodic => Interface::in_all_components_over(share, body, grid, &heights, law)?,
+                Boundary::Free => Interface::in_all_components_with_boundary(*boundary, body, grid, &heights, law)?,
+            }),
             (Some(law), _) if *held => Normal::Law(Interface::held_sideways_over(share, body, grid, &heights, law)?),
             (Some(law), Some(Response::Periodic(full))) => {
                 Normal::Law(Interface::with_response(NormalResponse::of_all_components(full), &heights, law)?)
@@ -159,7 +162,7 @@ impl QuasistaticContact {
             true => sideways.iter().flat_map(|field| field.iter().map(|u| u / length)).collect(),
             false => Vec::new(),
         };
-        let expected = (components - 1) * grid.len();
+        let expected = (components - 1) * heights.len();
         if !sideways.is_empty() && sideways.len() != expected {
             return Err(Refusal::Start { found: sideways.len(), expected });
         }
@@ -485,7 +488,8 @@ impl Quasistatic for QuasistaticContact {
     fn change_of_stick(&self, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
         match from.stick_fraction().zip(to.stick_fraction()) {
             Some((from, sticking)) => {
-                let touching = to.repulsion().iter().filter(|r| **r > 0.0).count() as f64 / self.points() as f64;
+                let own = to.repulsion().iter().filter(|r| **r > 0.0).count();
+                let touching = self.share().each(own).into_iter().sum::<usize>() as f64 / self.all_points();
                 (sticking - from).abs() / touching
             }
             None => 0.0,

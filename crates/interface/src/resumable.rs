@@ -7,7 +7,8 @@ use ndarray::Array;
 use crate::{Interface, State};
 
 fn visit_field<D: ndarray::Dimension>(share: &Share, field: &mut Array<f64, D>, visitor: &mut dyn Visit) {
-    with_contiguous(field, |values| visitor.rows(share, values));
+    let own = share.own().len();
+    with_contiguous(field, |values| values.chunks_exact_mut(own).for_each(|rows| visitor.rows(share, rows)));
 }
 
 impl Variables for State {

@@ -37,12 +37,24 @@ impl GapGas {
     /// # Errors
     /// Returns an error if the shapes differ.
     pub fn conductance(&self, pressure: ArrayView2<f64>, gap: ArrayView2<f64>) -> Result<f64, ShapesDiffer> {
+        let (rows, columns) = gap.dim();
+        self.conductance_over(&Share::whole(rows, columns), pressure, gap)
+    }
+
+    /// Returns the conductance as [`conductance`](Self::conductance), from the rows of each process.
+    ///
+    /// # Errors
+    /// Returns an error if the shapes differ.
+    pub fn conductance_over(
+        &self,
+        share: &Share,
+        pressure: ArrayView2<f64>,
+        gap: ArrayView2<f64>,
+    ) -> Result<f64, ShapesDiffer> {
         if pressure.dim() != gap.dim() {
             let [pressure, other] = [pressure.dim(), gap.dim()].map(<[usize; 2]>::from);
             return Err(ShapesDiffer { pressure, other });
         }
-        let (rows, columns) = gap.dim();
-        let share = Share::whole(rows, columns);
         let (pressure, gap) = (&*contiguous(&pressure), &*contiguous(&gap));
         let of_range = |range: Range<usize>| {
             pressure[range.clone()].iter().zip(&gap[range]).fold(0.0, |sum, (pressure, gap)| {
@@ -50,7 +62,7 @@ impl GapGas {
                 if *pressure > 0.0 { sum } else { sum + 1.0 / (gap + self.jump) }
             })
         };
-        Ok(self.conductivity * share.sum(&of_range) / gap.len().max(1) as f64)
+        Ok(self.conductivity * share.sum(&of_range) / share.total().max(1) as f64)
     }
 }
 

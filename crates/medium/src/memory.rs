@@ -107,7 +107,9 @@ impl Fields {
     pub(crate) fn visit(&mut self, share: &Share, visitor: &mut dyn Visit) {
         match self {
             Self::Points { lengths, stresses } => {
-                lengths.iter_mut().chain(stresses).for_each(|field| visitor.rows(share, field));
+                let own = share.own().len();
+                let fields = lengths.iter_mut().chain(stresses);
+                fields.flat_map(|field| field.chunks_exact_mut(own)).for_each(|rows| visitor.rows(share, rows));
             }
             Self::Waves(fields) => {
                 for field in fields {
@@ -167,32 +169,34 @@ impl PointStep {
                 *stress = self.residual_indentation(stresses, start + k) + pressure[start + k];
             }
         });
-        let is_alone = share.is_whole();
-        let dot = |a: &[f64], b: &[f64]| if is_alone { gfmd_vector::dot(a, b) } else { share.dot(a, b) };
-        let half = |a: &[f64], b: &[f64]| 0.5 * dot(a, b);
+        let own = share.own().len();
+        let components = points / own;
+        let sum = |of_range: &(dyn Fn(Range<usize>) -> f64 + Sync)| {
+            share.reduce_components(components, &|range| of_range(range), &|a, b| a + b)
+        };
+        let half = |a: &[f64], b: &[f64]| 0.5 * sum(&|range| range.map(|i| a[i] * b[i]).sum());
         let moved = |i: usize| [indentation[i] - lengths[0][i], stress[i] - stresses[0][i]];
-        let of_range = |range: Range<usize>| range.fold(0.0, |sum, i| sum + moved(i).iter().product::<f64>());
-        let moving =
-            if is_alone { reduce(points, &of_range, &|a, b| a + b) } else { share.reduce(&of_range, &|a, b| a + b) };
+        let moving = sum(&|range| range.fold(0.0, |sum, i| sum + moved(i).iter().product::<f64>()));
         let (mut stored, mut lost) = (half(&indentation, &stress), 0.0);
         let (mut new_lengths, mut new_stresses) = (Vec::new(), Vec::new());
         for (decay, (x, s)) in self.decays.iter().zip(lengths[1..].iter().zip(&stresses[1..])) {
             let (mut new_x, mut new_s) = (vec![0.0; points], vec![0.0; points]);
-            let [square, mixed, after] = share.pass(
-                (&mut new_x[..], &mut new_s[..]),
-                &|start, (new_x, new_s)| {
+            let of_component = |(c, parts): (usize, (&mut [f64], &mut [f64]))| {
+                let leaf = |start: usize, (new_x, new_s): (&mut [f64], &mut [f64])| {
                     let mut sums = [0.0; 3];
                     for (k, (new_x, new_s)) in new_x.iter_mut().zip(new_s).enumerate() {
-                        let i = start + k;
+                        let i = c * own + start + k;
                         let [d, stress] = moved(i);
                         *new_x = decay.left * x[i] + decay.taken * d;
                         *new_s = decay.left * s[i] + decay.taken * stress;
                         sums = add(sums, [x[i] * s[i], s[i] * d, *new_x * *new_s]);
                     }
                     sums
-                },
-                &add,
-            );
+                };
+                share.pass(parts, &leaf, &add)
+            };
+            let parts = new_x.chunks_exact_mut(own).zip(new_s.chunks_exact_mut(own)).enumerate();
+            let [square, mixed, after] = parts.map(of_component).fold([0.0; 3], add);
             stored += 0.5 * decay.weight * after;
             let [a, b, c] = decay.loss;
             lost += decay.weight * (a * square + b * mixed + c * moving);
@@ -201,7 +205,7 @@ impl PointStep {
         }
         new_lengths.insert(0, indentation);
         new_stresses.insert(0, stress);
-        let area = if is_alone { points } else { share.total() } as f64;
+        let area = (components * share.total()) as f64;
         let energies = Energies { stored: stored / area, lost: lost / area };
         (Fields::Points { lengths: new_lengths, stresses: new_stresses }, energies)
     }

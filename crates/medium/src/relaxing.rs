@@ -68,20 +68,18 @@ impl Relaxing {
     /// Returns the medium with the points of this process, one of several that make the same calls.
     ///
     /// # Errors
-    /// Returns an error for several processes if there are several components, or if only the shear modulus relaxes,
-    /// each wave by branches of its own.
+    /// Returns an error for several processes if only the shear modulus relaxes, each wave by branches of its own.
     pub fn over(self, share: &Share) -> Result<Self, Refusal> {
         let is_alone = share.is_whole();
         match &*self.spectrum {
             Spectrum::Waves(_) if !is_alone => Err(Refusal::Shared { part: "waves that relax by their own branches" }),
-            _ if !is_alone && self.components > 1 => Err(Refusal::Shared { part: "lateral displacement" }),
             _ => Ok(Self { share: share.clone(), ..self }),
         }
     }
 
     /// Returns the number of values of this process.
     fn values(&self) -> usize {
-        if self.share.is_whole() { self.components * self.grid.len() } else { self.share.own().len() }
+        self.components * self.share.own().len()
     }
 
     /// Returns the medium below a surface without lateral displacement.

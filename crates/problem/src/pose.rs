@@ -87,12 +87,12 @@ impl<'a> Given<'a> {
 /// facts.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     let posed = pose_normal(given)?;
-    let Given { facts: Facts { unknown, finite_slope, boundary, .. }, body, grid, moves_all, .. } = given;
+    let Given { facts: Facts { unknown, finite_slope, boundary, .. }, body, grid, share, moves_all, .. } = given;
     // Finite slopes have a lateral displacement of their own.
     if *unknown != Unknown::All || *finite_slope || *moves_all {
         return Ok(posed);
     }
-    Ok(posed.with_sideways(Sideways::new(*boundary, grid, body)?))
+    Ok(posed.with_sideways(Sideways::new(*boundary, share, grid, body)?))
 }
 
 /// Builds the contact in u_z, unless a dynamic solver moves all components.

@@ -389,8 +389,6 @@ const fn rule(part: Part, with: Part, allowed: &'static str, why: &'static str) 
 const NOT_IMPLEMENTED: &str = "not implemented";
 /// Reason of the rules for a law that moves all components.
 const LAW_ALONE: &str = "the law does not say how it shears surfaces that are pressed in or worn";
-/// Reason of the rules for several processes.
-const ONLY_PERIODIC_IN_PARALLEL: &str = "several processes support only periodic contacts in u_z";
 
 /// All rules, in the order of lists and messages.
 pub const RULES: &[Rule] = {
@@ -451,20 +449,13 @@ pub const RULES: &[Rule] = {
         rule(Table, Yield, "left out", "the strain below the surface needs moduli"),
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Flowing, Line, "left out", "a profile has no flow"),
-        rule(Refine, Several, "none or estimate", ONLY_PERIODIC_IN_PARALLEL),
         rule(History, Resume, "left out", "it records a search from its beginning"),
-        rule(Free, Several, "periodic", ONLY_PERIODIC_IN_PARALLEL),
-        rule(All, Several, "normal", ONLY_PERIODIC_IN_PARALLEL),
-        rule(FiniteSlope, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Rubbed, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Unlike, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Yield, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Lower, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Statistics, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Flow, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(Gas, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(FlowThreshold, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
-        rule(History, Several, "left out", ONLY_PERIODIC_IN_PARALLEL),
+        rule(Free, Several, "periodic", "several processes share the rows of periodic surfaces only"),
+        rule(FiniteSlope, Several, "left out", "points move sideways, also to rows of other processes"),
+        rule(Unlike, Several, "left out", "several processes do not share waves with a relaxation of their own"),
+        rule(Yield, Several, "left out", "several processes do not share the strain below the surface"),
+        rule(Lower, Several, "left out", "several processes do not share the two faces of a slab"),
+        rule(History, Several, "left out", "the record needs the points of all processes"),
         rule(FiniteSlope, Path, "left out", "points that move sideways would take their histories with them"),
         rule(All, Path, "normal", "lateral motion and friction make all components unknown"),
         rule(FlowThreshold, Path, "left out", "the load of a path may fall, and the gap close more than once"),

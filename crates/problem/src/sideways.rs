@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gfmd_contact::{Boundary, Fields, Refusal};
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
 use ndarray::Array2;
@@ -15,13 +15,13 @@ pub(crate) enum Sideways {
 }
 
 impl Sideways {
-    /// Creates the response of `body` on `grid`.
+    /// Creates the response of `body` on `grid`, for the rows of this process.
     ///
     /// # Errors
     /// Returns an error for a patch of a profile, or of a body without lateral support.
-    pub(crate) fn new(boundary: Boundary, grid: &Grid, body: &Body) -> Result<Self, Refusal> {
+    pub(crate) fn new(boundary: Boundary, share: &Share, grid: &Grid, body: &Body) -> Result<Self, Refusal> {
         Ok(match boundary {
-            Boundary::Periodic => Self::Cell(FullResponse::new(*grid, body).into()),
+            Boundary::Periodic => Self::Cell(FullResponse::distributed(*grid, body, share).into()),
             Boundary::Free => Self::Patch(FreeFullCompliance::new(*grid, body)?.into()),
         })
     }

@@ -220,8 +220,9 @@ impl Problem {
     fn new(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>, threads: usize) -> PyResult<Self> {
         let args = described(py, problem, arrays)?;
         let (made, raised) = run(py, threads, None, |_| {
-            let (prepared, contact) = args.pose(&Session::embedded())?;
-            let finer = Finer::pose(&args, &prepared)?;
+            let session = Session::embedded();
+            let (prepared, contact) = args.pose(&session)?;
+            let finer = Finer::pose(&args, &prepared, &session)?;
             Ok::<_, Failure>((prepared, contact, Mutex::new(finer)))
         })?;
         raised.map_or(Ok(()), Err)?;

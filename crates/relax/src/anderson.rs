@@ -41,6 +41,15 @@ impl Anderson {
     /// # Panics
     /// If the lengths differ.
     pub fn advance(&mut self, x: &mut [f64], image: &[f64]) {
+        self.advance_by(x, image, &|a, b| dot(a, b));
+    }
+
+    /// Replaces x as [`advance`](Self::advance), with another scalar `product` of vectors: the product over all
+    /// processes that share them.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn advance_by(&mut self, x: &mut [f64], image: &[f64], product: &dyn Fn(&[f64], &[f64]) -> f64) {
         assert_eq!(x.len(), image.len(), "an image is as long as x");
         let residual: Vec<f64> = image.iter().zip(&*x).map(|(image, x)| image - x).collect();
         if let Some([old_image, old_residual]) = self.last.take() {
@@ -56,7 +65,7 @@ impl Anderson {
             }
         }
         x.copy_from_slice(image);
-        for (weight, [change, _]) in self.weights(&residual).into_iter().zip(&self.changes) {
+        for (weight, [change, _]) in self.weights(&residual, product).into_iter().zip(&self.changes) {
             for_each(&mut *x, &|start, x: &mut [f64]| {
                 x.iter_mut().zip(&change[start..]).for_each(|(x, change)| *x -= weight * change);
             });
@@ -66,12 +75,12 @@ impl Anderson {
 
     /// Returns the weights that bring the sum of the changes closest to the residual, by elimination. A change that is
     /// nearly a combination of the others has zero weight.
-    fn weights(&self, residual: &[f64]) -> Vec<f64> {
+    fn weights(&self, residual: &[f64], product: &dyn Fn(&[f64], &[f64]) -> f64) -> Vec<f64> {
         let n = self.changes.len();
         let mut rows: Vec<Vec<f64>> = self
             .changes
             .iter()
-            .map(|[_, a]| self.changes.iter().map(|[_, b]| dot(a, b)).chain([dot(a, residual)]).collect())
+            .map(|[_, a]| self.changes.iter().map(|[_, b]| product(a, b)).chain([product(a, residual)]).collect())
             .collect();
         let largest = (0..n).map(|k| rows[k][k]).fold(0.0, f64::max);
         // Eliminates from the newest change to the oldest, on both sides of the diagonal.

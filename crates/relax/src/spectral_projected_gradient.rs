@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use gfmd_vector::{add, for_each, reduce};
 
 use crate::{Budget, Ending, Progress, Watch, Why};
@@ -19,6 +21,12 @@ pub trait OnConvexSet {
         });
         self.project(out);
         for_each([out], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
+    }
+
+    /// Returns the sums of four products over a vector of this `length`; `of` returns those of a range. Several processes
+    /// that share a vector add all their values.
+    fn sums(&self, length: usize, of: &(dyn Fn(Range<usize>) -> [f64; 4] + Sync)) -> [f64; 4] {
+        reduce(length, &|range| of(range), &add)
     }
 
     /// Returns the distance of `x` from the minimum, to be compared with the tolerance; `gradient` is A x + b.
@@ -71,16 +79,13 @@ impl SpectralProjectedGradient {
             steps += 1;
             problem.direction(x, gradient, length, &mut direction);
             problem.apply(&direction, &mut image);
-            let [slope, curvature, square, images] = reduce(
-                x.len(),
-                &|range| {
-                    range.fold([0.0; 4], |sums, k| {
-                        let (d, a) = (direction[k], image[k]);
-                        add(sums, [d * gradient[k], d * a, d * d, a * a])
-                    })
-                },
-                &add,
-            );
+            let products = |range: Range<usize>| {
+                range.fold([0.0; 4], |sums, k| {
+                    let (d, a) = (direction[k], image[k]);
+                    add(sums, [d * gradient[k], d * a, d * d, a * a])
+                })
+            };
+            let [slope, curvature, square, images] = problem.sums(x.len(), &products);
             // NaN also ends the descent.
             if !(slope < 0.0 && curvature > 0.0) {
                 return Descended { steps, ending: Ending::GaveUp(Why::NoDescent) };

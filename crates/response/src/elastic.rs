@@ -57,6 +57,18 @@ impl Elastic {
         }
     }
 
+    /// Returns the rows of this process, of both faces of a plate; a single process has all rows.
+    pub fn share(&self) -> Share {
+        match self {
+            Self::Normal(response) => response.share().clone(),
+            Self::Full(response) => response.share().clone(),
+            Self::Plate(response) => {
+                let [rows, columns] = response.grid().rows();
+                Share::whole(2 * rows, columns)
+            }
+        }
+    }
+
     /// Returns the number of components of a field; z is the last.
     pub fn components(&self) -> usize {
         match self {
@@ -135,7 +147,7 @@ impl Transforms {
             }
             Self::Full(full) => {
                 full.stiffness(field, out);
-                set_means(full.response.grid().len(), field, uniform, out);
+                set_means(full.response.share(), field, uniform, out);
             }
             Self::Plate(plate) => plate.stiffness_with([uniform[0], uniform[1]], field, out),
         }
@@ -151,7 +163,7 @@ impl Transforms {
             }
             Self::Full(full) => {
                 full.compliance(field, out);
-                set_means(full.response.grid().len(), field, uniform, out);
+                set_means(full.response.share(), field, uniform, out);
             }
             Self::Plate(plate) => plate.compliance_with([uniform[0], uniform[1]], field, out),
         }
@@ -298,19 +310,20 @@ pub(crate) fn fits<T>(outcome: Result<T, gfmd_field::ShapeError>) -> T {
 /// Adds the uniform mode to the result of a table without it, which has zero mean.
 fn add_uniform(share: &Share, field: &[f64], uniform: f64, out: &mut [f64]) {
     if uniform != 0.0 {
-        let mean = if share.is_whole() { mean(field) } else { share.total_of(field) / share.total() as f64 };
-        let change = uniform * mean;
+        let change = uniform * mean(share, field);
         gfmd_vector::for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change));
     }
 }
 
-fn set_means(points: usize, field: &[f64], uniform: &[f64], out: &mut [f64]) {
+fn set_means(share: &Share, field: &[f64], uniform: &[f64], out: &mut [f64]) {
+    let points = share.own().len();
     for ((field, out), uniform) in field.chunks_exact(points).zip(out.chunks_exact_mut(points)).zip(uniform) {
-        let change = uniform * mean(field) - mean(out);
+        let change = uniform * mean(share, field) - mean(share, out);
         gfmd_vector::for_each([out], &|_, [out]| out.iter_mut().for_each(|out| *out += change));
     }
 }
 
-fn mean(field: &[f64]) -> f64 {
-    gfmd_vector::total(field) / field.len() as f64
+/// Returns the mean of a field over all processes.
+fn mean(share: &Share, field: &[f64]) -> f64 {
+    share.total_of(field) / share.total() as f64
 }

@@ -1,4 +1,4 @@
-use gfmd_field::{Grid, Mode};
+use gfmd_field::{Grid, Mode, Share};
 use gfmd_green::{Body, GreenError, Matrix3, stiffness_range};
 
 use crate::free_full::padded_compliance;
@@ -7,7 +7,8 @@ use crate::units::Scaled;
 use crate::{Components, Hermitian, Operator, Workspace};
 
 /// Response of a body on one grid for all components of its surface: planned transforms, and the stiffness and
-/// compliance matrix of every mode. Built once and shared between problems and threads.
+/// compliance matrix of every mode. Built once and shared between problems and threads. Each process has the modes of
+/// its own lanes ([`Transform::lanes`](gfmd_field::Transform::lanes)) and transforms its own rows.
 ///
 /// The uniform mode q = 0 is relative to the reference level of [`Body::level_compliance`]. For a component without
 /// compliance (half-space; u_z of an incompressible slab), the stiffness is set to zero as well: its mean displacement
@@ -24,6 +25,11 @@ pub struct FullResponse {
 impl FullResponse {
     /// Tabulates the response of `body` on `grid`.
     pub fn new(grid: Grid, body: &Body) -> Self {
+        Self::distributed(grid, body, &grid.whole())
+    }
+
+    /// Tabulates the response of `body` on `grid` for the `share` of rows of this process.
+    pub fn distributed(grid: Grid, body: &Body, share: &Share) -> Self {
         let scaled = Scaled::new(body, &grid);
         let unit = scaled.stiffness;
         let [lateral, normal] = scaled.body.level_compliance();
@@ -31,11 +37,11 @@ impl FullResponse {
         let of_mode = |mode: &Mode, uniform: Hermitian, matrix: fn(&Body, &Mode) -> Matrix3| {
             if mode.is_uniform() { uniform } else { Hermitian::of(&matrix(&scaled.body, &scaled.mode(mode))) }
         };
-        let compliance = Operator::new(grid, |mode| of_mode(mode, uniform, Body::compliance_of).map(|g| g / unit));
+        let compliance =
+            Operator::distributed(grid, share, |mode| of_mode(mode, uniform, Body::compliance_of).map(|g| g / unit));
         let resistance = uniform.map(|g| if g > 0.0 { 1.0 / g } else { 0.0 });
         let stiffness = compliance.beside(|mode| of_mode(mode, resistance, Body::stiffness_of).map(|k| k * unit));
-        // The uniform mode is identified by its index, the first, never by a small wavenumber.
-        let Hermitian { xx, yy, zz, .. } = compliance.matrices()[0];
+        let Hermitian { xx, yy, zz, .. } = uniform.map(|g| g / unit);
         let range = stiffness_range(&scaled.body, &scaled.grid(&grid));
         Self {
             stiffness,
@@ -44,6 +50,12 @@ impl FullResponse {
             stiffness_range: range.map_or([0.0; 2], |range| [range.softest * unit, range.stiffest * unit]),
             body: body.clone(),
         }
+    }
+
+    /// Returns the compliance of a mode other than the uniform one, with the bits of the table.
+    pub(crate) fn compliance_of_mode(body: &Body, grid: &Grid, mode: &Mode) -> Hermitian {
+        let scaled = Scaled::new(body, grid);
+        Hermitian::of(&scaled.body.compliance_of(&scaled.mode(mode))).map(|g| g / scaled.stiffness)
     }
 
     /// Tabulates the response of a non-periodic patch (theory.md, section 3.1) on its [padded](Grid::padded) grid: if
@@ -95,6 +107,11 @@ impl FullResponse {
     /// Returns the grid of the surface.
     pub fn grid(&self) -> &Grid {
         self.stiffness.grid()
+    }
+
+    /// Returns the rows of this process; a single process has all rows.
+    pub fn share(&self) -> &Share {
+        self.compliance.share()
     }
 
     /// Returns the components of displacement and traction.

@@ -19,7 +19,7 @@ pub struct NormalResponse {
     compliance: Vec<f64>,
     /// Tabulated at first use, since contacts with a hard wall do not need it.
     stiffness: OnceLock<Vec<f64>>,
-    stiffness_of: StiffnessOf,
+    waves: Waves,
     body: Body,
     uniform_compliance: f64,
     stiffness_range: [f64; 2],
@@ -53,6 +53,33 @@ fn without_uniform(mut table: Vec<f64>) -> Vec<f64> {
 
 /// Stiffness as a function of the wave vector.
 type StiffnessOf = fn(&Body, [f64; 2]) -> f64;
+
+/// Response of a body to a wave.
+#[derive(Clone, Copy, Debug)]
+enum Waves {
+    /// Stiffness of each wave.
+    Stiffness(StiffnessOf),
+    /// Normal part of the matrices of all components.
+    OfMatrices,
+}
+
+impl Waves {
+    /// Returns the compliance of a mode other than the uniform one.
+    fn compliance(self, body: &Body, grid: &Grid, mode: &Mode) -> f64 {
+        match self {
+            Self::Stiffness(of) => 1.0 / stiffness_of_mode(body, mode, of),
+            Self::OfMatrices => FullResponse::compliance_of_mode(body, grid, mode).zz,
+        }
+    }
+
+    /// Tabulates the stiffness of the modes in some lanes; 0 for the uniform mode.
+    fn stiffness(self, body: &Body, grid: &Grid, lanes: Range<usize>) -> Vec<f64> {
+        match self {
+            Self::Stiffness(of) => stiffness_table(grid, lanes, body, of),
+            Self::OfMatrices => table_of_modes(grid, lanes, 0.0, |mode| 1.0 / self.compliance(body, grid, mode)),
+        }
+    }
+}
 
 /// Returns the stiffness of a mode other than the uniform one: the mean over its aliases on the grid, which differ if
 /// the body is anisotropic.
@@ -136,7 +163,7 @@ impl NormalResponse {
             share: share.clone(),
             compliance,
             stiffness: OnceLock::new(),
-            stiffness_of,
+            waves: Waves::Stiffness(stiffness_of),
             body: body.clone(),
             uniform_compliance: uniform,
             stiffness_range: range,
@@ -171,7 +198,7 @@ impl NormalResponse {
             transform: table.transform.into(),
             compliance,
             stiffness: OnceLock::from(without_uniform(stiffness)),
-            stiffness_of: free,
+            waves: Waves::Stiffness(free),
             body: body.clone(),
             uniform_compliance,
             stiffness_range: [1.0 / softest, 1.0 / stiffest],
@@ -186,18 +213,21 @@ impl NormalResponse {
     /// from [`new`](Self::new) in the Nyquist modes, in which [`FullResponse`] averages the stiffness matrix over the
     /// aliases and inverts the mean.
     pub fn of_all_components(response: &FullResponse) -> Self {
-        let (body, grid, matrices) = (response.body(), *response.grid(), response.compliance().matrices());
+        let (body, grid, operator) = (response.body(), *response.grid(), response.compliance());
+        let (first, share) = (operator.first(), response.share());
         // The uniform mode is identified by its index, the first, never by a small wavenumber.
-        let compliance = without_uniform(matrices.iter().map(|matrix| matrix.zz).collect());
+        let compliance: Vec<f64> = operator.matrices().iter().map(|matrix| matrix.zz).collect();
+        let has_uniform = operator.transform().lanes().contains(&0);
+        let compliance = if has_uniform { without_uniform(compliance) } else { compliance };
         let [.., uniform_compliance] = response.uniform_compliance();
         let like_others = |(index, compliance): (usize, &f64)| {
-            let mode = grid.mode_at(index);
+            let mode = grid.mode_at(first + index);
             let other = || (compliance * stiffness_of_mode(body, &mode, free) - 1.0).abs() < ROUNDING_OF_COMPLIANCE;
             mode.is_uniform() || mode.nyquist == [false, false] || other()
         };
-        let is_isotropic = body.is_isotropic() && compliance.iter().enumerate().all(like_others);
+        let is_isotropic = body.is_isotropic() && !share.any(!compliance.iter().enumerate().all(like_others));
         let modes = TabulatedModes { compliance, uniform_compliance, is_isotropic };
-        Self::of_modes(modes, (response.compliance().shared_transform(), grid.whole()), body, free)
+        Self::of_modes(modes, (operator.shared_transform(), share.clone()), body, Waves::OfMatrices)
     }
 
     /// Multiplies the stiffness of each mode by one of `factors`, laid out as [`Grid::modes`]; the first factor belongs
@@ -225,21 +255,16 @@ impl NormalResponse {
     /// Returns the response with other compliances.
     fn changed(&self, compliance: Vec<f64>, uniform_compliance: f64, is_isotropic: bool) -> Self {
         let modes = TabulatedModes { compliance, uniform_compliance, is_isotropic };
-        Self::of_modes(modes, (Arc::clone(&self.transform), self.share.clone()), &self.body, self.stiffness_of)
+        Self::of_modes(modes, (Arc::clone(&self.transform), self.share.clone()), &self.body, self.waves)
     }
 
     /// Returns the response with the compliances of all modes.
-    fn of_modes(
-        modes: TabulatedModes,
-        (transform, share): (Arc<Transform>, Share),
-        body: &Body,
-        stiffness_of: StiffnessOf,
-    ) -> Self {
+    fn of_modes(modes: TabulatedModes, (transform, share): (Arc<Transform>, Share), body: &Body, waves: Waves) -> Self {
         let TabulatedModes { compliance, uniform_compliance, is_isotropic } = modes;
         let has_uniform = transform.lanes().contains(&0);
         let stiffness: Vec<f64> = compliance.iter().map(|compliance| 1.0 / compliance).collect();
-        let waves = || compliance.iter().copied().skip(usize::from(has_uniform));
-        let own = [waves().fold(f64::INFINITY, f64::min), waves().fold(0.0, f64::max)];
+        let others = || compliance.iter().copied().skip(usize::from(has_uniform));
+        let own = [others().fold(f64::INFINITY, f64::min), others().fold(0.0, f64::max)];
         let all = share.each(own).into_iter();
         let [least, most] =
             all.fold([f64::INFINITY, 0.0], |[least, most], [low, high]| [low.min(least), high.max(most)]);
@@ -249,7 +274,7 @@ impl NormalResponse {
             stiffness_range: [1.0 / most, 1.0 / least],
             uniform_compliance,
             stiffness: OnceLock::from(if has_uniform { without_uniform(stiffness) } else { stiffness }),
-            stiffness_of,
+            waves,
             body: body.clone(),
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
@@ -308,15 +333,15 @@ impl NormalResponse {
         let own = index.checked_sub(self.transform.lanes().start * positions);
         own.and_then(|own| self.compliance.get(own).copied()).unwrap_or_else(|| {
             let mode = self.grid().mode_at(index);
-            let of_body = || 1.0 / stiffness_of_mode(&self.body, &mode, self.stiffness_of);
+            let of_body = || self.waves.compliance(&self.body, self.grid(), &mode);
             if mode.is_uniform() { 0.0 } else { self.added.iter().fold(of_body(), |wave, added| wave + added) }
         })
     }
 
     /// Returns 1/G_zz(q) in stress/length for the modes of this process, laid out as [`Grid::modes`]; 0 at q = 0.
     pub fn stiffness(&self) -> &[f64] {
-        let Self { transform, stiffness_of, body, .. } = self;
-        let table = || stiffness_table(self.grid(), transform.lanes(), body, *stiffness_of);
+        let Self { transform, waves, body, .. } = self;
+        let table = || waves.stiffness(body, self.grid(), transform.lanes());
         once::<Vec<f64>>(&self.stiffness, table)
     }
 

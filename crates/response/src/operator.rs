@@ -1,15 +1,18 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use gfmd_field::{Grid, Mode, ShapeError, Transform};
+use gfmd_field::{Grid, Mode, ShapeError, Share, Transform};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::{Components, Hermitian};
 
 /// Hermitian matrix per mode, applied to vector fields on a grid: a stiffness, a compliance, or a preconditioner.
+///
+/// Each process has the modes of its own lanes ([`Transform::lanes`]) and transforms its own rows.
 pub struct Operator {
     transform: Arc<Transform>,
+    share: Share,
     components: Components,
     matrices: Vec<Hermitian>,
 }
@@ -27,21 +30,26 @@ impl Operator {
     /// Entries odd in a Nyquist component must be zero, as in
     /// [`Body::stiffness_of`](gfmd_green::Body::stiffness_of) (theory.md, section 0).
     pub fn new(grid: Grid, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
-        Self::on(Arc::new(Transform::new(grid)), matrix)
+        Self::distributed(grid, &grid.whole(), matrix)
+    }
+
+    /// Tabulates `matrix` for the modes of this process, one of several that share the rows, as [`new`](Self::new).
+    pub fn distributed(grid: Grid, share: &Share, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
+        Self::on(Arc::new(Transform::distributed(grid, share)), share, matrix)
     }
 
     /// Tabulates another operator on the same grid, with shared planned transforms.
     pub fn beside(&self, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
-        Self::on(Arc::clone(&self.transform), matrix)
+        Self::on(Arc::clone(&self.transform), &self.share, matrix)
     }
 
     /// Creates the operator with the matrices `f(mode, matrix)` on the same grid.
     pub fn map(&self, f: impl Fn(&Mode, Hermitian) -> Hermitian + Sync) -> Self {
-        let Self { transform, components, matrices } = self;
-        let grid = *transform.grid();
+        let Self { transform, share, components, matrices } = self;
+        let (grid, first) = (*transform.grid(), self.first());
         let matrices = matrices.par_iter().enumerate().with_min_len(CHUNK);
-        let matrices = matrices.map(|(index, matrix)| f(&grid.mode_at(index), *matrix)).collect();
-        Self { transform: Arc::clone(transform), components: *components, matrices }
+        let matrices = matrices.map(|(index, matrix)| f(&grid.mode_at(first + index), *matrix)).collect();
+        Self { transform: Arc::clone(transform), share: share.clone(), components: *components, matrices }
     }
 
     /// Returns the function that replaces a field by F⁻¹\[M F\[field\]\], with its own memory. A field without the size
@@ -59,17 +67,30 @@ impl Operator {
 
     /// Creates the operator with these matrices, laid out as [`Grid::modes`].
     pub(crate) fn of_matrices(transform: Transform, matrices: Vec<Hermitian>) -> Self {
-        Self { components: Components::of(transform.grid()), transform: transform.into(), matrices }
+        let grid = transform.grid();
+        Self { share: grid.whole(), components: Components::of(grid), transform: transform.into(), matrices }
     }
 
-    fn on(transform: Arc<Transform>, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
-        let grid = *transform.grid();
-        let matrices = (0..grid.spectrum_len())
+    fn on(transform: Arc<Transform>, share: &Share, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
+        let (grid, lanes) = (*transform.grid(), transform.lanes());
+        let [_, positions] = grid.spectrum_shape();
+        let matrices = (lanes.start * positions..lanes.end * positions)
             .into_par_iter()
             .with_min_len(CHUNK)
             .map(|index| matrix(&grid.mode_at(index)))
             .collect();
-        Self { transform, components: Components::of(&grid), matrices }
+        Self { transform, share: share.clone(), components: Components::of(&grid), matrices }
+    }
+
+    /// Returns the index of the first mode of this process among all modes.
+    pub(crate) fn first(&self) -> usize {
+        let [_, positions] = self.grid().spectrum_shape();
+        self.transform.lanes().start * positions
+    }
+
+    /// Returns the rows of this process; a single process has all rows.
+    pub fn share(&self) -> &Share {
+        &self.share
     }
 
     /// Returns the grid of the fields.
@@ -92,7 +113,7 @@ impl Operator {
         Arc::clone(&self.transform)
     }
 
-    /// Returns the matrices, laid out as [`Grid::modes`].
+    /// Returns the matrices of the modes of this process, laid out as [`Grid::modes`].
     pub fn matrices(&self) -> &[Hermitian] {
         &self.matrices
     }
@@ -127,7 +148,7 @@ impl Operator {
                 );
             }),
         }
-        for (&axis, component) in self.components.axes().iter().zip(out.chunks_exact_mut(self.grid().len())) {
+        for (&axis, component) in self.components.axes().iter().zip(out.chunks_exact_mut(self.points())) {
             self.transform.inverse(&ws.spectra[axis], component, &mut ws.transform)?;
         }
         Ok(())
@@ -146,29 +167,33 @@ impl Operator {
             // A line has no component along y.
             let (x, y, z) = (x[index], y.get(index).copied().unwrap_or_default(), z[index]);
             let coupled = (x.conj() * z).im * m.xz + (y.conj() * z).im * m.yz;
-            let weight = self.grid().mode_at(index).weight;
+            let weight = self.grid().mode_at(self.first() + index).weight;
             let diagonal = m.xx * x.norm_sqr() + m.yy * y.norm_sqr() + m.zz * z.norm_sqr();
             weight * (diagonal + 2.0 * (m.xy * (x.conj() * y).re - coupled))
         };
-        // Chunks of fixed length, summed in order, give equal bits for any number of threads.
-        let chunks = self.matrices.len().div_ceil(CHUNK);
-        let sums: Vec<f64> = (0..chunks)
-            .into_par_iter()
-            .map(|chunk| (chunk * CHUNK..((chunk + 1) * CHUNK).min(self.matrices.len())).map(of_mode).sum())
-            .collect();
-        Ok(sums.iter().sum())
+        // Sums of lanes, added in order, give equal bits for any number of threads and processes.
+        let [_, positions] = self.grid().spectrum_shape();
+        let own = self.matrices.len() / positions;
+        let of_lane = |lane: usize| (lane * positions..(lane + 1) * positions).map(of_mode).sum();
+        let sums: Vec<f64> = (0..own).into_par_iter().map(of_lane).collect();
+        Ok(self.share.collect(&sums, &self.share.each(own)).iter().sum())
     }
 
     fn analyse(&self, field: &[f64], ws: &mut Workspace) -> Result<(), ShapeError> {
         self.check("field", field)?;
-        for (&axis, component) in self.components.axes().iter().zip(field.chunks_exact(self.grid().len())) {
+        for (&axis, component) in self.components.axes().iter().zip(field.chunks_exact(self.points())) {
             self.transform.forward(component, &mut ws.spectra[axis], &mut ws.transform)?;
         }
         Ok(())
     }
 
+    /// Returns the number of points of this process.
+    fn points(&self) -> usize {
+        self.share.own().len()
+    }
+
     fn check(&self, what: &'static str, field: &[f64]) -> Result<(), ShapeError> {
-        let expected = self.components.len() * self.grid().len();
+        let expected = self.components.len() * self.points();
         if field.len() == expected { Ok(()) } else { Err(ShapeError { what, found: field.len(), expected }) }
     }
 }

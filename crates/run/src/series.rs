@@ -298,6 +298,12 @@ impl Series<'_> {
                 self.session.agree(
                     kept.pieces(index, |field, start, values| file.write_piece((place, field), start, values)),
                 )?;
+                if self.prepared.facts.statistics {
+                    // The first process measures the whole fields again.
+                    let fields = if self.session.is_first() { kept.part(index)?.fields } else { Vec::new() };
+                    let recalled = if self.session.is_first() { handler.recall(&fields) } else { Ok(()) };
+                    self.session.agree(recalled)?;
+                }
             } else if let Some(place) = place {
                 let FinishedStep { fields, .. } = kept.part(index)?;
                 handler.recall(&fields).map_err(|failure| match failure {

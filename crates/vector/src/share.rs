@@ -163,6 +163,19 @@ impl Share {
         self.joined(sums, merge)
     }
 
+    /// Reduces a vector of several components, which follow one another, each with the values of this rank; `leaf` gets
+    /// ranges of one component, counted from the first value of the vector.
+    pub fn reduce_components<R: Serialise>(
+        &self,
+        components: usize,
+        leaf: &(impl Fn(Range<usize>) -> R + Sync),
+        merge: &(impl Fn(R, R) -> R + Sync),
+    ) -> R {
+        let own = self.own().len();
+        let of = |c: usize| self.reduce(&|range| leaf(range.start + c * own..range.end + c * own), merge);
+        (1..components).fold(of(0), |result, c| merge(result, of(c)))
+    }
+
     /// Returns the sum over the values of all ranks; `leaf` returns the sum over a range of the values of this rank.
     pub fn sum(&self, leaf: &(impl Fn(Range<usize>) -> f64 + Sync)) -> f64 {
         self.reduce(leaf, &|a, b| a + b)

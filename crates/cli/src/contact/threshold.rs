@@ -1,18 +1,22 @@
 //! Loads at which the gap closes for a flow, found by bisection.
 
-use gfmd_contact::{Boundary, Drive, Equilibrium as _, Fields as _, Load, Watch};
+use gfmd_contact::{Drive, Equilibrium as _, Fields as _, Load, Watch};
 use gfmd_files::{Archive, Dimension, Variable};
 use gfmd_measure::{GridLimit, Patches};
 use gfmd_problem::{AnyState, Facts, Posed, key};
 use gfmd_record::{COLUMNS, Column, Record, StateContext};
 use gfmd_unit::Units;
+use ndarray::ArrayView2;
 use serde::ser::SerializeMap as _;
 use serde::{Serialize, Serializer};
 
 use super::{Args, Loads};
 use crate::progress::Progress;
 use gfmd_input::failure::{Failure, reached};
+use gfmd_input::processes::of_first;
+use gfmd_input::rows;
 use gfmd_input::session::Session;
+use gfmd_input::source::Surface;
 use gfmd_run::series::{Finer, Prepared, Watching};
 
 /// Relative width of the interval at which the bisection ends.
@@ -192,14 +196,23 @@ impl Bisection<'_> {
 }
 
 impl Sample {
-    /// Measures a state; `at` has its numbers.
-    fn of(state: &AnyState, boundary: Boundary, at: StateContext) -> Self {
+    /// Measures a state between two surfaces; `at` has its numbers. The first of several processes finds the open paths.
+    fn of(state: &AnyState, Surface { share, boundary, .. }: &Surface, at: StateContext) -> Self {
         // The samples need neither statistics nor flow.
         let plain = Facts { statistics: false, flow: false, leak: false, conducts: false, ..*at.facts };
         let record = Record::of(&StateContext { facts: &plain, ..at });
         let mut conducting = state.repulsion().mapv(|p| p <= 0.0);
         conducting.zip_mut_with(&state.gap(), |open, gap| *open &= *gap > 0.0);
-        Self { asked: f64::NAN, record, open: Patches::of(conducting.view(), boundary).percolate() }
+        let open = |conducting: ArrayView2<bool>| Patches::of(conducting, *boundary).percolate();
+        let open = match share.is_whole() {
+            true => open(conducting.view()),
+            false => {
+                let whole = rows::gathered(share, conducting.mapv(f64::from).view());
+                let found = whole.map_or([false; 2], |whole| open(whole.mapv(|open| open > 0.0).view()));
+                of_first(share.ranks(), found.map(u64::from)).map(|open| open > 0)
+            }
+        };
+        Self { asked: f64::NAN, record, open }
     }
 }
 
@@ -232,7 +245,7 @@ impl Loads {
             if let Some(stopped) = stopped {
                 return Err(stopped);
             }
-            let sample = Sample::of(&state, surface.boundary, self.prepared.at(&state, budget.tolerance));
+            let sample = Sample::of(&state, surface, self.prepared.at(&state, budget.tolerance));
             last = Some(state);
             Ok(sample)
         };
@@ -245,7 +258,7 @@ impl Loads {
                     finer.forget();
                 }
                 let (state, surface, at) = finer.reach(load.into(), watch)?;
-                Ok(Sample::of(state, surface.boundary, at))
+                Ok(Sample::of(state, surface, at))
             };
             let of_finer = |text: String| warn(format!("no limit is known: on the finer grid {text}"));
             match bisection.run(reach, of_finer) {

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use gfmd_contact::Fields as _;
+use gfmd_field::Share;
 use gfmd_flow::{Flow, Wanted};
 use gfmd_green::Height;
 use gfmd_measure::Patches;
@@ -14,6 +15,7 @@ use ndarray::{Array2, ArrayView2, CowArray, Ix2};
 
 use super::{Conducting, MeasureArgs};
 use gfmd_input::failure::Failure;
+use gfmd_input::rows;
 use gfmd_input::source::Surface;
 
 /// Results of the states of one contact beside their scalars.
@@ -79,6 +81,14 @@ impl<'a> Touching<'a> {
         let stiffness = at.stiffness.as_ref().ok().map(|found| found.value);
         Self { repulsion, gap, mean_gap: at.summary.mean_gap, has_converged: at.has_converged(), stiffness }
     }
+
+    /// Gathers the whole surfaces at the first process; returns `None` at the others.
+    fn gathered(&self, share: &Share) -> Option<Touching<'static>> {
+        let Self { repulsion, gap, mean_gap, has_converged, stiffness } = self;
+        let [repulsion, gap] = [repulsion, gap].map(|field| rows::gathered(share, field.view()));
+        let (repulsion, gap) = (repulsion?.into(), gap?.into());
+        Some(Touching { repulsion, gap, mean_gap: *mean_gap, has_converged: *has_converged, stiffness: *stiffness })
+    }
 }
 
 /// All requested measurements of one state.
@@ -95,11 +105,27 @@ pub(crate) struct Findings {
 
 impl Findings {
     /// Measures a state; `of_flow` says whether the flow needs fields, `warn` receives the code and text for each
-    /// number that is less exact than it should be.
+    /// number that is less exact than it should be. The first of several processes measures the whole fields, the others
+    /// find nothing.
     ///
     /// # Errors
     /// Returns an error if the fields do not fit the grid, or if a flow or a conductance cannot be computed.
     pub(crate) fn of(
+        args: &MeasureArgs,
+        (surface, conducting): (&Surface, &Conducting),
+        touching: &Touching,
+        of_flow: Wanted,
+        warn: impl FnMut(&'static str, String),
+    ) -> Result<Self, Failure> {
+        let share = &surface.share;
+        if share.is_whole() || !(args.statistics || args.flow) {
+            return Self::of_whole(args, (surface, conducting), touching, of_flow, warn);
+        }
+        let whole = touching.gathered(share);
+        whole.map_or(Ok(Self::default()), |whole| Self::of_whole(args, (surface, conducting), &whole, of_flow, warn))
+    }
+
+    fn of_whole(
         args: &MeasureArgs,
         (surface, conducting): (&Surface, &Conducting),
         touching: &Touching,

@@ -119,7 +119,7 @@ impl PathInput {
             strain::define_waypoints(file, prepared, places.count(drives.len()))?;
         }
         let progress = Progress::new(session, "steps", drives.len() as f64);
-        let finer = on_finer_grids(asked, prepared)?;
+        let finer = on_finer_grids(asked, prepared, session)?;
         let finer = finer.iter().map(|(finer, contact)| {
             Ok(Beside {
                 prepared: finer,
@@ -268,7 +268,7 @@ impl StateHandler for Log<'_> {
         let at = StateContext { stiffness, ..at };
         let (surface, touching) = ((&self.prepared.surface, self.conducting), Touching::of(state, &at));
         let findings = Findings::of(self.measure, surface, &touching, Wanted::Conductivity, warn);
-        let findings = findings.map_err(|failure| failure.at(format!("step {index}")))?;
+        let findings = self.session.agree(findings.map_err(|failure| failure.at(format!("step {index}"))))?;
         let measured = findings.borrowed();
         let (seconds, reading) = (started.elapsed().as_secs_f64(), self.contact.reading(state));
         let finer = self.finer.iter_mut().map(|finer| match is_cut {

@@ -3,6 +3,7 @@
 //! points that come into contact, the error is of first order in the length of the increment.
 
 use gfmd_contact::Fields as _;
+use gfmd_vector::{add, contiguous};
 
 use super::shear::{AT_LIMIT, limits_of};
 use super::{QuasistaticContact, QuasistaticState, Shear};
@@ -11,7 +12,6 @@ use super::{QuasistaticContact, QuasistaticState, Shear};
 const NO_SHEAR: f64 = 1e-6;
 
 /// Sums, over the points, of the shear and its limits at both ends of an increment.
-#[derive(Default)]
 struct Changes {
     /// Larger of the two limits.
     largest: f64,
@@ -52,15 +52,29 @@ impl QuasistaticContact {
         let Some(((shear, of_a), of_b)) = self.shear.as_ref().zip(a.sheared.as_ref()).zip(b.sheared.as_ref()) else {
             return 0.0;
         };
-        let points = b.gap().len() as f64;
-        let apart = |(((t, u), s), v): (((&f64, &f64), &f64), &f64)| (t - s) * (u - v);
-        let lateral = of_a.traction.iter().zip(&of_a.displacement).zip(&of_b.traction).zip(&of_b.displacement);
+        let (share, own, all) = (self.share(), self.points(), self.all_points());
+        let sum = |of: &(dyn Fn(usize) -> f64 + Sync)| share.sum(&|range| range.map(of).sum());
+        let components = of_a.traction.len() / own;
+        let lateral: f64 = (0..components)
+            .map(|c| {
+                let at = |i: usize| c * own + i;
+                sum(&|i| {
+                    (of_a.traction[at(i)] - of_b.traction[at(i)])
+                        * (of_a.displacement[at(i)] - of_b.displacement[at(i)])
+                })
+            })
+            .sum();
         let (p, q) = (a.pressure(), b.pressure());
-        let normal = p.iter().zip(a.displacement_z()).zip(&q).zip(b.displacement_z());
-        let energy = 0.5 * (lateral.map(apart).sum::<f64>() - normal.map(apart).sum::<f64>()) / points;
-        let limits = self.limits(shear, b).iter().sum::<f64>() / points;
+        let (p, q) = (contiguous(&p), contiguous(&q));
+        let (u, v) = (a.displacement_z(), b.displacement_z());
+        let (u, v) = (contiguous(&u), contiguous(&v));
+        let energy = 0.5 * (lateral - sum(&|i| (p[i] - q[i]) * (u[i] - v[i]))) / all;
+        let limits = self.limits(shear, b);
+        let limits = sum(&|i| limits[i]) / all;
         let Some(Changes { largest, changed, .. }) = self.changes(start, b) else { return 0.0 };
-        let repulsion = b.repulsion().mean().unwrap_or(f64::NAN);
+        let repulsion = b.repulsion();
+        let repulsion = contiguous(&repulsion);
+        let repulsion = sum(&|i| repulsion[i]) / all;
         let scale = (limits / repulsion).powi(2) * changed / largest * b.elastic_energy;
         if scale > 0.0 { energy.abs() / scale } else { 0.0 }
     }
@@ -75,21 +89,21 @@ impl QuasistaticContact {
             Some(start) => Some(Sheared { limits: of(start)?, traction: &start.sheared.as_ref()?.traction }),
             None => None,
         };
-        let mut changes = Changes::default();
-        for i in 0..at_end.limits.len() {
+        let of_point = |i: usize| {
             let (before, from) = at_start.as_ref().map_or((0.0, [0.0; 2]), |start| start.point(i));
             let (after, to) = at_end.point(i);
             let magnitudes = [from[0].hypot(from[1]), to[0].hypot(to[1])];
-            changes.largest += before.max(after);
-            changes.sheared += magnitudes[0] + magnitudes[1];
-            changes.changed += (after - before).abs();
+            let mut changed = (after - before).abs();
             let slips = |limit: f64, shear: f64| limit > 0.0 && shear >= limit * (1.0 - AT_LIMIT);
             if slips(before, magnitudes[0]) && slips(after, magnitudes[1]) {
                 // A reversal of slip passes through stick and is exact.
-                changes.changed += (from[0] * to[1] - from[1] * to[0]).abs() / magnitudes[0].max(magnitudes[1]);
+                changed += (from[0] * to[1] - from[1] * to[0]).abs() / magnitudes[0].max(magnitudes[1]);
             }
-        }
-        Some(changes)
+            [before.max(after), magnitudes[0] + magnitudes[1], changed]
+        };
+        let sums = |range: std::ops::Range<usize>| range.fold([0.0; 3], |sums, i| add(sums, of_point(i)));
+        let [largest, sheared, changed] = self.share().reduce(&sums, &add);
+        Some(Changes { largest, sheared, changed })
     }
 
     /// Returns the limits of the shear in a state, in the units of the input.

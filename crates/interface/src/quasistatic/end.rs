@@ -11,7 +11,7 @@ use super::normal::{Normal, NormalState};
 use super::shear::Sheared;
 use super::state::{Losses, QuasistaticState, ShearFields};
 use super::step::{Reached, Step};
-use crate::numbers::{dot, mean, total};
+use crate::numbers::{dot, total};
 
 /// Error of a pressure divided by the pressure that would close the largest gap left in contact; the depth contains the
 /// gaps of earlier states.
@@ -56,7 +56,8 @@ impl QuasistaticContact {
         let stored = match (energies, &sheared) {
             (Some(Energies { stored, .. }), _) => stored,
             (None, Some(sheared)) => {
-                let lateral = dot(share, &sheared.traction, &sheared.displacement);
+                let both = sheared.traction.chunks_exact(points).zip(sheared.displacement.chunks_exact(points));
+                let lateral: f64 = both.map(|(t, u)| dot(share, t, u)).sum();
                 let pressed =
                     dot(share, &contiguous(&normal.pressure()), &contiguous(&normal.fields().displacement_z()));
                 0.5 * (lateral - pressed) / all
@@ -87,10 +88,11 @@ impl QuasistaticContact {
             mean_shear = state.mean_shear;
         }
         let sheared = sheared.map(|Sheared { displacement, mut traction, slip, sticking, lost, friction, excess }| {
-            losses.friction = lost / points as f64;
+            losses.friction = lost / all;
             traction.iter_mut().for_each(|t| *t *= factor);
-            mean_shear.iter_mut().zip(traction.chunks_exact(points)).for_each(|(shear, field)| *shear = mean(field));
-            let stick_fraction = sticking / points as f64;
+            let components = mean_shear.iter_mut().zip(traction.chunks_exact(points));
+            components.for_each(|(shear, field)| *shear = total(share, field) / all);
+            let stick_fraction = sticking / all;
             ShearFields { displacement, traction, slip, stick_fraction, friction, excess }
         });
         let mut state = QuasistaticState {

@@ -16,7 +16,7 @@ pub struct Parts<'a> {
     /// Grid of the surface.
     pub grid: &'a Grid,
     /// Rows of this process, one of several that make the same calls with their rows of all fields; `None` if it is
-    /// alone. Several processes share periodic contacts in u_z, with the bits of one.
+    /// alone. Several processes share periodic contacts, with the bits of one.
     pub share: Option<&'a Share>,
     /// Rigid profile on the grid, in length, with peaks towards the body. A constant has no effect.
     pub heights: &'a ArrayRef2<f64>,
@@ -79,13 +79,10 @@ impl Parts<'_> {
 
     /// Checks that several processes can share all parts.
     pub(super) fn check_shared(&self, share: &Share) -> Result<(), Refusal> {
-        let others = [
-            (self.boundary == Boundary::Free, "free boundaries"),
-            (self.all_components, "a law that moves all components"),
-            (self.shear.is_some(), "a limit of the shear"),
-        ];
-        let alone = others.into_iter().find(|(is_given, _)| !share.is_whole() && *is_given);
-        alone.map_or(Ok(()), |(_, part)| Err(Refusal::Shared { part }))
+        match self.boundary {
+            Boundary::Free if !share.is_whole() => Err(Refusal::Shared { part: "free boundaries" }),
+            _ => Ok(()),
+        }
     }
 
     /// Checks that no other part moves a surface that is held sideways.

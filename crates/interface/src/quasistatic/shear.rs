@@ -5,7 +5,7 @@ pub(super) mod adjoint;
 use gfmd_contact::{Drive, Refusal};
 use gfmd_medium::Affine;
 use gfmd_relax::{Anderson, Budget, Descended, Ending, SpectralProjectedGradient, Watch};
-use gfmd_vector::{add, reduce};
+use gfmd_vector::{Share, add};
 
 use super::normal::NormalState;
 use super::parts::LimitingPressure;
@@ -23,6 +23,8 @@ const DEPTH: usize = 5;
 /// Shear of a step during its solution. Tractions are divided by the common stiffening of the step.
 pub(super) struct ShearStep {
     shear: Shear,
+    /// Points of this process.
+    share: Share,
     factor: f64,
     transforms: Transforms,
     /// Stiffness of the longest and the shortest wave.
@@ -60,9 +62,9 @@ pub(super) struct Sheared {
     pub(super) displacement: Vec<f64>,
     pub(super) traction: Vec<f64>,
     pub(super) slip: Vec<f64>,
-    /// Number of sticking points.
+    /// Number of sticking points of all processes.
     pub(super) sticking: f64,
-    /// Sum of the work lost at all points; not divided.
+    /// Sum of the work lost at all points of all processes; not divided.
     pub(super) lost: f64,
     /// Residuals: distance of the shear from its law, and excess over its limit.
     pub(super) friction: f64,
@@ -104,6 +106,7 @@ impl ShearStep {
         let [softest, stiffest] = response.stiffness_range();
         Ok(Self {
             shear,
+            share: contact.share().clone(),
             factor,
             transforms,
             softest,
@@ -124,9 +127,10 @@ impl ShearStep {
         self.transforms.pairs()
     }
 
-    /// Returns the largest component of the shear traction.
+    /// Returns the largest component of the shear traction, over all processes.
     pub(super) fn largest(&self) -> f64 {
-        self.traction.iter().fold(0.0, |most: f64, shear| most.max(shear.abs()))
+        let own = self.traction.iter().fold(0.0, |most: f64, shear| most.max(shear.abs()));
+        self.share.each(own).into_iter().fold(0.0, f64::max)
     }
 
     /// Returns the displacement along z caused by the shear.
@@ -177,7 +181,8 @@ impl ShearStep {
         watch: &mut dyn Watch,
     ) -> Descended {
         let (points, lateral) = (self.points(), self.stuck.len());
-        let limits = Limits::new(limits_of(&self.shear, self.factor, state), length);
+        let share = &self.share.clone();
+        let limits = Limits::new(limits_of(&self.shear, self.factor, state), share, length);
         let mut traction = Self::traction(&vec![0.0; lateral], state);
         let mut displacement = vec![0.0; traction.len()];
         self.transforms.compliance(&traction, &mut displacement);
@@ -198,7 +203,10 @@ impl ShearStep {
         let slipped = lengths(&slip, points).take(self.slipped.len());
         let image: Vec<f64> = self.displacement[lateral..].iter().copied().chain(slipped).collect();
         let mut mixed: Vec<f64> = self.lift.iter().chain(&self.slipped).copied().collect();
-        self.mixing.advance(&mut mixed, &image);
+        let product = |a: &[f64], b: &[f64]| {
+            share.reduce_components(a.len() / points, &|range| range.map(|i| a[i] * b[i]).sum(), &|a, b| a + b)
+        };
+        self.mixing.advance_by(&mut mixed, &image, &product);
         self.lift.copy_from_slice(&mixed[..points]);
         // A mixture of lengths may be negative.
         self.slipped.iter_mut().zip(&mixed[points..]).for_each(|(slipped, mixed)| *slipped = mixed.max(0.0));
@@ -209,7 +217,8 @@ impl ShearStep {
     /// is the unit of slip.
     pub(super) fn certify(&mut self, state: &NormalState, length: f64) -> Sheared {
         let (points, lateral) = (self.points(), self.stuck.len());
-        let limits = Limits::new(limits_of(&self.shear, self.factor, state), length);
+        let share = &self.share.clone();
+        let limits = Limits::new(limits_of(&self.shear, self.factor, state), share, length);
         let traction = Self::traction(&self.traction[..lateral], state);
         let mut displacement = vec![0.0; traction.len()];
         self.transforms.compliance(&traction, &mut displacement);
@@ -219,8 +228,7 @@ impl ShearStep {
         let traction = traction[..lateral].to_vec();
         let magnitude = |i: usize| traction.chunks_exact(points).map(|t| t[i] * t[i]).sum::<f64>().sqrt();
         let before = &self.limits_before;
-        let [sticking, lost] = reduce(
-            points,
+        let [sticking, lost] = share.reduce(
             &|range| {
                 range.fold([0.0; 2], |sums, i| {
                     let limit = limits.values[i];
@@ -236,11 +244,8 @@ impl ShearStep {
             },
             &add,
         );
-        let excess = reduce(
-            points,
-            &|range| range.fold(0.0, |worst, i| higher(worst, magnitude(i) - limits.values[i])),
-            &higher,
-        );
+        let beyond = |i: usize| magnitude(i) - limits.values[i];
+        let excess = share.reduce(&|range| range.fold(0.0, |worst, i| higher(worst, beyond(i))), &higher);
         let friction = limits.mismatch(&traction, &slip);
         let excess = if limits.strongest > 0.0 { excess / limits.strongest } else { 0.0 };
         Sheared { displacement, traction, slip, sticking, lost, friction, excess }

@@ -229,7 +229,8 @@ impl Variables for QuasistaticState {
         let Self { normal, sheared, memory, worn, pressed_in, .. } = self;
         normal.visit(visitor);
         if let Some(ShearFields { displacement, traction, slip, stick_fraction, friction, excess }) = sheared {
-            [displacement, traction, slip].into_iter().for_each(|field| visitor.field(field));
+            let (fields, own) = ([displacement, traction, slip].into_iter(), share.own().len());
+            fields.flat_map(|field| field.chunks_exact_mut(own)).for_each(|rows| visitor.rows(share, rows));
             visitor.numbers(&mut [stick_fraction, friction, excess]);
         }
         for field in worn.iter_mut().chain(pressed_in) {

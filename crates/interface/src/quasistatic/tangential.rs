@@ -1,5 +1,7 @@
 use gfmd_relax::OnConvexSet;
-use gfmd_vector::{for_each, reduce};
+use gfmd_vector::{Share, add, for_each};
+
+use std::ops::Range;
 
 use super::response::Transforms;
 use crate::numbers::higher;
@@ -10,7 +12,7 @@ const EDGE: f64 = 1e-12;
 /// Tangential problem: ½⟨τ, G τ⟩ + ⟨τ, s₀⟩ → min over |τ| ≤ limit; s₀ is the slip without shear.
 pub(super) struct TangentialProblem<'a> {
     pub(super) transforms: &'a mut Transforms,
-    pub(super) limits: &'a Limits,
+    pub(super) limits: &'a Limits<'a>,
     /// Buffers for a traction and a displacement with all components; the normal component of the traction is 0.
     pub(super) traction: Vec<f64>,
     pub(super) displacement: &'a mut [f64],
@@ -71,23 +73,31 @@ impl OnConvexSet for TangentialProblem<'_> {
         });
     }
 
+    fn sums(&self, length: usize, of: &(dyn Fn(Range<usize>) -> [f64; 4] + Sync)) -> [f64; 4] {
+        let Limits { values, share, .. } = self.limits;
+        share.reduce_components(length / values.len(), &|range| of(range), &add)
+    }
+
     fn residual(&self, x: &[f64], gradient: &[f64]) -> f64 {
         self.limits.mismatch(x, gradient)
     }
 }
 
 /// Largest shear traction allowed by friction at each point.
-pub(super) struct Limits {
+pub(super) struct Limits<'a> {
+    /// Limits at the points of this process.
     pub(super) values: Vec<f64>,
-    /// Largest limit.
+    share: &'a Share,
+    /// Largest limit, over all processes.
     pub(super) strongest: f64,
     /// Unit of slip, length.
     pub(super) length: f64,
 }
 
-impl Limits {
-    pub(super) fn new(values: Vec<f64>, length: f64) -> Self {
-        Self { strongest: values.iter().copied().fold(0.0, f64::max), values, length }
+impl<'a> Limits<'a> {
+    pub(super) fn new(values: Vec<f64>, share: &'a Share, length: f64) -> Self {
+        let strongest = share.each(values.iter().copied().fold(0.0, f64::max));
+        Self { strongest: strongest.into_iter().fold(0.0, f64::max), values, share, length }
     }
 
     /// Reduces the shear to its limit, point by point.
@@ -118,7 +128,7 @@ impl Limits {
     /// Returns the largest |τ − P(τ − c s)| divided by the largest limit; c is the largest limit divided by the unit of
     /// slip. 0 if all limits are 0. (The sum of limit |s| + τ·s is of second order in errors of direction.)
     pub(super) fn mismatch(&self, shear: &[f64], slip: &[f64]) -> f64 {
-        let Self { values: limits, strongest, length } = self;
+        let Self { values: limits, share, strongest, length } = self;
         if *strongest == 0.0 {
             return 0.0;
         }
@@ -135,6 +145,6 @@ impl Limits {
             let off: f64 = (0..components).map(|c| (shear[c * n + i] - factor * moved[c]).powi(2)).sum();
             off.sqrt()
         };
-        reduce(n, &|range| range.fold(0.0, |worst, i| higher(worst, of_point(i))), &higher) / strongest
+        share.reduce(&|range| range.fold(0.0, |worst, i| higher(worst, of_point(i))), &higher) / strongest
     }
 }

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Drive, Equilibrium as _, Fields as _, Hardness, Load, Resumable as _, Solver, Springs};
+use gfmd_contact::{
+    Boundary, Contact, Drive, Equilibrium as _, Fields as _, Hardness, Load, Resumable as _, Solver, Springs,
+};
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, Material};
-use gfmd_interface::{Interface, Parts, QuasistaticContact, QuasistaticState, State, Wear};
-use gfmd_law::{Exponential, HardWall, Law, Limit, Morse};
+use gfmd_interface::{Interface, Parts, Quasistatic as _, QuasistaticContact, QuasistaticState, Shear, State, Wear};
+use gfmd_law::{Exponential, HardWall, Law, Limit, Morse, Npc, Separation};
 use gfmd_medium::{Prony, Relaxes};
 use gfmd_relax::{Budget, MemoryCheckpoint};
 use gfmd_surface::SelfAffine;
@@ -148,13 +150,10 @@ fn a_wall_that_gives_way_below_a_law_has_the_bits_of_one_process() {
     compare(&both, [Load::Approach(0.01), Load::Approach(0.03)], 2);
 }
 
-/// Drives of a path: mean pressure, time, distance.
+/// Drives of a path: mean pressure, lateral displacement, time, distance.
 fn drives() -> [Drive; 3] {
-    [(0.004, 0.0, 0.0), (0.004, 0.5, 0.02), (0.002, 2.0, 0.03)].map(|(mean, time, distance)| Drive {
-        time,
-        distance,
-        ..Load::MeanPressure(mean).into()
-    })
+    let all = [(0.004, [0.0, 0.0], 0.0, 0.0), (0.004, [1e-3, 0.0], 0.5, 0.02), (0.002, [2e-3, 1e-3], 2.0, 0.03)];
+    all.map(|(mean, lateral, time, distance)| Drive { lateral, time, distance, ..Load::MeanPressure(mean).into() })
 }
 
 /// Follows a path of parts, each step from a restored copy of the state before; returns bits of numbers and fields.
@@ -165,6 +164,10 @@ fn follow(parts: &Parts) -> Vec<Bits> {
         let start = last.take();
         let solved = contact.equilibrate(drive, Solver::Auto, &Budget::default(), start.as_ref(), &mut ());
         let mut state = solved.unwrap();
+        let changes = start.as_ref().map_or([0.0; 2], |start| {
+            let change = contact.change(None, start, &state);
+            [change, f64::from(contact.depends_on_division(Some(start), &state, 1e-6))]
+        });
         let mut kept = MemoryCheckpoint::default();
         contact.keep(&mut state, &mut kept);
         kept.rewind();
@@ -186,13 +189,22 @@ fn follow(parts: &Parts) -> Vec<Bits> {
                 summary.area_fraction_corrected,
                 summary.mean_gap,
                 contact.stiffness(state, 1e-8).map_or(f64::NAN, |stiffness| stiffness.value),
+                state.mean_shear[0],
+                state.mean_shear[1],
+                losses.friction,
+                state.stick_fraction().unwrap_or_default(),
+                state.law().map_or(0.0, |law| law.lowest_curvature),
+                changes[0],
+                changes[1],
             ];
             let residuals = state.residuals().into_iter().map(|(_, residual)| residual);
             let numbers = numbers.into_iter().chain(residuals).map(f64::to_bits).collect();
             let depths = state.wear_depth().into_iter().chain(state.plastic_depth()).cloned();
             let fields = [state.pressure().into_owned(), state.displacement_z().to_owned(), state.gap().to_owned()];
             let memory = state.memory().unwrap_or_default();
-            let all = fields.into_iter().chain(depths).chain(memory);
+            let shears = [0, 1].into_iter().flat_map(|axis| state.shear(axis).into_iter().chain(state.slip(axis)));
+            let shears = shears.map(|field| field.to_owned());
+            let all = fields.into_iter().chain(depths).chain(memory).chain(shears);
             (numbers, all.map(|field| field.iter().map(|x| x.to_bits()).collect()).collect())
         };
         let found: Bits = of(&state);
@@ -211,16 +223,32 @@ fn paths_over_ranks_have_the_bits_of_one_process() {
     let prony = Prony::from_fractions(&[(0.3, 0.2), (2.0, 0.4)]).unwrap();
     let law = Exponential::new(2e-4, 4e-3).unwrap().into_shared();
     let wall = HardWall.into_shared();
+    let separation =
+        Separation { normal_work: 1e-4, tangential_work: 1e-4, normal_length: 0.01, tangential_length: 0.01 };
+    let shearing = Npc::new(separation).unwrap().into_shared();
     let hardness = Array2::from_shape_fn((128, 64), |(i, j)| 0.05 * (1.0 + 0.1 * ((i + 2 * j) % 5) as f64));
     let wear = Some(Wear { by_distance: 1.0, by_slip: 0.0 });
     let relaxation = Some((&prony, Relaxes::Both));
+    let slips = Some(Wear { by_distance: 0.5, by_slip: 1.0 });
+    let shear = Some(Shear::from(Limit::Coulomb(0.3)));
+    let strength = Some(Shear::from(Limit::Orowan { coefficient: 0.3, strength: 0.01 }));
     let plain = Parts::new(&body, &grid, &heights);
     let cases = [
         Parts { law: Some(wall), ..plain.clone() },
         Parts { wear, ..plain.clone() },
         Parts { relaxation, hardness: Some(Hardness::Field(hardness.clone())), ..plain.clone() },
         Parts { law: Some(Arc::clone(&law)), relaxation, wear, ..plain.clone() },
-        Parts { law: Some(law), hardness: Some(Hardness::Field(hardness)), wear, held: true, ..plain.clone() },
+        Parts {
+            law: Some(Arc::clone(&law)),
+            hardness: Some(Hardness::Field(hardness.clone())),
+            wear,
+            held: true,
+            ..plain.clone()
+        },
+        Parts { shear, ..plain.clone() },
+        Parts { shear: strength, relaxation, wear: slips, ..plain.clone() },
+        Parts { shear, law: Some(law), hardness: Some(Hardness::Field(hardness)), relaxation, ..plain.clone() },
+        Parts { law: Some(shearing), all_components: true, relaxation, ..plain.clone() },
     ];
     for (number, parts) in cases.iter().enumerate() {
         let alone = follow(parts);
@@ -246,12 +274,12 @@ fn paths_over_ranks_have_the_bits_of_one_process() {
         }
     }
     // Parts that need all points are refused on all processes.
-    let slid = Parts { shear: Some(Limit::Coulomb(0.3).into()), ..plain };
+    let slid = Parts { boundary: Boundary::Free, ..plain };
     let refused = ThreadRanks::of(2, |ranks| {
         let share = Contact::share(ranks, &grid).unwrap();
         let own = heights.slice(s![share.rows(), ..]).to_owned();
         let refused = QuasistaticContact::new(&Parts { share: Some(&share), heights: &own, ..slid.clone() });
         refused.err().unwrap().to_string()
     });
-    assert!(refused.iter().all(|text| text.contains("with a limit of the shear")), "{refused:?}");
+    assert!(refused.iter().all(|text| text.contains("with free boundaries")), "{refused:?}");
 }

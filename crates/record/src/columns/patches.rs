@@ -88,5 +88,10 @@ pub(super) const COLUMNS: &[Column] = &[
 /// Returns the conductance of the gas between the points that are not in contact.
 fn through_gas(at: &StateContext) -> Cell {
     let (Some(gas), Some(rest)) = (at.gas, at.rest) else { return f64::NAN.into() };
-    gas.conductance(rest.repulsion().view(), rest.gap()).unwrap_or(f64::NAN).into()
+    let (repulsion, gap) = (rest.repulsion(), rest.gap());
+    let found = match &at.share {
+        Some(share) if !share.is_whole() => gas.conductance_over(share, repulsion.view(), gap),
+        _ => gas.conductance(repulsion.view(), gap),
+    };
+    found.unwrap_or(f64::NAN).into()
 }

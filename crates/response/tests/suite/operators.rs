@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use approx::assert_relative_eq;
-use gfmd_field::{Grid, Rows};
+use gfmd_field::{Grid, Rows, Share};
 use gfmd_green::{Base, Body, Material};
 use gfmd_response::{
     Components, FullResponse, FullTransforms, Hermitian, NormalResponse, NormalTransforms, RoundedTransforms, Scattered,
 };
+use gfmd_vector::ThreadRanks;
 use proptest::prelude::*;
 use rayon::prelude::*;
 
@@ -273,6 +274,35 @@ fn the_normal_part_of_all_components_displaces_as_they_do() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn operators_over_ranks_have_the_bits_of_one_process() {
+    let grid = Grid::new([128, 64], [1.0, 0.6]).unwrap();
+    let n = grid.len();
+    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    for body in bodies() {
+        let field = noise(3 * n, 6);
+        // All components of the rows of a share: traction, energy, and the normal compliance of all modes.
+        let found = |share: &Share| {
+            let own: Vec<f64> = field.chunks_exact(n).flat_map(|component| &component[share.own()]).copied().collect();
+            let full = FullResponse::distributed(grid, &body, share);
+            let (mut out, mut ws) = (vec![0.0; own.len()], full.workspace());
+            full.stiffness().apply(&own, &mut out, &mut ws).unwrap();
+            let energy = full.stiffness().quadratic_form(&own, &mut ws).unwrap();
+            let normal = NormalResponse::of_all_components(&full);
+            let compliances: Vec<f64> = (0..grid.spectrum_len()).map(|index| normal.compliance_at(index)).collect();
+            let numbers = [energy, normal.stiffness_range()[0], normal.stiffness_range()[1]];
+            let rows = share.own().len();
+            (out.chunks_exact(rows).map(bits).collect::<Vec<_>>(), bits(&numbers), bits(&compliances))
+        };
+        let (fields, numbers, compliances) = found(&grid.whole());
+        let each = ThreadRanks::of(3, |ranks| found(&Share::among(ranks, grid.rows(), 0).unwrap()));
+        for (component, field) in fields.iter().enumerate() {
+            assert!(each.iter().flat_map(|(own, ..)| &own[component]).eq(field), "component {component}");
+        }
+        assert!(each.iter().all(|(_, other, all)| *other == numbers && *all == compliances));
     }
 }
 

@@ -30,7 +30,8 @@ pub fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Fa
             words!["none or estimate with a ", key("hardness"), " of each point"],
         ));
     }
-    let both = prepared.surface.is_read() && prepared.short_waves() > UNRESOLVED;
+    let Surface { share, .. } = &prepared.surface;
+    let both = share.any(prepared.surface.is_read()) && prepared.short_waves() > UNRESOLVED;
     let ways = [Interpolation::Waves, Interpolation::Cubic].into_iter().take(1 + usize::from(both));
     ways.map(|how| asked.source.finer(2, how)).collect()
 }
@@ -39,12 +40,16 @@ pub fn sources(asked: &Asked, prepared: &Prepared) -> Result<Vec<SourceArgs>, Fa
 ///
 /// # Errors
 /// Returns an error if no other grid of the problem is known, or if the problem does not fit into memory.
-pub fn on_finer_grids(asked: &Asked, prepared: &Prepared) -> Result<Vec<(Prepared, Posed)>, Failure> {
+pub fn on_finer_grids(
+    asked: &Asked,
+    prepared: &Prepared,
+    session: &Session,
+) -> Result<Vec<(Prepared, Posed)>, Failure> {
     let pose = |source: SourceArgs| {
         let Prepared { fluid, conductivity, gas, .. } = *prepared;
         let gas = gas.map(GivenGas::Numbers);
         let asked = Asked { source: &source, once: true, fluid, conductivity, gas, ..asked.clone() };
-        let finer = Prepared::new(&asked, prepared.facts, &Session::silent())?;
+        let finer = Prepared::new(&asked, prepared.facts, &session.silenced())?;
         let contact = finer.pose(&source, &finer.law)?;
         Ok((finer, contact))
     };
@@ -88,8 +93,8 @@ impl Finer {
     ///
     /// # Errors
     /// Fails like [`on_finer_grids`].
-    pub fn pose(args: &ContactArgs, prepared: &Prepared) -> Result<Vec<Self>, Failure> {
-        let posed = on_finer_grids(&args.asked()?, prepared)?.into_iter();
+    pub fn pose(args: &ContactArgs, prepared: &Prepared, session: &Session) -> Result<Vec<Self>, Failure> {
+        let posed = on_finer_grids(&args.asked()?, prepared, session)?.into_iter();
         let with_rise = |(finer, contact): (Prepared, Posed)| {
             let rise = finer.highest() - prepared.highest();
             Self { args: args.clone(), prepared: finer, contact, rise, last: None }

@@ -12,7 +12,9 @@ use gfmd_green::Body;
 use gfmd_law::Law;
 use gfmd_measure::{GapGas, Scales, top_inside, top_of_shared};
 use gfmd_plasticity::Cell;
-use gfmd_problem::{AnyState, Facts, Given, Inelastic, KeptStrain, Posed, Unknown, Words, key, pose, setting, words};
+use gfmd_problem::{
+    AnyState, Facts, Given, Inelastic, KeptStrain, MemoryNeed, Posed, Unknown, Words, key, pose, setting, words,
+};
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, window};
 use gfmd_unit::Units;
@@ -24,9 +26,9 @@ use gfmd_input::base::{BaseArgs, MovedBase};
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness::{self, GivenHardness};
 use gfmd_input::lower::LowerArgs;
+use gfmd_input::memory;
 use gfmd_input::session::Session;
-use gfmd_input::source::stored_unit;
-use gfmd_input::source::{SourceArgs, Surface};
+use gfmd_input::source::{SourceArgs, Surface, highest, stored_unit};
 use gfmd_problem::Adhesion;
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PlasticityArgs, Yielding, check_wavenumbers};
 
@@ -124,7 +126,10 @@ impl Prepared {
                 "the heights are all equal; only the lower surface may be flat",
             ));
         }
-        let elastic = facts.memory_need(asked.solver, asked.once);
+        let is_shared = session.processes().all > 1;
+        // The first of several processes measures whole fields.
+        let shared = if is_shared { Facts { flow: false, ..facts } } else { facts };
+        let elastic = shared.memory_need(asked.solver, asked.once);
         let faces = 1 + usize::from(facts.lower.is_some());
         let components = if facts.friction.is_some() || facts.lateral { 3 } else { faces };
         let inelastic = asked.inelastic_on();
@@ -143,6 +148,13 @@ impl Prepared {
             None => need,
         };
         session.fits(need, &surface.grid, &surface.heights)?;
+        if is_shared && (facts.flow || facts.statistics) {
+            let (measurement, whole) = match facts.flow {
+                true => ("flow", MemoryNeed::FLOW_ALONE),
+                false => ("statistics", MemoryNeed::HARD_WALL),
+            };
+            session.agree(memory::fits(whole, key(measurement), surface.grid.points()))?;
+        }
         let is_held = facts.unknown == Unknown::Held;
         let (base, hardness) = asked.fields((&body, is_held), &surface, session)?;
         let surface = match &base {
@@ -249,7 +261,7 @@ impl Prepared {
     /// moves, and with the highest point of a lower surface.
     pub fn highest(&self) -> f64 {
         let heights = MovedBase::under(self.base.as_ref(), &self.surface.heights);
-        let upper = highest(&heights);
+        let upper = highest(&self.surface.share, &heights);
         upper + self.lower.as_ref().map_or(0.0, Surface::highest)
     }
 
@@ -466,12 +478,7 @@ fn rise_of(share: &Share, heights: &Array2<f64>, boundary: Boundary) -> f64 {
         Boundary::Periodic => top_of_shared(share, heights.view()),
         Boundary::Free => top_inside(heights.view()),
     };
-    top - share.each(highest(heights)).into_iter().fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// Returns the highest point of a grid, length.
-fn highest(heights: &Array2<f64>) -> f64 {
-    heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height))
+    top - highest(share, heights)
 }
 
 /// Returns the number of points of all cells per point of the surface.
