@@ -50,15 +50,20 @@ async function show(what) {
         ? `${run.state.name}: ${what.field.replaceAll("_", " ")}`
         : `${state.about.name}: ${what.kind === "raw" ? "as in the file" : "prepared"}`;
     tools(what, run);
-    const thinned = map.step > 1 ? ` Every ${map.step}th point of ${map.points.join(" x ")} is shown.` : "";
+    const thinned =
+        map.step > 1 ? ` One of ${map.step} points along each side of ${map.points.join(" x ")} is shown.` : "";
     const missing = map.undefined ? ` ${map.undefined} points are missing (red).` : "";
     $("meaning").textContent = `${map.meaning}.${missing}${thinned}`;
     $("map").setAttribute(
         "aria-label",
         `Map: ${map.meaning}, from ${text(map.lowest, map.unit)} to ${text(map.highest, map.unit)}`,
     );
-    $("lowest").textContent = text(map.lowest, map.unit);
-    $("highest").textContent = text(map.highest, map.unit);
+    map.brightest = brightest(map, what.field);
+    const largest = text(map.highest, map.unit);
+    // Rounding leaves gaps of zero a little below it.
+    $("lowest").textContent = text(Math.abs(map.lowest) < 1e-8 * map.highest ? 0 : map.lowest, map.unit);
+    const bright = text(Number(map.brightest.toPrecision(4)), map.unit);
+    $("highest").textContent = map.brightest < map.highest ? `${bright} and above, up to ${largest}` : largest;
     $("pointer").textContent = "";
     paint();
     draw();
@@ -85,10 +90,19 @@ function tools(what, run) {
     $("load").value = what.load ?? 0;
     if (run) {
         const [heads, row] = [run.state.found.sheets[0]?.columns[0] ?? [], (what.load ?? 0) + 1];
-        $("load-text").textContent = `${row} of ${loads}${heads[row] ? `: ${heads[0]} ${heads[row].trim()}` : ""}`;
+        $("load-text").textContent =
+            `${row - 1} (${row} of ${loads})${heads[row] ? `: ${heads[0]} ${heads[row].trim()}` : ""}`;
         for (const tr of document.querySelectorAll("#sheets tr[data-load]"))
             tr.classList.toggle("chosen", Number(tr.dataset.load) === (what.load ?? 0));
     }
+}
+
+/** Returns the upper end of the colours. A few sharp peaks would make all other pressures dark. */
+function brightest({ values, lowest, highest }, field) {
+    if (field !== "pressure" || lowest !== 0) return highest;
+    const pressed = values.filter((value) => value > 0).sort();
+    const most = pressed[Math.floor(0.99 * pressed.length)];
+    return highest > 2 * most ? most : highest;
 }
 
 /** Makes the picture of the numbers, one pixel for each point; y goes up. */
@@ -97,9 +111,9 @@ function paint() {
         n: [nx, ny],
         values,
         lowest,
-        highest,
+        brightest,
     } = view.map;
-    const range = highest - lowest || 1;
+    const range = brightest - lowest || 1;
     const image = new ImageData(nx, ny);
     const hollow = view.what.field === "pressure" && lowest === 0;
     for (let j = 0; j < ny; j++) {
