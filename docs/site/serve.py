@@ -147,6 +147,9 @@ def used(page: Page, address: str, folder: Path, shots: Path | None) -> None:
     expect(page.locator("#runs")).to_contain_text("stopped", timeout=60000)
     expect(page.locator("#runs progress")).to_have_count(0, timeout=120000)
     expect(page.locator("#runs")).to_contain_text("contact-3: done")
+    page.get_by_role("button", name="Resume").click()
+    expect(page.locator("#runs")).to_contain_text("contact-4: done", timeout=120000)
+    expect(page.get_by_role("button", name="Resume")).to_have_count(0)
 
 
 def main() -> int:

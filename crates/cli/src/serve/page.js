@@ -419,7 +419,10 @@ function list() {
                   { type: "button", "aria-pressed": pressed, disabled: !found, onclick: () => result(run) },
                   "Show",
               );
-        const row = make("li", {}, make("span", {}, `${name}: ${PHASES[phase]}`), button);
+        const resume = () => post(`resume/${run.state.run}`, {}).then(poll, (error) => refuse("press-error", error));
+        const again = make("button", { type: "button", "aria-label": `Resume ${name}`, onclick: resume }, "Resume");
+        const buttons = make("span", { class: "buttons" }, ...(phase === "stopped" ? [again, button] : [button]));
+        const row = make("li", {}, make("span", {}, `${name}: ${PHASES[phase]}`), buttons);
         if (phase === "running") {
             row.append(
                 make("progress", { max: "1", value: run.progress.share || null, "aria-label": `Progress of ${name}` }),
@@ -515,6 +518,7 @@ async function begin() {
         suggestMaterial(Boolean(state.about.unit || state.options.get("unit").read()));
         prepare();
     });
+    state.options.get("boundary").input.addEventListener("change", () => state.scan !== null && prepare());
     $("form").addEventListener("submit", (event) => {
         event.preventDefault();
         if (!$("press").disabled) press();

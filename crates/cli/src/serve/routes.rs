@@ -107,6 +107,12 @@ impl Desk {
                     self.run(run)?.stop();
                     Ok(as_json(&json!({})))
                 }
+                ["resume", run] => {
+                    let run = number(run)?;
+                    self.runs.get(run).ok_or_else(nothing)?;
+                    self.pool.install(|| self.runs.resume(run)).map_err(|failure| bad(&failure))?;
+                    Ok(as_json(&json!({})))
+                }
                 _ => Err(nothing()),
             };
         }

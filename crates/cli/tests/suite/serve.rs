@@ -418,6 +418,13 @@ fn two_runs_go_at_once_others_wait_and_all_can_be_stopped() {
     assert!(stopped["state"]["message"].as_str().unwrap().contains("--resume continues"), "{stopped}");
     assert!(stopped["state"]["found"]["loads"].as_u64().unwrap() > 0, "{stopped}");
     served.wait(3, &["running"]);
+    // It goes on under its number, and only once.
+    assert_eq!(served.post("resume/0", &json!({})).status, 200);
+    assert_eq!(served.post("resume/0", &json!({})).status, 400);
+    assert_eq!(served.post("resume/9", &json!({})).status, 404);
+    assert_eq!(served.get("run/0").json()["state"]["phase"], "waiting");
+    served.post("stop/1", &json!({}));
+    served.wait(0, &["running"]);
     #[cfg(unix)]
     {
         // Ctrl-C ends the server after its runs, which keep their finished loads.
