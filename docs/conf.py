@@ -1,5 +1,6 @@
 """Configuration of the documentation site. `.ci/site` builds it; docs/site/README.md says how it is made."""
 
+import os
 import re
 import sys
 import tomllib
@@ -42,8 +43,11 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
 nb_number_source_lines = False
+os.environ["MATPLOTLIBRC"] = str(ROOT / "docs" / "site" / "matplotlibrc")
 
-# The Python interface, from its docstrings.
+# The Python interface, from its docstrings. Names between single marks are code, with links; options keep two dashes.
+default_role = "py:obj"
+smartquotes_action = "qe"
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True, "show-inheritance": True}
@@ -125,6 +129,23 @@ def _described(app, tree):
             image["alt"] = f"Figure: {section[0].astext()}"
 
 
+def _thumbnails(app, tree):
+    """The gallery begins with its figures, which lead to their sections."""
+    from docutils import nodes
+
+    if app.env.docname != "gallery":
+        return
+    items = []
+    for section in tree.findall(nodes.section):
+        own = (part for part in section.children if not isinstance(part, nodes.section))
+        image = next((image for part in own for image in part.findall(nodes.image)), None)
+        if image is not None:
+            title = section[0].astext()
+            link = nodes.reference("", "", image.deepcopy(), nodes.inline("", title), refid=section["ids"][0])
+            items.append(nodes.list_item("", nodes.paragraph("", "", link)))
+    next(tree.findall(nodes.paragraph)).parent.insert(2, nodes.bullet_list("", *items, classes=["thumbnails"]))
+
+
 def _folded(app, tree):
     """Three or more notes (block quotes) in a row become one list that opens on demand."""
     from docutils import nodes
@@ -142,6 +163,13 @@ def _folded(app, tree):
                 for note in row:
                     parent.remove(note)
             row = []
+
+
+def _joined(app, what, name, obj, options, lines):
+    """Names that share a description stay one name: Sphinx takes all but the last for its type."""
+    for place, line in enumerate(lines):
+        if found := re.match(r":(?:ivar|param) ([^:]*,[^:]*):", line):
+            lines[place] = line.replace(found[1], found[1].replace(", ", ",\u200b"), 1)
 
 
 # Pages whose text is no mathematics: lists of changes, of names in code, and of flags.
@@ -213,7 +241,9 @@ def _line(line):
 def setup(app):
     app.connect("source-read", _inside)
     app.connect("include-read", _included)
+    app.connect("autodoc-process-docstring", _joined, priority=600)
     app.connect("doctree-read", _described)
+    app.connect("doctree-read", _thumbnails)
     app.connect("doctree-read", _folded)
     app.connect("doctree-read", _typeset)
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))

@@ -149,7 +149,7 @@ def _balanced_words(text: str) -> list[str]:
     """Divides a text at blanks outside of brackets, and at every blank after a bracket that nothing closes."""
     words, found = re.split("( +|\n)", text), []
     while words:
-        length = next((n for n in range(1, min(len(words), 9) + 1) if _is_balanced("".join(words[:n]))), 1)
+        length = next((n for n in range(1, min(len(words), 15) + 1) if _is_balanced("".join(words[:n]))), 1)
         found.append("".join(words[:length]))
         words = words[length:]
     return found
