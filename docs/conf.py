@@ -23,6 +23,7 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
     "sphinx_copybutton",
     "sphinx_design",
 ]
@@ -45,9 +46,8 @@ nb_merge_streams = True
 nb_number_source_lines = False
 os.environ["MATPLOTLIBRC"] = str(ROOT / "docs" / "site" / "matplotlibrc")
 
-# The Python interface, from its docstrings. Names between single marks are code, with links; options keep two dashes.
+# The Python interface, from its docstrings. Names between single marks are code, with links.
 default_role = "py:obj"
-smartquotes_action = "qe"
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True, "show-inheritance": True}
