@@ -129,6 +129,16 @@ def _described(app, tree):
             image["alt"] = f"Figure: {section[0].astext()}"
 
 
+def _warned(app, tree):
+    """Warnings of notebooks come without the place in a temporary file."""
+    from docutils import nodes
+
+    for block in list(tree.findall(nodes.literal_block)):
+        text = re.sub(r"\S*ipykernel\S*: UserWarning: (.*)\n  .*\n?", r"warning: \1\n", block.astext())
+        if text != block.astext():
+            block.replace_self(nodes.literal_block(text, text, language="none", classes=block["classes"]))
+
+
 def _thumbnails(app, tree):
     """The gallery begins with its figures, which lead to their sections."""
     from docutils import nodes
@@ -230,7 +240,7 @@ def _line(line):
     """A line of a block of formulas: columns between two blanks or more, words beside formulas."""
     indent = len(line) - len(line.lstrip())
     columns = []
-    for column in re.split(r" {2,}(?![=≤≥≈])", line.strip()):
+    for column in re.split(r"(?<![=≤≥≈ ]) {2,}(?![=≤≥≈])", line.strip()):
         parts = formulas.typeset(re.sub(" +", " ", column), longest=2)
         columns.append("".join(formulas.mathml(part) if found else escape(part) for found, part in parts))
     return (
@@ -243,6 +253,7 @@ def setup(app):
     app.connect("include-read", _included)
     app.connect("autodoc-process-docstring", _joined, priority=600)
     app.connect("doctree-read", _described)
+    app.connect("doctree-read", _warned)
     app.connect("doctree-read", _thumbnails)
     app.connect("doctree-read", _folded)
     app.connect("doctree-read", _typeset)

@@ -42,8 +42,10 @@ def axes(ax: Any) -> Any:
     pyplot, matplotlib = needed("matplotlib.pyplot", "plot"), needed("matplotlib", "plot")
     style = {**TICKS, "axes.prop_cycle": matplotlib.cycler(color=COLOURS)}
     usual = matplotlib.rcParamsDefault
+    # The first figure makes a notebook interactive, which the end of the context would undo.
+    figure = pyplot.figure()
     with pyplot.rc_context({key: value for key, value in style.items() if pyplot.rcParams[key] == usual[key]}):
-        return pyplot.subplots()[1]
+        return figure.add_subplot()
 
 
 def hue(index: int) -> str:
