@@ -16,7 +16,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
 use super::form::{Answers, Pressed, words};
-use super::map::Map;
+use super::map::{Map, Part};
 use super::repeat;
 use super::scans::Scan;
 use crate::contact::{self, Report};
@@ -182,11 +182,11 @@ impl Run {
         Ok((found, failure))
     }
 
-    /// Returns a field of a load, or the heights, as a map.
+    /// Returns a field of a load, or the heights, as a map or a part of it.
     ///
     /// # Errors
     /// Returns an error for another field or load, and for a file that cannot be read.
-    pub(super) fn map(&self, field: &str, load: usize) -> Result<Vec<u8>, Failure> {
+    pub(super) fn map(&self, field: &str, load: usize, part: Option<Part>) -> Result<Vec<u8>, Failure> {
         let (units, size, loads, known) = {
             let state = self.state();
             let found = state.found.as_ref().ok_or_else(|| Failure::refused("the run has no result"))?;
@@ -207,7 +207,7 @@ impl Run {
         let values: ArrayView2<'_, f64> = ArrayView2::from_shape(points, &values)
             .map_err(|error| Failure::computation(format!("{path}: {error}")))?;
         let kind = ARRAYS.iter().find(|array| array.name == field).map_or("length", |array| array.unit);
-        Ok(Map { values, size, kind, meaning: &known.meaning }.bytes(&units))
+        Ok(Map { values, size, kind, meaning: &known.meaning }.bytes(&units, part))
     }
 }
 

@@ -383,6 +383,10 @@ fn a_result_is_that_of_the_printed_command_line_bit_for_bit() {
         assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found} {expected}");
     }
     assert!(shown.iter().any(|pressure| *pressure > 0.0));
+    // A part has its numbers, and ends at its edge.
+    let (part, seen) = map(&served.get("map/run/0/pressure/1/part/3/5/4/1000").body);
+    assert_eq!((&part["from"], &part["n"]), (&json!([3, 5]), &json!([4, POINTS - 5])));
+    assert_eq!(seen[4 + 1], shown[6 * POINTS + 4]);
     for path in ["map/run/0/pressure/2", "map/run/0/..%2Fsurface/0", "map/run/0/no_field/0"] {
         assert_eq!(served.get(path).status, 400, "{path}");
     }
