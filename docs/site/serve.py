@@ -117,6 +117,7 @@ def used(page: Page, address: str, folder: Path, shots: Path | None) -> None:
         page.get_by_role("link", name="Open the page").click()
     about, said = opened.value, []
     about.on("console", lambda heard: said.append(heard.text))
+    about.wait_for_load_state()
     about.reload()
     expect(about.locator("svg").first).to_be_visible()
     shoot(about, shots, "page")
