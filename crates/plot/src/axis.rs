@@ -131,7 +131,10 @@ pub(super) fn short(value: f64) -> String {
     let rounded = format!("{value:.3e}");
     let Some((digits, power)) = rounded.split_once('e') else { return rounded };
     match power.parse::<i32>() {
-        Ok(power @ -3..=4) => trim(&format!("{value:.*}", (3 - power).max(0) as usize)),
+        Ok(power @ -3..=4) => {
+            let decimals = usize::try_from(3 - power).unwrap_or(0);
+            trim(&format!("{value:.decimals$}"))
+        }
         _ => format!("{}×10^{{{}}}", trim(digits), minus(power)),
     }
 }
