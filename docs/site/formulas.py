@@ -57,7 +57,7 @@ def _kind(token: str, longest: int) -> str:
     if (
         "/" in token
         and UNIT.match(token)
-        or re.fullmatch("[kcmµn]?m[²³]", token)
+        or re.fullmatch("[kcmµn]?m[²³]|[0-9a-f]{7,40}", token)
         or re.fullmatch(r"[0-9.]*[⁰¹²³⁴-⁹⁻]+", token)
         or re.fullmatch(r"[-0-9.,·×⁰-⁹⁻¹²³^()]+", token)
     ):
