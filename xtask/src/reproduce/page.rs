@@ -11,7 +11,7 @@ use super::{Runs, dampings};
 const HEAD: &str = "# The figures of the thesis\n\n\
 Drawn by `cargo xtask reproduce`, which runs the commands below, with numbers to judge what the thesis shows as a \
 picture.\n\
-[coverage](coverage.md) lists all equations, tables and figures of the thesis.\n\n\
+[Coverage](coverage.md) lists all equations, tables and figures of the thesis.\n\n\
 Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear bricks on the surface nodes of \
 the thesis, with the same\nheld nodes, without a Green's function \
 ([punch_elements.py](../../data/reference/punch_elements.py)). Paths are relative to the repository.\n";
