@@ -1,5 +1,6 @@
 """Configuration of the documentation site. `.ci/site` builds it; docs/site/README.md says how it is made."""
 
+import os
 import re
 import sys
 import tomllib
@@ -22,6 +23,7 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
     "sphinx_copybutton",
     "sphinx_design",
 ]
@@ -42,8 +44,10 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
 nb_number_source_lines = False
+os.environ["MATPLOTLIBRC"] = str(ROOT / "docs" / "site" / "matplotlibrc")
 
-# The Python interface, from its docstrings.
+# The Python interface, from its docstrings. Names between single marks are code, with links.
+default_role = "py:obj"
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True, "show-inheritance": True}
@@ -125,6 +129,33 @@ def _described(app, tree):
             image["alt"] = f"Figure: {section[0].astext()}"
 
 
+def _warned(app, tree):
+    """Warnings of notebooks come without the place in a temporary file."""
+    from docutils import nodes
+
+    for block in list(tree.findall(nodes.literal_block)):
+        text = re.sub(r"\S*ipykernel\S*: UserWarning: (.*)\n  .*\n?", r"warning: \1\n", block.astext())
+        if text != block.astext():
+            block.replace_self(nodes.literal_block(text, text, language="none", classes=block["classes"]))
+
+
+def _thumbnails(app, tree):
+    """The gallery begins with its figures, which lead to their sections."""
+    from docutils import nodes
+
+    if app.env.docname != "gallery":
+        return
+    items = []
+    for section in tree.findall(nodes.section):
+        own = (part for part in section.children if not isinstance(part, nodes.section))
+        image = next((image for part in own for image in part.findall(nodes.image)), None)
+        if image is not None:
+            title = section[0].astext()
+            link = nodes.reference("", "", image.deepcopy(), nodes.inline("", title), refid=section["ids"][0])
+            items.append(nodes.list_item("", nodes.paragraph("", "", link)))
+    next(tree.findall(nodes.paragraph)).parent.insert(2, nodes.bullet_list("", *items, classes=["thumbnails"]))
+
+
 def _folded(app, tree):
     """Three or more notes (block quotes) in a row become one list that opens on demand."""
     from docutils import nodes
@@ -142,6 +173,13 @@ def _folded(app, tree):
                 for note in row:
                     parent.remove(note)
             row = []
+
+
+def _joined(app, what, name, obj, options, lines):
+    """Names that share a description stay one name: Sphinx takes all but the last for its type."""
+    for place, line in enumerate(lines):
+        if found := re.match(r":(?:ivar|param) ([^:]*,[^:]*):", line):
+            lines[place] = line.replace(found[1], found[1].replace(", ", ",\u200b"), 1)
 
 
 # Pages whose text is no mathematics: lists of changes, of names in code, and of flags.
@@ -202,7 +240,7 @@ def _line(line):
     """A line of a block of formulas: columns between two blanks or more, words beside formulas."""
     indent = len(line) - len(line.lstrip())
     columns = []
-    for column in re.split(r" {2,}(?![=≤≥≈])", line.strip()):
+    for column in re.split(r"(?<![=≤≥≈ ]) {2,}(?![=≤≥≈])", line.strip()):
         parts = formulas.typeset(re.sub(" +", " ", column), longest=2)
         columns.append("".join(formulas.mathml(part) if found else escape(part) for found, part in parts))
     return (
@@ -213,7 +251,10 @@ def _line(line):
 def setup(app):
     app.connect("source-read", _inside)
     app.connect("include-read", _included)
+    app.connect("autodoc-process-docstring", _joined, priority=600)
     app.connect("doctree-read", _described)
+    app.connect("doctree-read", _warned)
+    app.connect("doctree-read", _thumbnails)
     app.connect("doctree-read", _folded)
     app.connect("doctree-read", _typeset)
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))

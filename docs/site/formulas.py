@@ -57,7 +57,7 @@ def _kind(token: str, longest: int) -> str:
     if (
         "/" in token
         and UNIT.match(token)
-        or re.fullmatch("[kcmµn]?m[²³]", token)
+        or re.fullmatch("[kcmµn]?m[²³]|[0-9a-f]{7,40}", token)
         or re.fullmatch(r"[0-9.]*[⁰¹²³⁴-⁹⁻]+", token)
         or re.fullmatch(r"[-0-9.,·×⁰-⁹⁻¹²³^()]+", token)
     ):
@@ -149,7 +149,7 @@ def _balanced_words(text: str) -> list[str]:
     """Divides a text at blanks outside of brackets, and at every blank after a bracket that nothing closes."""
     words, found = re.split("( +|\n)", text), []
     while words:
-        length = next((n for n in range(1, min(len(words), 9) + 1) if _is_balanced("".join(words[:n]))), 1)
+        length = next((n for n in range(1, min(len(words), 15) + 1) if _is_balanced("".join(words[:n]))), 1)
         found.append("".join(words[:length]))
         words = words[length:]
     return found

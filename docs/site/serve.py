@@ -117,6 +117,7 @@ def used(page: Page, address: str, folder: Path, shots: Path | None) -> None:
         page.get_by_role("link", name="Open the page").click()
     about, said = opened.value, []
     about.on("console", lambda heard: said.append(heard.text))
+    about.wait_for_load_state()
     about.reload()
     expect(about.locator("svg").first).to_be_visible()
     shoot(about, shots, "page")
@@ -147,6 +148,9 @@ def used(page: Page, address: str, folder: Path, shots: Path | None) -> None:
     expect(page.locator("#runs")).to_contain_text("stopped", timeout=60000)
     expect(page.locator("#runs progress")).to_have_count(0, timeout=120000)
     expect(page.locator("#runs")).to_contain_text("contact-3: done")
+    page.get_by_role("button", name="Resume").click()
+    expect(page.locator("#runs")).to_contain_text("contact-4: done", timeout=120000)
+    expect(page.get_by_role("button", name="Resume")).to_have_count(0)
 
 
 def main() -> int:

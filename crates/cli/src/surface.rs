@@ -242,9 +242,12 @@ pub fn run(args: &Args, session: &Session) -> Result<Printed, Failure> {
 pub(crate) fn measured(args: &Args, session: &Session) -> Result<(Report, Array2<f64>), Failure> {
     let out = args.out.as_deref().map(Target::claim).transpose()?;
     let page = args.report.as_deref().map(claim_page).transpose()?;
+    let is_patch = args.source.surface.is_some() && args.source.periodise == Periodisation::AsIs;
     let surface = match (&args.source.generator.shape, args.boundary) {
         // A wave need not fit into a patch.
         (Some(_), Some(boundary)) => args.source.bounded(boundary, session)?,
+        // A patch has no seam.
+        (_, Some(Boundary::Free)) if is_patch => args.source.bounded(Boundary::Free, session)?,
         _ => args.source.surface(session)?,
     };
     let name = args.source.name();

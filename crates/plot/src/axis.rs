@@ -122,6 +122,23 @@ fn log_label(value: f64, plain: bool) -> String {
     if digit == 1.0 { format!("10^{{{power}}}") } else { format!("{digit}×10^{{{power}}}") }
 }
 
+/// Formats a number with four significant digits, as markup without trailing zeros.
+pub(super) fn short(value: f64) -> String {
+    let trim = |digits: &str| {
+        let is_fraction = digits.contains('.');
+        minus(if is_fraction { digits.trim_end_matches('0').trim_end_matches('.') } else { digits })
+    };
+    let rounded = format!("{value:.3e}");
+    let Some((digits, power)) = rounded.split_once('e') else { return rounded };
+    match power.parse::<i32>() {
+        Ok(power @ -3..=4) => {
+            let decimals = usize::try_from(3 - power).unwrap_or(0);
+            trim(&format!("{value:.decimals$}"))
+        }
+        _ => format!("{}×10^{{{}}}", trim(digits), minus(power)),
+    }
+}
+
 /// Replaces the hyphen of a number by a minus sign, and drops the sign of zero.
 pub(super) fn minus(number: &str) -> String {
     match number.strip_prefix('-') {
@@ -200,6 +217,14 @@ mod tests {
         assert!(Ticks::new(Scale::Log, [0.0, 1.0], 5.0).is_err());
         assert!(Ticks::new(Scale::Linear, [1.0, 1.0], 5.0).is_err());
         assert!(Ticks::new(Scale::Linear, [f64::NAN, 1.0], 5.0).is_err());
+    }
+
+    #[test]
+    fn short_numbers_have_four_digits() {
+        let expected = [(2.506_63, "2.507"), (-0.2, "−0.2"), (0.0, "0"), (12_345.6, "12346"), (1.5e-4, "1.5×10^{−4}")];
+        for (value, text) in expected {
+            assert_eq!(short(value), text);
+        }
     }
 
     #[test]

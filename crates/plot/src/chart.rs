@@ -83,7 +83,7 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
         .map(|(range, panel)| Ticks::new(panel.y.scale, range[1], chart.height / 26.0))
         .collect::<Result<Vec<_>, _>>()?;
 
-    let legend = legend(&chart.panels);
+    let legend = legend(&chart.panels, &ranges);
     let (legend_rows, legend_height) = arrange(&legend, chart.width - 2.0 * EDGE);
     let titled = chart.panels.iter().any(|panel| !panel.title.is_empty());
     let factored = y_ticks.iter().any(|ticks| !ticks.factor.is_empty());
@@ -95,7 +95,7 @@ pub(super) fn draw(chart: &Chart) -> Result<Drawing, PlotError> {
         .map(|i| if i == 0 || !chart.share_y { left_margin(&y_ticks[i], &chart.panels[i].y) } else { 0.0 })
         .collect();
     let rights: Vec<f64> = (0..count)
-        .map(|i| if i + 1 == count || !chart.share_y { right_margin(&chart.panels[i]) } else { 0.0 })
+        .map(|i| if i + 1 == count || !chart.share_y { right_margin(&chart.panels[i], ranges[i][1]) } else { 0.0 })
         .collect();
     let margins: f64 = lefts.iter().chain(&rights).sum();
     let gaps = (count - 1) as f64 * BETWEEN_PANELS;

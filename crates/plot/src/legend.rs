@@ -1,8 +1,10 @@
-//! Legend: each label once, with the marks of all its series.
+//! Legend: each label once, with the marks of all its series, and the reference lines beyond their axes.
 
+use std::cmp::Ordering;
 use std::fmt::Write;
 
-use super::colour::{INK, hex, hue};
+use super::axis::short;
+use super::colour::{INK, REFERENCE, Rgb, hex, hue};
 use super::frame::{EDGE, GAP, TICK};
 use super::symbol::{PALE_AREA, SYMBOL, line_width, symbol};
 use super::text::{Anchor, Text, number};
@@ -10,9 +12,10 @@ use super::{Mark, Panel, Series, Side};
 
 const SAMPLE: f64 = 16.0;
 
-/// Label of the legend, with the marks of all its series by colour.
+/// Label of the legend, with the marks of all its series by colour. A reference line beyond the axis has no mark.
 pub(super) struct Entry {
     text: Text,
+    colour: Rgb,
     samples: Vec<Vec<Series>>,
 }
 
@@ -27,14 +30,15 @@ fn sample_width(samples: &[Series]) -> f64 {
     if symbols { 4.0 * SYMBOL } else { SAMPLE }
 }
 
-pub(super) fn legend(panels: &[Panel]) -> Vec<Entry> {
+/// Returns the entries of panels with their `ranges` of x and y.
+pub(super) fn legend(panels: &[Panel], ranges: &[[[f64; 2]; 2]]) -> Vec<Entry> {
     let mut entries: Vec<(&str, Entry)> = Vec::new();
     for series in panels.iter().flat_map(|panel| &panel.series).filter(|series| !series.label.is_empty()) {
         let sample = Series { points: Vec::new(), ..series.clone() };
         let position = entries.iter().position(|(label, _)| *label == series.label).unwrap_or(entries.len());
         if position == entries.len() {
             let text = Text::new(&series.label, TICK);
-            entries.push((&series.label, Entry { text, samples: Vec::new() }));
+            entries.push((&series.label, Entry { text, colour: INK, samples: Vec::new() }));
         }
         let samples = &mut entries[position].1.samples;
         match samples.iter_mut().find(|group| group[0].hue == sample.hue) {
@@ -43,7 +47,28 @@ pub(super) fn legend(panels: &[Panel]) -> Vec<Entry> {
             None => samples.push(vec![sample]),
         }
     }
-    entries.into_iter().map(|(_, entry)| entry).collect()
+    let beyond = beyond(panels, ranges).into_iter();
+    let beyond = beyond.map(|name| Entry { text: Text::new(&name, TICK), colour: REFERENCE, samples: Vec::new() });
+    entries.into_iter().map(|(_, entry)| entry).chain(beyond).collect()
+}
+
+/// Returns the names of the reference lines beyond their axes, each once, with an arrow and the value.
+fn beyond(panels: &[Panel], ranges: &[[[f64; 2]; 2]]) -> Vec<String> {
+    let mut names = Vec::new();
+    for (panel, [_, range]) in panels.iter().zip(ranges) {
+        for level in panel.levels.iter().filter(|level| !level.label.is_empty()) {
+            let arrow = match level.place(*range) {
+                Ordering::Less => '↓',
+                Ordering::Equal => continue,
+                Ordering::Greater => '↑',
+            };
+            let name = format!("{arrow} {} = {}", level.label, short(level.middle()));
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    names
 }
 
 /// Arranges entries in rows that fit into `width`; returns the rows and their total height.
@@ -77,7 +102,7 @@ pub(super) fn draw_legend(svg: &mut String, rows: &[Vec<&Entry>], width: f64) {
                 group.iter().for_each(|sample| draw_sample(svg, sample, [at, at + width], y));
                 at += width;
             }
-            entry.text.write(svg, at + GAP, y + 0.35 * TICK, Anchor::Start, 0.0, &hex(INK));
+            entry.text.write(svg, at + GAP, y + 0.35 * TICK, Anchor::Start, 0.0, &hex(entry.colour));
             left += entry.width() + 4.0 * GAP;
         }
     }

@@ -1,5 +1,7 @@
 //! Contents of a chart: axes, series of points, reference lines.
 
+use std::cmp::Ordering;
+
 /// Value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
@@ -85,6 +87,8 @@ impl Series {
 }
 
 /// Horizontal reference line, or a band if its two ends differ.
+///
+/// Data and bands set the axis, lines do not: the legend names a line beyond the axis, with its value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// Lower and upper end, equal for a line.
@@ -102,6 +106,23 @@ impl Level {
     /// Creates a band over `range`.
     pub fn band(range: [f64; 2], label: &str) -> Self {
         Self { range, label: label.into() }
+    }
+
+    /// Returns the height of the label.
+    pub(super) fn middle(&self) -> f64 {
+        0.5 * self.range[0] + 0.5 * self.range[1]
+    }
+
+    /// Returns whether the label is below, inside or above an axis.
+    pub(super) fn place(&self, [low, high]: [f64; 2]) -> Ordering {
+        let middle = self.middle();
+        if middle < low {
+            Ordering::Less
+        } else if middle > high {
+            Ordering::Greater
+        } else {
+            Ordering::Equal
+        }
     }
 }
 

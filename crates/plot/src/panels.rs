@@ -1,5 +1,6 @@
 //! Drawing of the panels of a chart: ranges, axes, series, reference lines.
 
+use std::cmp::Ordering;
 use std::fmt::Write;
 
 use super::axis::padded;
@@ -43,7 +44,8 @@ pub(super) fn check(panel: &Panel) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// Returns the ranges of x and y of each panel. With `share_y`, all panels have the same range of y.
+/// Returns the ranges of x and y of each panel, from data with their error bars and from bands; reference lines may lie
+/// outside. With `share_y`, all panels have the same range of y.
 pub(super) fn ranges(panels: &[Panel], share_y: bool) -> Result<Vec<[[f64; 2]; 2]>, PlotError> {
     let xs = |panel: &Panel| -> Vec<f64> { panel.series.iter().flat_map(|s| s.points.iter().map(|p| p.x)).collect() };
     let ys = |panel: &Panel| -> Vec<f64> {
@@ -51,7 +53,8 @@ pub(super) fn ranges(panels: &[Panel], share_y: bool) -> Result<Vec<[[f64; 2]; 2
         let of = |point: &Point| [Some(point.y), point.range.map(|r| r[0]), point.range.map(|r| r[1])];
         let points = panel.series.iter().flat_map(|series| series.points.iter().flat_map(of).flatten());
         let zero = panel.series.iter().filter(|series| series.mark == Mark::Filled(Side::Zero)).map(|_| 0.0);
-        points.chain(zero).chain(panel.levels.iter().flat_map(|level| level.range)).filter(positive).collect()
+        let bands = panel.levels.iter().map(|level| level.range).filter(|[low, high]| low != high).flatten();
+        points.chain(zero).chain(bands).filter(positive).collect()
     };
     let common: Vec<f64> = panels.iter().flat_map(ys).collect();
     let end = |axis: &Axis, values: Vec<f64>| {
@@ -68,8 +71,10 @@ pub(super) fn ranges(panels: &[Panel], share_y: bool) -> Result<Vec<[[f64; 2]; 2
         .collect()
 }
 
-pub(super) fn right_margin(panel: &Panel) -> f64 {
-    let widest = panel.levels.iter().map(|level| Text::new(&level.label, TICK).width()).fold(0.0, f64::max);
+/// Returns the width right of the axes, whose range of y is given.
+pub(super) fn right_margin(panel: &Panel, range: [f64; 2]) -> f64 {
+    let inside = panel.levels.iter().filter(|level| level.place(range) == Ordering::Equal);
+    let widest = inside.map(|level| Text::new(&level.label, TICK).width()).fold(0.0, f64::max);
     if widest > 0.0 { widest + GAP } else { 0.5 * TICK }
 }
 
@@ -132,8 +137,8 @@ fn draw_level_names(svg: &mut String, panel: &Panel, frame: &Frame) {
         .levels
         .iter()
         .filter(|level| !level.label.is_empty())
-        .map(|level| (frame.at(0.0, 0.5 * (level.range[0] + level.range[1])).1, Text::new(&level.label, TICK)))
-        .filter(|(y, _)| (frame.top - 1.0..=frame.top + frame.height + 1.0).contains(y))
+        .filter(|level| (0.0..=1.0).contains(&frame.y.fraction(level.middle())))
+        .map(|level| (frame.at(0.0, level.middle()).1, Text::new(&level.label, TICK)))
         .collect();
     names.sort_by(|a, b| a.0.total_cmp(&b.0));
     let distance = 1.15 * TICK;

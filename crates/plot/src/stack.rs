@@ -26,7 +26,7 @@ pub(super) fn draw(
     let abscissa = &panels[lowest].x;
     let range = abscissa.range.unwrap_or_else(|| ranges.iter().fold([f64::INFINITY, f64::NEG_INFINITY], whole));
 
-    let legend = legend(panels);
+    let legend = legend(panels, ranges);
     let (legend_rows, legend_height) = arrange(&legend, total - 2.0 * EDGE);
     let mut placed = Vec::new();
     let mut top = EDGE + legend_height + 0.5 * TICK;
@@ -41,7 +41,8 @@ pub(super) fn draw(
 
     let lefts = placed.iter().map(|(panel, ticks, ..)| left_margin(ticks, &panel.y));
     let left = EDGE + lefts.fold(0.0, f64::max);
-    let right = panels.iter().map(right_margin).fold(0.0, f64::max);
+    let rights = panels.iter().zip(ranges).map(|(panel, range)| right_margin(panel, range[1]));
+    let right = rights.fold(0.0, f64::max);
     let width = (total - left - right - EDGE).max(40.0);
     let x = Ticks::new(abscissa.scale, range, width / 34.0)?;
     let mut svg = String::new();

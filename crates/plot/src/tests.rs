@@ -76,7 +76,7 @@ fn figures_are_well_formed_and_have_their_words() {
         "εc1.00",
         "κ = ar E* ḡ / p",
         "√(2π)",
-        "√(8/π)",
+        "↓ √(8/π) = 1.596",
         "κTFC",
         "H = 0.8",
         "limit",
@@ -97,7 +97,8 @@ fn figures_are_well_formed_and_have_their_words() {
 
     let separate = Chart { share_y: false, ..everything() };
     let words_of = words(&separate.svg().unwrap());
-    assert_eq!(words_of.iter().filter(|word| *word == "√(2π)").count(), 3);
+    let count = |word: &str| words_of.iter().filter(|found| *found == word).count();
+    assert_eq!([count("√(2π)"), count("√(8/π)"), count("↓ √(8/π) = 1.596")], [3, 0, 1]);
 
     let words_of = words(&residuals().svg().unwrap());
     for word in ["10−8", "10−2", "tolerance", "projected CG", "transform pairs"] {

@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn the_font_has_every_sign_the_figures_use() {
         let faces = FACES.as_ref().unwrap();
-        for c in "0123456789−–×·√∞≤≥≈ABCxyzκεαλσγνπτδḡ²³°µ%()[]/|=<>*".chars() {
+        for c in "0123456789−–×·√∞≤≥≈↑↓ABCxyzκεαλσγνπτδḡ²³°µ%()[]/|=<>*".chars() {
             assert!(faces.iter().all(|face| face.glyph_index(c).is_some()), "{c}");
         }
     }

@@ -78,8 +78,10 @@ def cells():
         return cell("code", text, execution_count=None, outputs=[output] if printed else [])
 
     number = 0
-    yield code("import gfmd\nimport numpy as np")
+    imports = "import gfmd\nimport numpy as np"
+    yield code(imports)
     page = re.sub(r"```sh\n.*?```\n+", "", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    page = page.replace(f"```python\n{imports}\n```\n\n", "")
     page = re.sub(r"\]\((?!http|#)[^)]*\)", "]", page).replace("[", "").replace("]", "")
     for text in re.split(r"(```python\n.*?```\n+```text\n.*?```)", page, flags=re.DOTALL):
         number += 1

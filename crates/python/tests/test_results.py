@@ -4,6 +4,7 @@ import pickle
 
 import gfmd
 import matplotlib.axes
+import matplotlib.colors
 import matplotlib.pyplot
 import numpy as np
 import pytest
@@ -161,6 +162,22 @@ def test_a_result_is_drawn(results, kind):
     drawn = results[kind].plot()
     assert isinstance(drawn, matplotlib.axes.Axes) and drawn.get_xlabel()
     matplotlib.pyplot.close(drawn.figure)
+
+
+def test_figures_have_the_style_of_the_program_unless_another_is_chosen():
+    s = gfmd.self_affine(n=16)
+    contact = gfmd.contact(s, gfmd.Body(), p_star=0.05)
+    maps = [contact.plot(), gfmd.contacts(s, gfmd.Body(), p_star=[0.01, 0.1]).plot()]
+    assert matplotlib.colors.to_hex(maps[0].get_facecolor()) == "#e9e9e6"
+    assert maps[0].images[0].get_cmap().name == "viridis" and maps[0].images[0].get_clim()[0] == 0.0
+    assert np.ma.getmaskarray(maps[0].images[0].get_array()).sum() == np.sum(contact.pressure == 0)
+    assert maps[1].lines[0].get_color() == "#0072b2"
+    with matplotlib.pyplot.style.context("ggplot"):
+        own = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"][0]
+        maps.append(gfmd.contacts(s, gfmd.Body(), p_star=[0.01, 0.1]).plot())
+        assert maps[2].lines[0].get_color() == own
+    for ax in maps:
+        matplotlib.pyplot.close(ax.figure)
 
 
 def test_the_figures_have_the_numbers(results):

@@ -42,6 +42,9 @@ def test_the_command_runs(command, folder):
     assert command.startswith("gfmd "), command
     done = subprocess.run([*program, *command.split()[1:], "--quiet"], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, f"{command}\n{done.stderr}"
+    # The page has the table of one command.
+    if command.endswith("--plots contact --out contact.h5"):
+        assert blocks("docs/start.md", "text")[0] in done.stdout
 
 
 @pytest.mark.parametrize("page", ["docs/start.md", "README.md"])

@@ -49,7 +49,7 @@ pub fn profile(grid: &Grid, [heights, depth]: [&[f64]; 2], unit: &str) -> Option
     };
     let known = if unit == "length" { String::new() } else { format!(" {}", side.name) };
     let place = short(row as f64 * dy * side.factor);
-    let title = format!("row *y* = {place}{known}, that of the largest wear");
+    let title = format!("row *y* = {place}{known}, through the largest wear");
     let panel = Panel {
         title: if grid.is_line() { String::new() } else { title },
         x: Axis::linear(&format!("*x* / {}", side.name)),

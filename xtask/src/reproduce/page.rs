@@ -11,14 +11,14 @@ use super::{Runs, dampings};
 const HEAD: &str = "# The figures of the thesis\n\n\
 Drawn by `cargo xtask reproduce`, which runs the commands below, with numbers to judge what the thesis shows as a \
 picture.\n\
-[coverage.md](coverage.md) lists all equations, tables and figures of the thesis.\n\n\
+[Coverage](coverage.md) lists all equations, tables and figures of the thesis.\n\n\
 Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear bricks on the surface nodes of \
 the thesis, with the same\nheld nodes, without a Green's function \
 ([punch_elements.py](../../data/reference/punch_elements.py)). Paths are relative to the repository.\n";
 
 /// Remarks on the errata of theory.md, section 12.
 const ERRATA: &str = "\n## Errata\n\n\
-E1 to E27 of [theory.md](../theory.md), section 12, list the errors of equations, captions and numbers.\n\n\
+E1 to E27 of [theory](../theory.md), section 12, list the errors of equations, captions and numbers.\n\n\
 - **Δt = 0.25** (section 4.3; E24), in lattice units of Δx = 1, is 0.22 of the stability limit 2/√k_max with E* = 1, \
 and 0.23 with E = 1; this program takes a quarter of the limit (docs/solvers.md).\n\
 - **Section 5.2** (E26): the preset `thesis` takes p/(E* ḡ).\n";

@@ -87,12 +87,18 @@ fn command(program: &clap::Command, name: &str) -> clap::Command {
     program.find_subcommand(name).cloned().unwrap_or_default()
 }
 
+/// Returns true if `surface` has the option for the preparation: no measurement but the boundary, since the steps
+/// across the seam of a patch are no roughness.
+fn is_of_preparation(group: &str, arg: &Arg) -> bool {
+    group != "Measurements" || arg.get_id() == "boundary"
+}
+
 /// Returns the options of the form.
 pub(super) fn entries() -> Vec<Entry> {
     let program = table::<Pressed>();
     let (contact, surface) = (command(&program, "contact"), command(&program, "surface"));
     let prepares =
-        |arg: &Arg| offered(&surface).any(|(group, other)| group != "Measurements" && other.get_id() == arg.get_id());
+        |arg: &Arg| offered(&surface).any(|(group, own)| is_of_preparation(group, own) && own.get_id() == arg.get_id());
     let entry = |(group, arg): (&'static str, &Arg)| {
         let key = arg.get_id().to_string();
         let takes = takes_value(arg);
@@ -133,7 +139,7 @@ pub(super) fn words(name: &str, answers: &Answers) -> Result<Vec<String>, Failur
             let allowed = "an option of the form; files, outputs and threads are none";
             return Err(Failure::value("the option", gfmd_files::legible::line(key), allowed));
         }
-        let is_prepared = |(group, arg)| (name == "contact" || group != "Measurements").then_some(arg);
+        let is_prepared = |(group, arg)| (name == "contact" || is_of_preparation(group, arg)).then_some(arg);
         let Some(arg) = find(&own).and_then(is_prepared) else { continue };
         let long = arg.get_long().unwrap_or_default();
         let texts: Vec<&str> = match value {

@@ -9,7 +9,8 @@ function colour(share) {
     const [below, rest] = [Math.min(Math.floor(at), STOPS.length - 2), at - Math.min(Math.floor(at), STOPS.length - 2)];
     return STOPS[below].map((value, k) => Math.round(value + rest * (STOPS[below + 1][k] - value)));
 }
-const view = { map: null, image: null, zoom: 1, x: 0, y: 0, section: null };
+// `detail` has all points of the visible part of a map that is sent with every second, third, ... point.
+const view = { map: null, detail: null, image: null, zoom: 1, x: 0, y: 0, section: null };
 
 async function numbers(path) {
     const bytes = await (await ask(path)).arrayBuffer();
@@ -30,18 +31,18 @@ function text(value, unit) {
 /** Shows the map of a scan, or of a field of a run. */
 async function show(what) {
     const same = view.what && view.what.kind === "run" && what.kind === "run" && view.what.run === what.run;
+    const path =
+        what.kind === "run" ? `map/run/${what.run}/${what.field}/${what.load}` : `map/${what.kind}/${what.scan}`;
     let map;
     try {
-        map = await numbers(
-            what.kind === "run" ? `map/run/${what.run}/${what.field}/${what.load}` : `map/${what.kind}/${what.scan}`,
-        );
+        map = await numbers(path);
     } catch (error) {
         tell("press-error", error);
         return;
     }
     const kept = same && view.map && map.n.every((count, axis) => count === view.map.n[axis]);
     if (!kept) Object.assign(view, { zoom: 1, x: 0, y: 0, section: null });
-    Object.assign(view, { map, what });
+    Object.assign(view, { map, what, path, detail: null });
     $("view").hidden = false;
     const run = what.kind === "run" ? state.runs.find((run) => run.state.run === what.run) : null;
     $("numbers-section").hidden = what.kind !== "prepared";
@@ -50,17 +51,25 @@ async function show(what) {
         ? `${run.state.name}: ${what.field.replaceAll("_", " ")}`
         : `${state.about.name}: ${what.kind === "raw" ? "as in the file" : "prepared"}`;
     tools(what, run);
-    const thinned = map.step > 1 ? ` Every ${map.step}th point of ${map.points.join(" x ")} is shown.` : "";
+    const thinned =
+        map.step > 1
+            ? ` One of ${map.step} points along each side of ${map.points.join(" x ")} is shown; zoomed, more.`
+            : "";
     const missing = map.undefined ? ` ${map.undefined} points are missing (red).` : "";
     $("meaning").textContent = `${map.meaning}.${missing}${thinned}`;
     $("map").setAttribute(
         "aria-label",
         `Map: ${map.meaning}, from ${text(map.lowest, map.unit)} to ${text(map.highest, map.unit)}`,
     );
-    $("lowest").textContent = text(map.lowest, map.unit);
-    $("highest").textContent = text(map.highest, map.unit);
+    map.brightest = brightest(map, what.field);
+    const largest = text(map.highest, map.unit);
+    // Rounding leaves gaps of zero a little below it.
+    $("lowest").textContent = text(Math.abs(map.lowest) < 1e-8 * map.highest ? 0 : map.lowest, map.unit);
+    const bright = text(Number(map.brightest.toPrecision(4)), map.unit);
+    $("highest").textContent = map.brightest < map.highest ? `${bright} and above, up to ${largest}` : largest;
     $("pointer").textContent = "";
-    paint();
+    view.image = picture(map);
+    bar();
     draw();
 }
 
@@ -85,21 +94,25 @@ function tools(what, run) {
     $("load").value = what.load ?? 0;
     if (run) {
         const [heads, row] = [run.state.found.sheets[0]?.columns[0] ?? [], (what.load ?? 0) + 1];
-        $("load-text").textContent = `${row} of ${loads}${heads[row] ? `: ${heads[0]} ${heads[row].trim()}` : ""}`;
+        $("load-text").textContent =
+            `${row - 1} (${row} of ${loads})${heads[row] ? `: ${heads[0]} ${heads[row].trim()}` : ""}`;
         for (const tr of document.querySelectorAll("#sheets tr[data-load]"))
             tr.classList.toggle("chosen", Number(tr.dataset.load) === (what.load ?? 0));
     }
 }
 
+/** Returns the upper end of the colours. A few sharp peaks would make all other pressures dark. */
+function brightest({ values, lowest, highest }, field) {
+    if (field !== "pressure" || lowest !== 0) return highest;
+    const pressed = values.filter((value) => value > 0).sort();
+    const most = pressed[Math.floor(0.99 * pressed.length)];
+    return highest > 2 * most ? most : highest;
+}
+
 /** Makes the picture of the numbers, one pixel for each point; y goes up. */
-function paint() {
-    const {
-        n: [nx, ny],
-        values,
-        lowest,
-        highest,
-    } = view.map;
-    const range = highest - lowest || 1;
+function picture({ n: [nx, ny], values }) {
+    const { lowest, brightest } = view.map;
+    const range = brightest - lowest || 1;
     const image = new ImageData(nx, ny);
     const hollow = view.what.field === "pressure" && lowest === 0;
     for (let j = 0; j < ny; j++) {
@@ -115,8 +128,13 @@ function paint() {
             image.data.set([r, g, b, a], at);
         }
     }
-    view.image = new OffscreenCanvas(nx, ny);
-    view.image.getContext("2d").putImageData(image, 0, 0);
+    const canvas = new OffscreenCanvas(nx, ny);
+    canvas.getContext("2d").putImageData(image, 0, 0);
+    return canvas;
+}
+
+/** Draws the colours. */
+function bar() {
     const bar = $("colours");
     bar.width = 256;
     bar.height = 1;
@@ -155,6 +173,14 @@ function draw() {
     pen.imageSmoothingEnabled = false;
     const side = scale.map((value, axis) => value * [nx, ny][axis]);
     pen.drawImage(view.image, left, top, side[0], side[1]);
+    if (view.detail) {
+        const { from, step, n, image } = view.detail;
+        const size = [0, 1].map((axis) => side[axis] / view.map.points[axis]);
+        const [width, height] = [0, 1].map((axis) => n[axis] * step * size[axis]);
+        pen.drawImage(image, left + from[0] * size[0], top + side[1] - from[1] * size[1] - height, width, height);
+    }
+    clearTimeout(refining);
+    if (view.map.step > 1) refining = setTimeout(refine, 200);
     if (view.section) {
         const [from, to] = [view.section.from, view.section.to].map(([u, v]) => [
             left + u * side[0],
@@ -183,6 +209,34 @@ function draw() {
     }
 }
 
+let refining = null;
+/** Asks for the points of the visible part if they are finer than the ones that are there. */
+async function refine() {
+    const { map, path } = view;
+    const { width, height } = frame();
+    const { left, top, side } = place();
+    const ends = [
+        [-left / side[0], (width - left) / side[0]],
+        [1 - (height - top) / side[1], 1 + top / side[1]],
+    ];
+    const [from, to] = [0, 1].map((end) =>
+        ends.map((pair, axis) => {
+            const point = Math.min(Math.max(pair[end], 0), 1) * map.points[axis];
+            return end ? Math.ceil(point) : Math.floor(point);
+        }),
+    );
+    const count = to.map((point, axis) => point - from[axis]);
+    const step = Math.ceil(Math.max(...count) / Math.max(...map.n));
+    const { detail } = view;
+    const isInside = (axis) =>
+        from[axis] >= detail.from[axis] && to[axis] <= detail.from[axis] + detail.n[axis] * detail.step;
+    if (step >= map.step || (detail && detail.step <= step && isInside(0) && isInside(1))) return;
+    const found = await numbers(`${path}/part/${from.join("/")}/${count.join("/")}`).catch(() => null);
+    if (!found || view.map !== map) return;
+    view.detail = { ...found, image: picture(found) };
+    draw();
+}
+
 /** Place of the map on the screen: pixels of a point along x and y, and the upper left corner. */
 function place() {
     const { width, height } = frame();
@@ -209,6 +263,11 @@ function under(event) {
 }
 
 function valueAt([u, v]) {
+    if (view.detail) {
+        const { from, step, n, values } = view.detail;
+        const [i, j] = [u, v].map((share, axis) => Math.floor((share * view.map.points[axis] - from[axis]) / step));
+        if (i >= 0 && j >= 0 && i < n[0] && j < n[1]) return values[j * n[0] + i];
+    }
     const [nx, ny] = view.map.n;
     const [i, j] = [Math.floor(u * nx), Math.floor(v * ny)];
     return i >= 0 && j >= 0 && i < nx && j < ny ? view.map.values[j * nx + i] : undefined;
@@ -216,7 +275,7 @@ function valueAt([u, v]) {
 
 /** Returns distances and numbers along a section. */
 function curve({ from, to }) {
-    const [nx, ny] = view.map.n;
+    const [nx, ny] = view.detail ? view.map.points : view.map.n;
     const count = Math.min(2048, Math.max(2, Math.ceil(Math.hypot((to[0] - from[0]) * nx, (to[1] - from[1]) * ny))));
     const length = Math.hypot(
         (to[0] - from[0]) * view.map.size[0],

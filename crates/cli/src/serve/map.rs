@@ -4,8 +4,15 @@ use gfmd_unit::Units;
 use ndarray::ArrayView2;
 use serde::Serialize;
 
-/// Largest number of points along a side. Of a larger map every second, third, ... point is sent.
+/// Largest number of points along a side. Of a larger map every second, third, ... point is sent; parts of it have all.
 const MOST: usize = 1024;
+
+/// Part of a map: its first point, and its number of points along x and y.
+#[derive(Clone, Copy)]
+pub(super) struct Part {
+    pub(super) from: [usize; 2],
+    pub(super) count: [usize; 2],
+}
 
 /// Description of a map.
 #[derive(Serialize)]
@@ -14,6 +21,8 @@ pub(super) struct Head {
     n: [usize; 2],
     /// Number of points of the whole map.
     points: [usize; 2],
+    /// First point that is sent.
+    from: [usize; 2],
     /// Distance of sent points, in points.
     step: usize,
     /// Size of the whole map in `length_unit`.
@@ -37,19 +46,24 @@ pub(super) struct Map<'a> {
 }
 
 impl Map<'_> {
-    /// Returns the map in readable units.
-    pub(super) fn bytes(&self, units: &Units) -> Vec<u8> {
-        let [nx, ny] = self.values.dim().into();
-        let step = nx.max(ny).div_ceil(MOST).max(1);
+    /// Returns the map, or a part of it that is cut at its edges, in readable units.
+    pub(super) fn bytes(&self, units: &Units, part: Option<Part>) -> Vec<u8> {
+        let points: [usize; 2] = self.values.dim().into();
+        let Part { from, count } = part.unwrap_or(Part { from: [0, 0], count: points });
+        let from = [0, 1].map(|axis| from[axis].min(points[axis]));
+        let end = [0, 1].map(|axis| from[axis].saturating_add(count[axis]).min(points[axis]));
+        let step = (end[0] - from[0]).max(end[1] - from[1]).div_ceil(MOST).max(1);
         let finite = || self.values.iter().copied().filter(|value| value.is_finite());
         let (lowest, highest) =
             finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
         let (factor, unit) = read(units, self.kind, lowest.abs().max(highest.abs()));
-        let (longer, length_unit) = read(units, "length", self.size[0].max(if ny == 1 { 0.0 } else { self.size[1] }));
-        let sent = self.values.slice(ndarray::s![..;step, ..;step]);
+        let across = if points[1] == 1 { 0.0 } else { self.size[1] };
+        let (longer, length_unit) = read(units, "length", self.size[0].max(across));
+        let sent = self.values.slice(ndarray::s![from[0]..end[0];step, from[1]..end[1];step]);
         let head = Head {
             n: sent.dim().into(),
-            points: [nx, ny],
+            points,
+            from,
             step,
             size: self.size.map(|length| length * longer),
             length_unit,

@@ -45,13 +45,16 @@ function tell(id, error) {
 
 // ---- Form
 
+// What a number of a kind may look like.
+const EXAMPLES = { length: "10um", stress: "70GPa", force: "1N", time: "1s", velocity: "1mm/s" };
+
 // Options that are seen at once; all others are below "More".
 const USUAL = {
     preparation: ["unit", "size", "detrend", "fill", "periodise", "flip"],
     problem: ["young", "poisson", "height", "boundary"],
 };
 const LOADS = { p_star: "Reduced pressure p*", pressure: "Mean pressure", force: "Force", approach: "Approach" };
-const OWN = "choose, or type values below";
+const OWN = "choose, or type below";
 const BARE = "numbers without a unit: E = 1";
 const state = { options: new Map(), scan: null, about: null, shown: null, runs: [], chosen: null };
 
@@ -80,8 +83,11 @@ function field(option) {
         read = () => (input.value === option.default ? undefined : input.value);
         box.append(input);
     } else {
-        const kinds = [...new Set(option.kinds.filter((kind) => kind !== "1"))].join(", ");
-        const place = option.default || [option.value.toLowerCase(), kinds && `(${kinds})`].filter(Boolean).join(" ");
+        const kinds = [...new Set(option.kinds.filter((kind) => kind !== "1"))];
+        const place =
+            option.default ||
+            (kinds.length === 1 && EXAMPLES[kinds[0]] && `such as ${EXAMPLES[kinds[0]]}`) ||
+            [option.value.toLowerCase(), kinds.length && `(${kinds.join(", ")})`].filter(Boolean).join(" ");
         input = make("input", {
             type: "text",
             id,
@@ -182,6 +188,16 @@ function build(options, materials) {
         young.write(found ? "" : "1");
         poisson.write(found ? "" : "0");
     });
+    // A value that is typed replaces the one of the material, whose other value stays.
+    for (const key of ["young", "poisson", "e_star"]) {
+        state.options.get(key).input.addEventListener("input", () => {
+            const found = materials[$("material").value];
+            $("material").value = OWN;
+            $("material").dispatchEvent(new Event("change"));
+            const other = { young: "poisson", poisson: "young" }[key];
+            if (found && other) state.options.get(other).write(String(found[other]));
+        });
+    }
 }
 
 /** Makes the fields of the load: one of its kinds, and its values. */
@@ -403,7 +419,10 @@ function list() {
                   { type: "button", "aria-pressed": pressed, disabled: !found, onclick: () => result(run) },
                   "Show",
               );
-        const row = make("li", {}, make("span", {}, `${name}: ${PHASES[phase]}`), button);
+        const resume = () => post(`resume/${run.state.run}`, {}).then(poll, (error) => refuse("press-error", error));
+        const again = make("button", { type: "button", "aria-label": `Resume ${name}`, onclick: resume }, "Resume");
+        const buttons = make("span", { class: "buttons" }, ...(phase === "stopped" ? [again, button] : [button]));
+        const row = make("li", {}, make("span", {}, `${name}: ${PHASES[phase]}`), buttons);
         if (phase === "running") {
             row.append(
                 make("progress", { max: "1", value: run.progress.share || null, "aria-label": `Progress of ${name}` }),
@@ -457,8 +476,9 @@ async function result(run) {
 }
 
 function sheet({ title, columns }) {
+    const numbered = [["load", ...columns[0].slice(1).map((_, load) => String(load))], ...columns];
     const rows = columns[0].map((_, index) => {
-        const cells = columns.map((column) =>
+        const cells = numbered.map((column) =>
             make(index === 0 ? "th" : "td", index === 0 ? { scope: "col" } : {}, column[index]),
         );
         return make("tr", { "data-load": index === 0 ? null : index - 1 }, ...cells);
@@ -498,6 +518,7 @@ async function begin() {
         suggestMaterial(Boolean(state.about.unit || state.options.get("unit").read()));
         prepare();
     });
+    state.options.get("boundary").input.addEventListener("change", () => state.scan !== null && prepare());
     $("form").addEventListener("submit", (event) => {
         event.preventDefault();
         if (!$("press").disabled) press();

@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use super::answer::{bytes, file, json as as_json, part, refusal};
 use super::form::{Answers, entries};
 use super::guard::Guard;
+use super::map::Part;
 use super::runs::{Runs, pool};
 use super::scans::{NotStored, Scan, Scans, store};
 
@@ -107,12 +108,19 @@ impl Desk {
                     self.run(run)?.stop();
                     Ok(as_json(&json!({})))
                 }
+                ["resume", run] => {
+                    let run = number(run)?;
+                    self.runs.get(run).ok_or_else(nothing)?;
+                    self.pool.install(|| self.runs.resume(run)).map_err(|failure| bad(&failure))?;
+                    Ok(as_json(&json!({})))
+                }
                 _ => Err(nothing()),
             };
         }
         if let Some((_, kind, text)) = PARTS.iter().find(|(name, ..)| *name == path) {
             return Ok(part(kind, text));
         }
+        let (words, part) = with_part(&words)?;
         match words[..] {
             ["form"] => Ok(as_json(&json!({
                 "options": entries(), "materials": materials(), "folder": self.folder, "limit": self.limit,
@@ -130,15 +138,15 @@ impl Desk {
             }
             ["map", "raw", scan] => {
                 let scan = self.scan(number(scan)?)?;
-                self.pool.install(|| scan.raw()).map(bytes).map_err(|failure| bad(&failure))
+                self.pool.install(|| scan.raw(part)).map(bytes).map_err(|failure| bad(&failure))
             }
             ["map", "prepared", scan] => {
                 let scan = self.scan(number(scan)?)?;
-                self.pool.install(|| scan.prepared()).map(bytes).ok_or_else(nothing)
+                self.pool.install(|| scan.prepared(part)).map(bytes).ok_or_else(nothing)
             }
             ["map", "run", run, field, load] => {
                 let (run, load) = (self.run(run)?, number(load)?);
-                self.pool.install(|| run.map(field, load)).map(bytes).map_err(|failure| bad(&failure))
+                self.pool.install(|| run.map(field, load, part)).map(bytes).map_err(|failure| bad(&failure))
             }
             ["file", run, "result"] => Ok(file(&self.run(run)?.file, false)),
             ["file", run, "page"] => Ok(file(&self.run(run)?.page(), true)),
@@ -194,6 +202,13 @@ fn must_be(request: &Request<Body>, kind: &str) -> Result<(), Refusal> {
         return Ok(());
     }
     Err((StatusCode::UNSUPPORTED_MEDIA_TYPE, format!("the content must be {kind}")))
+}
+
+/// Divides the end `part/X/Y/NX/NY` from the address of a map.
+fn with_part<'a>(words: &'a [&'a str]) -> Result<(&'a [&'a str], Option<Part>), Refusal> {
+    let [map @ .., "part", x, y, nx, ny] = words else { return Ok((words, None)) };
+    let part = Part { from: [number(x)?, number(y)?], count: [number(nx)?, number(ny)?] };
+    Ok((map, Some(part)))
 }
 
 fn number(word: &str) -> Result<usize, Refusal> {

@@ -16,7 +16,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
 use super::form::{Answers, Pressed, words};
-use super::map::Map;
+use super::map::{Map, Part};
 use super::repeat;
 use super::scans::Scan;
 use crate::contact::{self, Report};
@@ -113,6 +113,8 @@ pub(super) struct State {
 pub(super) struct Run {
     /// Result file.
     pub(super) file: PathBuf,
+    /// Words of the command.
+    line: Vec<String>,
     command: String,
     python: Result<String, String>,
     session: Session,
@@ -180,11 +182,11 @@ impl Run {
         Ok((found, failure))
     }
 
-    /// Returns a field of a load, or the heights, as a map.
+    /// Returns a field of a load, or the heights, as a map or a part of it.
     ///
     /// # Errors
     /// Returns an error for another field or load, and for a file that cannot be read.
-    pub(super) fn map(&self, field: &str, load: usize) -> Result<Vec<u8>, Failure> {
+    pub(super) fn map(&self, field: &str, load: usize, part: Option<Part>) -> Result<Vec<u8>, Failure> {
         let (units, size, loads, known) = {
             let state = self.state();
             let found = state.found.as_ref().ok_or_else(|| Failure::refused("the run has no result"))?;
@@ -205,7 +207,7 @@ impl Run {
         let values: ArrayView2<'_, f64> = ArrayView2::from_shape(points, &values)
             .map_err(|error| Failure::computation(format!("{path}: {error}")))?;
         let kind = ARRAYS.iter().find(|array| array.name == field).map_or("length", |array| array.unit);
-        Ok(Map { values, size, kind, meaning: &known.meaning }.bytes(&units))
+        Ok(Map { values, size, kind, meaning: &known.meaning }.bytes(&units, part))
     }
 }
 
@@ -281,6 +283,28 @@ struct Queue {
     closed: bool,
 }
 
+impl Queue {
+    /// Returns an error if no other run may wait.
+    fn check_open(&self) -> Result<(), Failure> {
+        if self.closed {
+            return Err(Failure::refused("the server ends"));
+        }
+        let count = self.waiting.len();
+        if count >= MOST_WAITING {
+            return Err(Failure::value("the number of waiting runs", count, format!("below {MOST_WAITING}")));
+        }
+        Ok(())
+    }
+}
+
+/// Returns the contact that a line of words asks for, and its session.
+fn contact_of(line: &[String]) -> Result<(Box<contact::Args>, Session), Failure> {
+    let (Pressed::Contact(args), session) = parsed(line)? else {
+        return Err(Failure::refused("the words name another command"));
+    };
+    Ok((args, session))
+}
+
 impl Runs {
     /// Creates the queue; each run has this number of threads.
     pub(super) fn new(threads: usize) -> Self {
@@ -300,29 +324,39 @@ impl Runs {
         line.extend(words("contact", answers)?);
         let file = self.free_name(folder, &scan.name());
         line.push(format!("--out={}", file.to_string_lossy()));
-        let (command, session) = parsed(&line)?;
-        let Pressed::Contact(args) = command else { return Err(Failure::refused("the words name another command")) };
+        let (args, session) = contact_of(&line)?;
         let mut queue = self.queue();
-        if queue.closed {
-            return Err(Failure::refused("the server ends"));
-        }
-        if queue.waiting.len() >= MOST_WAITING {
-            return Err(Failure::value(
-                "the number of waiting runs",
-                queue.waiting.len(),
-                format!("below {MOST_WAITING}"),
-            ));
-        }
+        queue.check_open()?;
         let run = queue.all.len();
         let name = file.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let state = State { run, name, phase: Phase::Waiting, message: None, found: None };
+        let state = Mutex::new(State { run, name, phase: Phase::Waiting, message: None, found: None });
         let command = repeat::command_line(&line);
         let python = repeat::python(&scan.word(), &file.to_string_lossy(), answers);
-        let started = Arc::new(Run { file, command, python, session, state: Mutex::new(state) });
+        let started = Arc::new(Run { file, line, command, python, session, state });
         queue.all.push(Arc::clone(&started));
         queue.waiting.push_back((started, args));
         self.advance(&mut queue);
         Ok(run)
+    }
+
+    /// Continues a stopped run after its finished loads, at once or after others.
+    ///
+    /// # Errors
+    /// Returns an error for another run, if too many contacts wait, or the server ends.
+    pub(super) fn resume(self: &Arc<Self>, run: usize) -> Result<(), Failure> {
+        let mut queue = self.queue();
+        queue.check_open()?;
+        let stopped = queue.all.get_mut(run).filter(|stopped| stopped.state().phase == Phase::Stopped);
+        let stopped = stopped.ok_or_else(|| Failure::refused("the run has not stopped"))?;
+        let (args, session) = contact_of(&[&stopped.line[..], &["--resume".to_owned()]].concat())?;
+        let state = State { phase: Phase::Waiting, message: None, found: None, ..stopped.state().clone() };
+        let Run { file, line, command, python, .. } = &**stopped;
+        let (file, line, command, python) = (file.clone(), line.clone(), command.clone(), python.clone());
+        let resumed = Arc::new(Run { file, line, command, python, session, state: Mutex::new(state) });
+        *stopped = Arc::clone(&resumed);
+        queue.waiting.push_back((resumed, args));
+        self.advance(&mut queue);
+        Ok(())
     }
 
     /// Starts waiting runs while fewer than allowed run.

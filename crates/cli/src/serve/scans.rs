@@ -14,7 +14,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::form::{Answers, Pressed, words};
-use super::map::Map;
+use super::map::{Map, Part};
 use crate::line::parsed;
 use crate::surface;
 use crate::surface::Listing;
@@ -166,16 +166,17 @@ impl Scan {
         }))
     }
 
-    /// Returns the heights of the file as a map.
+    /// Returns the heights of the file as a map or a part of it.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
-    pub(super) fn raw(&self) -> Result<Vec<u8>, Failure> {
+    pub(super) fn raw(&self, part: Option<Part>) -> Result<Vec<u8>, Failure> {
         let found = self.read()?;
         let [nx, ny] = found.heights.dim().into();
         let size = found.lengths.unwrap_or([1.0, ny as f64 / nx as f64]);
         let units = Units::new(found.unit.as_deref(), None);
-        Ok(Map { values: found.heights.view(), size, kind: "length", meaning: "height in the file" }.bytes(&units))
+        let map = Map { values: found.heights.view(), size, kind: "length", meaning: "height in the file" };
+        Ok(map.bytes(&units, part))
     }
 
     /// Prepares the heights as `gfmd surface` does, and returns its numbers.
@@ -202,11 +203,12 @@ impl Scan {
         Ok(told)
     }
 
-    /// Returns the heights as prepared last as a map.
-    pub(super) fn prepared(&self) -> Option<Vec<u8>> {
+    /// Returns the heights as prepared last as a map or a part of it.
+    pub(super) fn prepared(&self, part: Option<Part>) -> Option<Vec<u8>> {
         let prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         let Prepared { heights, size, unit } = prepared.as_ref()?;
         let units = Units::new(unit.as_deref(), None);
-        Some(Map { values: heights.view(), size: *size, kind: "length", meaning: "height as prepared" }.bytes(&units))
+        let map = Map { values: heights.view(), size: *size, kind: "length", meaning: "height as prepared" };
+        Some(map.bytes(&units, part))
     }
 }

@@ -207,6 +207,7 @@ fn warnings_stand_in_json_and_in_the_file() {
     };
     assert_eq!(codes("contact --surface h.npy --p-star 0.05"), ["rough-seam", "large-slope"]);
     assert_eq!(codes("surface --surface h.npy"), ["rough-seam"]);
+    assert!(codes("surface --surface h.npy --boundary free").is_empty(), "a patch has no seam");
     assert!(codes("contact --n 32 --eps-f-inv 4 --p-star 0.2").is_empty());
     assert_eq!(codes("contact --n 32 --eps-f-inv 8 --p-star 0.05"), ["grid"]);
     assert_eq!(codes("punch --n 16 --depth 0.2"), ["large-strain", "large-strain"]);

@@ -383,6 +383,10 @@ fn a_result_is_that_of_the_printed_command_line_bit_for_bit() {
         assert!((found - expected).abs() <= 1e-6 * expected.abs(), "{found} {expected}");
     }
     assert!(shown.iter().any(|pressure| *pressure > 0.0));
+    // A part has its numbers, and ends at its edge.
+    let (part, seen) = map(&served.get("map/run/0/pressure/1/part/3/5/4/1000").body);
+    assert_eq!((&part["from"], &part["n"]), (&json!([3, 5]), &json!([4, POINTS - 5])));
+    assert_eq!(seen[4 + 1], shown[6 * POINTS + 4]);
     for path in ["map/run/0/pressure/2", "map/run/0/..%2Fsurface/0", "map/run/0/no_field/0"] {
         assert_eq!(served.get(path).status, 400, "{path}");
     }
@@ -418,6 +422,13 @@ fn two_runs_go_at_once_others_wait_and_all_can_be_stopped() {
     assert!(stopped["state"]["message"].as_str().unwrap().contains("--resume continues"), "{stopped}");
     assert!(stopped["state"]["found"]["loads"].as_u64().unwrap() > 0, "{stopped}");
     served.wait(3, &["running"]);
+    // It goes on under its number, and only once.
+    assert_eq!(served.post("resume/0", &json!({})).status, 200);
+    assert_eq!(served.post("resume/0", &json!({})).status, 400);
+    assert_eq!(served.post("resume/9", &json!({})).status, 404);
+    assert_eq!(served.get("run/0").json()["state"]["phase"], "waiting");
+    served.post("stop/1", &json!({}));
+    served.wait(0, &["running"]);
     #[cfg(unix)]
     {
         // Ctrl-C ends the server after its runs, which keep their finished loads.

@@ -28,10 +28,31 @@ def needed(module: str, use: str) -> Any:
         raise Error(f"{use} needs {module.split('.')[0]}: pip install {module.split('.')[0]}") from error
 
 
+# Style of the figures that the program draws: colours of Okabe and Ito, ticks inside on all sides.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#222222")
+TICKS = {"xtick.direction": "in", "ytick.direction": "in", "xtick.top": True, "ytick.right": True}
+# Points of a pressure map without contact.
+PALE = "#e9e9e6"
+
+
 def axes(ax: Any) -> Any:
+    """Returns the axes, or new ones in the style of the program unless the user has chosen a style."""
     if ax is not None:
         return ax
-    return needed("matplotlib.pyplot", "plot").subplots()[1]
+    pyplot, matplotlib = needed("matplotlib.pyplot", "plot"), needed("matplotlib", "plot")
+    style = {**TICKS, "axes.prop_cycle": matplotlib.cycler(color=COLOURS)}
+    usual = matplotlib.rcParamsDefault
+    # The first figure makes a notebook interactive, which the end of the context would undo.
+    figure = pyplot.figure()
+    with pyplot.rc_context({key: value for key, value in style.items() if pyplot.rcParams[key] == usual[key]}):
+        return figure.add_subplot()
+
+
+def hue(index: int) -> str:
+    """Returns a colour of the program, or of the style that the user has chosen."""
+    matplotlib = needed("matplotlib", "plot")
+    own = matplotlib.rcParams["axes.prop_cycle"]
+    return COLOURS[index] if own == matplotlib.rcParamsDefault["axes.prop_cycle"] else f"C{index}"
 
 
 def field(values: Array, surface: Cell, name: str, ax: Any, units: Optional[Units] = None, contact: Any = None) -> Any:
@@ -79,8 +100,16 @@ def map_of(
             ax.plot([], [], "s", color=image.cmap(1.0 / 1.5), label="contact")
             ax.legend(loc="upper right")
             values = np.where(contact, np.nan, values)
-        colours = "magma" if name.endswith("pressure") else "viridis"
-        image = ax.imshow(values.T, origin="lower", extent=(0, lx, 0, ly), cmap=colours, interpolation="nearest")
+        colours: dict[str, Any] = {"cmap": "viridis"}
+        if name.endswith("pressure"):
+            ax.set_facecolor(PALE)
+            values = np.where(values == 0, np.nan, values)
+            colours["vmin"] = 0.0
+            if (attraction := -np.nanmin(values, initial=0.0)) > 1e-6 * np.nanmax(values, initial=0.0):
+                # The few largest pressures at sharp peaks would hide the attraction.
+                end = max(attraction, np.quantile(values[values > 0], 0.995) if np.any(values > 0) else 0.0)
+                colours = {"cmap": "RdBu", "vmin": -end, "vmax": end}
+        image = ax.imshow(values.T, origin="lower", extent=(0, lx, 0, ly), interpolation="nearest", **colours)
         ax.figure.colorbar(image, ax=ax, label=label)
         ax.set_ylabel(f"y ({unit})")
     ax.set_xlabel(f"{along} ({unit})")
@@ -215,7 +244,7 @@ def loop(x: tuple[str, Array], y: tuple[str, Array], units: Units, ax: Any) -> A
             values[start : end + 1],
             marker="o",
             ms=4,
-            color="C1" if falls else "C0",
+            color=hue(int(falls)),
             label=None if label in labelled else label,
             **style,
         )
