@@ -10,7 +10,7 @@ use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
-use gfmd_problem::{Task, rules_of, rules_of_sliding};
+use gfmd_problem::{Task, Written, rules_of, rules_of_sliding};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
@@ -115,7 +115,7 @@ fn together<C: Subcommand + Sync>(
         Some(world) => agree(&**world, plain),
         None => plain,
     };
-    let (words, map) = match plain {
+    let (words, map, written) = match plain {
         Ok(plain) => plain,
         Err(failure) => return processes::end(world, failure.status(), Some(&failure)),
     };
@@ -124,10 +124,10 @@ fn together<C: Subcommand + Sync>(
         Ok(line) => line,
         Err(error) => {
             let is_first = world.is_none_or(|world| world.rank() == 0);
-            return processes::end(world, if is_first { refuse(&error) } else { status_of(&error) }, None);
+            return processes::end(world, if is_first { refuse(&error, &written) } else { status_of(&error) }, None);
         }
     };
-    let session = session::start(line.common, world).map(|session| session.with_map(map));
+    let session = session::start(line.common, world).map(|session| session.with_map(map).with_written(written));
     let session = match world {
         Some(world) => agree(&**world, session),
         None => session,
@@ -213,14 +213,15 @@ pub fn command() -> clap::Command {
 }
 
 impl Command {
-    /// Creates the command `name` from a table with its flags as keys, and the arrays of its options.
+    /// Creates the command `name` from a table with its flags as keys, and the arrays of its options; with the
+    /// quantities as they were written.
     ///
     /// # Errors
     /// Returns an error if the command has no table form, a key is unknown to it, or a value has another type.
-    pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
+    pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<(Self, Written), Failure> {
         inputs::stay_in(&table)?;
-        of_table(name, &mut table, &arrays, kinds())?;
-        Ok(match name {
+        let written = of_table(name, &mut table, &arrays, kinds())?;
+        let command = match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
             "slide" => Self::Slide(Box::new(of_keys(table, arrays)?)),
             "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
@@ -234,7 +235,8 @@ impl Command {
                 let allowed = "path, slide, punch, body, kappa-sweep, study, green, prony or estimate";
                 return Err(Failure::value("the command", name, allowed));
             }
-        })
+        };
+        Ok((command, written))
     }
 
     /// Runs the command.
@@ -242,6 +244,10 @@ impl Command {
     /// # Errors
     /// Returns the reason why the command failed.
     pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Printable>>, Failure> {
+        self.found(session).map_err(|failure| session.as_written(failure))
+    }
+
+    fn found(&self, session: &Session) -> Result<Outcome<Box<dyn Printable>>, Failure> {
         fn whole<R: Printable + 'static>(report: R) -> Outcome<Box<dyn Printable>> {
             ended(Outcome { report, failure: None })
         }
@@ -388,7 +394,7 @@ fn way_out(error: &clap::Error) -> &'static str {
 }
 
 /// Prints help and version as results, and any other message of clap as one line of unusable input.
-fn refuse(error: &clap::Error) -> u8 {
+fn refuse(error: &clap::Error, written: &Written) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             // A reader such as `head` may close the pipe early.
@@ -402,7 +408,7 @@ fn refuse(error: &clap::Error) -> u8 {
             2
         }
         _ => {
-            let _ = writeln!(io::stderr(), "{}{}", one_line(error), way_out(error));
+            let _ = writeln!(io::stderr(), "{}{}", written.in_text(&one_line(error)), way_out(error));
             2
         }
     }
