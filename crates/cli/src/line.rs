@@ -59,6 +59,7 @@ pub(crate) fn parsed<C: Subcommand>(words: &[String]) -> Result<(C, Session), Fa
 /// Returns a message of clap about unusable input as one line.
 pub(crate) fn one_line(error: &clap::Error) -> String {
     let text = error.render().to_string();
-    let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage")).collect();
+    let is_end = |line: &&str| line.starts_with("Usage") || line.starts_with("For more information");
+    let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !is_end(line)).collect();
     lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }

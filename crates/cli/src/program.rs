@@ -10,12 +10,13 @@ use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
-use gfmd_problem::{Task, Written, rules_of, rules_of_sliding};
+use gfmd_problem::{Task, Written, key, rules_of, rules_of_sliding, words};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
 use crate::kinds::kinds;
 use crate::line::{Line, one_line, plain_words};
+use crate::session::wrapped;
 use crate::{
     body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, materials, path, processes, prony,
     punch, report, serve, session, slide, study, surface, theory,
@@ -110,7 +111,18 @@ fn together<C: Subcommand + Sync>(
     }
     let command = named(Line::<C>::command(), name);
     let words: Vec<String> = words.iter().map(|word| word.to_string_lossy().into_owned()).collect();
-    let plain = plain_words(&command, &words);
+    let plain = match study::words_of_study(&command, &words) {
+        Ok(None) => plain_words(&command, &words),
+        Ok(Some(_)) if world.is_some() => Err(Failure::refused(words![
+            "several of ",
+            key("seed"),
+            " or ",
+            key("surface"),
+            " are given to several processes; they must be members of a study, whose shards run apart (gfmd study)"
+        ])),
+        Ok(Some((study, written))) => Ok((study, None, written)),
+        Err(failure) => Err(failure),
+    };
     let plain = match world {
         Some(world) => agree(&**world, plain),
         None => plain,
@@ -347,8 +359,11 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
         serde_json::from_str(&text).map_err(|error| Failure::computation(error.to_string()))?;
     if session.is_first() {
         // The width of the format sets the width of the tables.
-        let table = || if session.wide { report.to_string() } else { format!("{report:width$}", width = width()) };
-        write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
+        let table = || match session.wide {
+            true => legible::lines(&report.to_string()),
+            false => narrow(&legible::lines(&format!("{report:width$}", width = width())), width()),
+        };
+        write(&if session.json { text + "\n" } else { table() })?;
     }
     match gfmd_input::json::undefined(&numbers) {
         Some(key) => Err(Failure::computation(format!(
@@ -356,6 +371,23 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
         ))),
         None => Ok(()),
     }
+}
+
+/// Breaks sentences wider than `width`. Lines of tables, which have several spaces between columns, stay, and so do
+/// lines with longer words, such as options to copy.
+fn narrow(text: &str, width: usize) -> String {
+    let mut out = String::new();
+    for line in text.lines() {
+        let (indent, words) = line.split_at(line.len() - line.trim_start().len());
+        let room = width.saturating_sub(indent.len());
+        let is_long = |word: &str| word.chars().count() > room;
+        if line.chars().count() <= width || words.contains("  ") || words.split(' ').any(is_long) {
+            out += &format!("{line}\n");
+        } else {
+            wrapped(words, room).iter().for_each(|line| out += &format!("{indent}{line}\n"));
+        }
+    }
+    out
 }
 
 /// Width of tables in characters, unless the terminal is narrower or all columns are asked for.

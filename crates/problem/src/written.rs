@@ -44,10 +44,10 @@ impl Written {
         numbers.into_iter().any(|number| number != 0.0 && self.quantity(option, number).is_none())
     }
 
-    /// Returns a text with the quantities of an option as they were written; behind their numbers if these must stay.
+    /// Returns a text with the quantities of an option as they were written; before their numbers if these must stay.
     pub(crate) fn replaced(&self, option: Option<&str>, text: &str, stays: bool) -> String {
         let piece = |(piece, number): (&str, Option<f64>)| match number.and_then(|of| self.quantity(option, of)) {
-            Some(written) if stays => format!("{piece} ({written})"),
+            Some(written) if stays => format!("{written} = {piece}"),
             Some(written) => written.to_owned(),
             None => piece.to_owned(),
         };
@@ -72,16 +72,16 @@ mod tests {
             written.add(option, text, number);
         }
         let said = |unusable: Unusable| unusable.as_written(&written).to_string();
-        let allowed = "positive and finite";
-        assert_eq!(said(Unusable::value(key("force"), -5e12, allowed)), "--force is -5N; it must be positive and finite");
+        let value = |option: &'static str, found: f64| said(Unusable::value(key(option), found, "positive"));
+        assert_eq!(value("force", -5e12), "--force is -5N; it must be positive");
         // The number of another option, and another number of this option.
-        assert_eq!(said(Unusable::value(key("young"), -1000.0, allowed)), "--young is -1000; it must be positive and finite");
-        assert_eq!(said(Unusable::value(key("size"), -1.0, allowed)), "--size is -1; it must be positive and finite");
+        assert_eq!(value("young", -1000.0), "--young is -1000; it must be positive");
+        assert_eq!(value("size", -1.0), "--size is -1; it must be positive");
         let both = Unusable::input(key("size"), "the lengths are [-1000.0, -1e3]; they must be above 0");
         assert_eq!(said(both), "--size: the lengths are [-1 mm, -1 mm]; they must be above 0");
         // Numbers in the units of the problem stand beside others of these.
         let range = Unusable::input(key("filter"), "the index of s2 is 2; it must be between 6.25, two steps, and 100");
-        let found = "--filter: the index of s2 is 2 (2um); it must be between 6.25, two steps, and 100";
+        let found = "--filter: the index of s2 is 2um = 2; it must be between 6.25, two steps, and 100";
         assert_eq!(said(range), found);
         assert_eq!(written.in_text("invalid value 's:R=2e0' for '--shape'"), "invalid value 's:R=2um' for '--shape'");
     }

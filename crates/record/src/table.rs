@@ -291,6 +291,10 @@ mod tests {
         let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None), None).lines;
         assert!(lines[0].contains("mean gap / nm"), "{lines:?}");
         assert!(lines[2].contains("1.3~"), "{lines:?}");
+        // A leak of zero stands in the unit of the other one.
+        let leaks = [row(&[("leak_x", Cell::Real(0.0)), ("leak_y", Cell::Real(2.5e-9))])];
+        let lines = table_of(&leaks, &[Table::Flow], &Units::new(Some("m"), None), None).lines;
+        assert_eq!(lines, ["  leak x / (µl/s)  leak y / (µl/s)", "           0.0000           2.5000"]);
         let lost = row(&[("dissipated", Cell::Real(0.05)), ("dissipated_error", Cell::Real(2e-3))]);
         let lines = table_of(&[lost], &[Table::Energy], &Units::new(Some("m"), None), None).lines;
         assert!(lines[0].ends_with("+- / (mJ/m²)") && lines[1].ends_with("2.0e0"), "{lines:?}");
