@@ -183,7 +183,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.answer.push(html! {
         p.headline { (solved) " of " (all) " members " span { "solved by gfmd " (text(&cube.command)) } }
         p {
-            (sentence(&text(&words(&cube).join("; ")))) ". The tables have means over the seeds, with standard errors in brackets."
+            (sentence(&text(&words(&cube).join("; "))))
+            ". The tables have means over the seeds, with standard errors in brackets."
         }
     });
     let names = |names: &[String]| text(&names.join(", "));

@@ -107,7 +107,9 @@ impl<'a> Stored<'a> {
         html! {
             @for (name, beside, meaning) in asked {
                 p.headline {
-                    @if self.column(name)[row].is_finite() { (self.said_beside(name, &[beside], row, 1.0)) " " span { (meaning) } }
+                    @if self.column(name)[row].is_finite() {
+                        (self.said_beside(name, &[beside], row, 1.0)) " " span { (meaning) }
+                    }
                     @else { "No value of " (name.replace('_', " ")) " " span { (self.attribute(name, "undefined")) } }
                 }
             }
