@@ -374,14 +374,15 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
 }
 
 /// Breaks sentences wider than `width`. Lines of tables, which have several spaces between columns, stay, and so do
-/// lines with longer words, such as options to copy.
+/// options to copy and longer words.
 fn narrow(text: &str, width: usize) -> String {
     let mut out = String::new();
     for line in text.lines() {
         let (indent, words) = line.split_at(line.len() - line.trim_start().len());
         let room = width.saturating_sub(indent.len());
         let is_long = |word: &str| word.chars().count() > room;
-        if line.chars().count() <= width || words.contains("  ") || words.split(' ').any(is_long) {
+        let is_sentence = !words.contains("  ") && !words.starts_with("--") && !words.split(' ').any(is_long);
+        if line.chars().count() <= width || !is_sentence {
             out += &format!("{line}\n");
         } else {
             wrapped(words, room).iter().for_each(|line| out += &format!("{indent}{line}\n"));

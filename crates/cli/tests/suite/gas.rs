@@ -150,7 +150,7 @@ fn a_gas_that_is_not_known_is_refused() {
         ("--gas-accommodation 1", "--gas-accommodation is given; it must be left out without --gas"),
         (&format!("{known} --gas-jump 1"), "--gas is air; it must be left out with --gas-conductivity and --gas-jump"),
         (&format!("{known} --gas-temperature 20"), "the temperature is 20 K; it must be from 200 to 1000 K"),
-        (&format!("{known} --gas-pressure 3MPa"), "--gas-pressure: the pressure is 3000000 Pa; it must be positive"),
+        (&format!("{known} --gas-pressure 3MPa"), "the pressure is 3MPa = 3000000 Pa; it must be positive"),
         (&format!("{known} --gas-accommodation 1,2"), "an accommodation coefficient is 2; it must be above 0"),
         (&format!("{known} --gas-accommodation 1,1,1"), "it must be one or two numbers"),
         (&format!("{known} --finite-slope"), "the vertical gap is not their distance"),

@@ -300,7 +300,7 @@ fn bad_studies_are_refused_in_one_line() {
 #[test]
 fn lists_of_seeds_and_surfaces_make_a_study_of_a_command() {
     let folder = folder(
-        "command = \"contact\"\n[contact]\nn = 16\nsize = \"50um\"\nforce = [\"1N\", \"2N\"]\n\
+        "command = \"contact\"\n[contact]\nn = 16\nsize = \"50µm\"\nforce = [\"1N\", \"2N\"]\n\
          material = \"steel-s355\"\n[study]\nseed = \"3:5\"",
     );
     let path = folder.path();
