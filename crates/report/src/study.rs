@@ -47,8 +47,8 @@ fn shown_of<S: Subject>(cube: &Cube) -> Vec<Shown<'_>> {
     found.collect()
 }
 
-/// Standard error divided by the mean below which it is rounding.
-const ROUNDING: f64 = 1e-12;
+/// Standard error divided by the mean below which it is rounding, or the tolerance of a prescribed load.
+const ROUNDING: f64 = 1e-8;
 
 /// Returns the standard error of a mean, unless it is unknown or rounding.
 fn error_of(mean: &MeanOver) -> Option<f64> {
@@ -92,6 +92,11 @@ pub fn coordinates(cube: &Cube) -> Vec<(String, Vec<String>)> {
         (head, (0..cube.states()).map(|state| text(value(state))).collect())
     };
     cube.axes.iter().enumerate().map(of).collect()
+}
+
+/// Says how many members have warnings.
+pub fn with_warnings(members: usize) -> String {
+    if members == 1 { "1 member has warnings".into() } else { format!("{members} members have warnings") }
 }
 
 /// Returns the extent of a study and the number of its members in words.
@@ -223,7 +228,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let warned = cube.warnings.iter().filter(|warnings| !warnings.is_empty()).count();
     if warned > 0 {
-        page.remarks.push(format!("{warned} members have warnings, which are in /study/warnings"));
+        page.remarks.push(format!("{}, which are in /study/warnings", with_warnings(warned)));
     }
     let tolerances = cube.configs.iter().filter_map(|config| Some(of(&config.parse().ok()?, "tolerance")));
     let tolerance = tolerances.filter(|tolerance| tolerance.is_finite()).reduce(f64::max).unwrap_or(f64::NAN);

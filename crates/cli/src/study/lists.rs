@@ -68,6 +68,9 @@ pub(crate) fn words_of_study(
         return Ok(None);
     }
     inputs::stay(&all)?;
+    if let Some((_, twice)) = surfaces.iter().enumerate().find(|(index, file)| surfaces[..*index].contains(file)) {
+        return Err(Failure::contradicts(key("surface"), format!("{twice} twice"), "each must differ"));
+    }
     let is_common = |key: &str| command.get_arguments().any(|common| common.get_id() == key);
     let refused = |key: &String| REFUSED.contains(&key.as_str()) && !OF_STUDY.contains(&key.as_str());
     if let Some(refused) = all.iter().filter_map(option_of).find(refused) {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use gfmd_check::study::{Cube, CubeNumber, MeanOver, StateAxis, status};
 use gfmd_record::{Importance, Printed, Sheet};
-use gfmd_report::study::{Shown, coordinates, shown, words};
+use gfmd_report::study::{Shown, coordinates, shown, with_warnings, words};
 use gfmd_sweep::Shard;
 use serde::Serialize;
 
@@ -144,7 +144,7 @@ impl fmt::Display for Report {
         }
         let warned = cube.warnings.iter().filter(|warnings| !warnings.is_empty()).count();
         if warned > 0 {
-            writeln!(f, "{warned} members have warnings, in /study/warnings")?;
+            writeln!(f, "{}, in /study/warnings", with_warnings(warned))?;
         }
         list_files(f, Some(&self.out), &[])
     }

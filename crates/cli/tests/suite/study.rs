@@ -331,6 +331,7 @@ fn lists_of_seeds_and_surfaces_make_a_study_of_a_command() {
         ("contact --n 16 --p-star 0.1 --seed 1:2 --sead 3", "unexpected argument '--sead'"),
         ("contact --n 16 --size 1um --young=-1GPa --p-star 0.1 --seed 1:2", "Young's modulus is -1GPa"),
         ("contact --surface a.npy --size 1 --p-star 0.1 --seed 1:2", "the same contact"),
+        ("path --surface a.npy --surface a.npy --size 1 --p-star 0.1", "--surface is a.npy twice; each must differ"),
     ] {
         let output = run(line);
         let text = message(&output);
