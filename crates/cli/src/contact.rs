@@ -66,6 +66,7 @@ use vtk::VtkFile;
   gfmd contact --n 4096 --p-star 0.01,0.02,0.05,0.1 --out night.h5 --checkpoint 600 --resume
   gfmd contact --n 512 --p-star 1e-3:0.3:8 --statistics --flow --plots curve
   gfmd contact --n 512 --p-star 0.05 --vtk contact.vtp
+  gfmd contact --n 64 --p-star 0.01,0.1 --seed 1:10 --out seeds.h5
   gfmd contact --n 512 --unit um --size 100um --young 70GPa --pressure 1MPa:1GPa:7 --export-law law.inp
   gfmd contact --n 128 --height 1 --p-star 0.01 --components all --solver verlet-critical --history --out dynamics.h5
   gfmd contact --n 256 --height 0.1 --poisson 0.3 --lower-seed 2 --p-star 0.01,0.05 --plots squeezed

@@ -340,6 +340,9 @@ impl fmt::Display for Report {
         for (reason, names) in reasons {
             print_note(f, &format!("no {}: {reason}", names.join(", ")))?;
         }
+        if self.loads.iter().all(|load| load.area_fraction.is_none()) {
+            return Ok(());
+        }
         let like = self.measured.map_or_else(String::new, |name| format!(" of {name}"));
         print_note(
             f,

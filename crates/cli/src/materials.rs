@@ -34,7 +34,7 @@ pub fn run() -> Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line = |f: &mut fmt::Formatter<'_>, [name, young, poisson, stress]: [&str; 4], source: &str| {
-            print_beside(f, &format!("{name:<14} {young:>8} {poisson:>6} {stress:>13}  "), source)
+            print_beside(f, &format!("{name:<15} {young:>8} {poisson:>6} {stress:>13}  "), source)
         };
         line(f, ["name", "E", "nu", "yield stress"], "source")?;
         for (name, material) in self.materials {

@@ -10,12 +10,13 @@ use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
-use gfmd_problem::{Task, rules_of, rules_of_sliding};
+use gfmd_problem::{Task, Written, key, rules_of, rules_of_sliding, words};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
 use crate::kinds::kinds;
 use crate::line::{Line, one_line, plain_words};
+use crate::session::wrapped;
 use crate::{
     body, check, completions, contact, estimate, green, inputs, kappa_sweep, law, materials, path, processes, prony,
     punch, report, serve, session, slide, study, surface, theory,
@@ -110,12 +111,23 @@ fn together<C: Subcommand + Sync>(
     }
     let command = named(Line::<C>::command(), name);
     let words: Vec<String> = words.iter().map(|word| word.to_string_lossy().into_owned()).collect();
-    let plain = plain_words(&command, &words);
+    let plain = match study::words_of_study(&command, &words) {
+        Ok(None) => plain_words(&command, &words),
+        Ok(Some(_)) if world.is_some() => Err(Failure::refused(words![
+            "several of ",
+            key("seed"),
+            " or ",
+            key("surface"),
+            " are given to several processes; they must be members of a study, whose shards run apart (gfmd study)"
+        ])),
+        Ok(Some((study, written))) => Ok((study, None, written)),
+        Err(failure) => Err(failure),
+    };
     let plain = match world {
         Some(world) => agree(&**world, plain),
         None => plain,
     };
-    let (words, map) = match plain {
+    let (words, map, written) = match plain {
         Ok(plain) => plain,
         Err(failure) => return processes::end(world, failure.status(), Some(&failure)),
     };
@@ -124,10 +136,10 @@ fn together<C: Subcommand + Sync>(
         Ok(line) => line,
         Err(error) => {
             let is_first = world.is_none_or(|world| world.rank() == 0);
-            return processes::end(world, if is_first { refuse(&error) } else { status_of(&error) }, None);
+            return processes::end(world, if is_first { refuse(&error, &written) } else { status_of(&error) }, None);
         }
     };
-    let session = session::start(line.common, world).map(|session| session.with_map(map));
+    let session = session::start(line.common, world).map(|session| session.with_map(map).with_written(written));
     let session = match world {
         Some(world) => agree(&**world, session),
         None => session,
@@ -213,14 +225,15 @@ pub fn command() -> clap::Command {
 }
 
 impl Command {
-    /// Creates the command `name` from a table with its flags as keys, and the arrays of its options.
+    /// Creates the command `name` from a table with its flags as keys, and the arrays of its options; with the
+    /// quantities as they were written.
     ///
     /// # Errors
     /// Returns an error if the command has no table form, a key is unknown to it, or a value has another type.
-    pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<Self, Failure> {
+    pub fn of(name: &str, mut table: toml::Table, arrays: Arrays) -> Result<(Self, Written), Failure> {
         inputs::stay_in(&table)?;
-        of_table(name, &mut table, &arrays, kinds())?;
-        Ok(match name {
+        let written = of_table(name, &mut table, &arrays, kinds())?;
+        let command = match name {
             "path" => Self::Path(Box::new(of_keys(table, arrays)?)),
             "slide" => Self::Slide(Box::new(of_keys(table, arrays)?)),
             "punch" => Self::Punch(Box::new(of_keys(table, arrays)?)),
@@ -234,7 +247,8 @@ impl Command {
                 let allowed = "path, slide, punch, body, kappa-sweep, study, green, prony or estimate";
                 return Err(Failure::value("the command", name, allowed));
             }
-        })
+        };
+        Ok((command, written))
     }
 
     /// Runs the command.
@@ -242,6 +256,10 @@ impl Command {
     /// # Errors
     /// Returns the reason why the command failed.
     pub fn outcome(&self, session: &Session) -> Result<Outcome<Box<dyn Printable>>, Failure> {
+        self.found(session).map_err(|failure| session.as_written(failure))
+    }
+
+    fn found(&self, session: &Session) -> Result<Outcome<Box<dyn Printable>>, Failure> {
         fn whole<R: Printable + 'static>(report: R) -> Outcome<Box<dyn Printable>> {
             ended(Outcome { report, failure: None })
         }
@@ -341,8 +359,11 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
         serde_json::from_str(&text).map_err(|error| Failure::computation(error.to_string()))?;
     if session.is_first() {
         // The width of the format sets the width of the tables.
-        let table = || if session.wide { report.to_string() } else { format!("{report:width$}", width = width()) };
-        write(&if session.json { text + "\n" } else { legible::lines(&table()) })?;
+        let table = || match session.wide {
+            true => legible::lines(&report.to_string()),
+            false => narrow(&legible::lines(&format!("{report:width$}", width = width())), width()),
+        };
+        write(&if session.json { text + "\n" } else { table() })?;
     }
     match gfmd_input::json::undefined(&numbers) {
         Some(key) => Err(Failure::computation(format!(
@@ -350,6 +371,24 @@ pub fn print(report: &(impl Display + Serialize), session: &Session) -> Result<(
         ))),
         None => Ok(()),
     }
+}
+
+/// Breaks sentences wider than `width`. Lines of tables, which have several spaces between columns, stay, and so do
+/// options to copy and longer words.
+fn narrow(text: &str, width: usize) -> String {
+    let mut out = String::new();
+    for line in text.lines() {
+        let (indent, words) = line.split_at(line.len() - line.trim_start().len());
+        let room = width.saturating_sub(indent.len());
+        let is_long = |word: &str| word.chars().count() > room;
+        let is_sentence = !words.contains("  ") && !words.starts_with("--") && !words.split(' ').any(is_long);
+        if line.chars().count() <= width || !is_sentence {
+            out += &format!("{line}\n");
+        } else {
+            wrapped(words, room).iter().for_each(|line| out += &format!("{indent}{line}\n"));
+        }
+    }
+    out
 }
 
 /// Width of tables in characters, unless the terminal is narrower or all columns are asked for.
@@ -388,7 +427,7 @@ fn way_out(error: &clap::Error) -> &'static str {
 }
 
 /// Prints help and version as results, and any other message of clap as one line of unusable input.
-fn refuse(error: &clap::Error) -> u8 {
+fn refuse(error: &clap::Error, written: &Written) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             // A reader such as `head` may close the pipe early.
@@ -402,7 +441,7 @@ fn refuse(error: &clap::Error) -> u8 {
             2
         }
         _ => {
-            let _ = writeln!(io::stderr(), "{}{}", one_line(error), way_out(error));
+            let _ = writeln!(io::stderr(), "{}{}", written.in_text(&one_line(error)), way_out(error));
             2
         }
     }

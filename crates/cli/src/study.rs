@@ -5,6 +5,7 @@ mod config;
 mod cube;
 mod file;
 mod inputs;
+mod lists;
 mod member;
 mod report;
 mod solve;
@@ -27,6 +28,7 @@ use serde::Deserialize;
 
 pub(crate) use check::check;
 pub use file::report_of;
+pub(crate) use lists::words_of_study;
 pub use report::{PlanReport, Report};
 
 use crate::inputs::stay_in;

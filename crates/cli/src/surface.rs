@@ -15,7 +15,7 @@ use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_files::{Output, Provenance};
 use gfmd_problem::key;
-use gfmd_record::{Cell, Record, SurfaceFacts, by_reason};
+use gfmd_record::{Cell, Record, SurfaceFacts, by_reason, size_for_unit};
 use gfmd_report::surface::{About, Number, Subject, unit_of};
 use gfmd_surface::{
     MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError,
@@ -551,7 +551,9 @@ impl Report {
         self.numbers.cells().filter_map(move |(column, cell)| {
             let Number { name, value, unit, meaning } = Number::of(column, cell, column.meaning(&self.facts));
             let value = value?;
-            let text = match units.shown(unit, value) {
+            // Zeros of lengths have the unit of the rms height.
+            let beside = (unit == "length").then(|| self.numbers.value("rms_height")).flatten();
+            let text = match units.shown(unit, size_for_unit(value.abs(), || beside.into_iter())) {
                 _ if matches!(cell, Cell::Count(_)) => (value.to_string(), String::new()),
                 Some(shown) => (format!("{:.6}", value * shown.factor), shown.name),
                 None => (format!("{value:.6e}"), units.name(unit)),

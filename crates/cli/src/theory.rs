@@ -10,11 +10,13 @@ use clap::Args as ClapArgs;
 use gfmd_measure::SelfAffineArea;
 use gfmd_measure::theory::{Asperities, AsperityTheory, ENERGY_FACTOR, Persson};
 use gfmd_problem::key;
+use gfmd_record::{Importance, Printed, Sheet, largest, significant};
 use gfmd_surface::PowerSpectrum;
+use gfmd_unit::Units;
 use serde::Serialize;
 
 use crate::loads::PressingArgs;
-use crate::session::{list_files, print_note};
+use crate::session::{list_files, print_note, print_sheet};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
 use gfmd_input::source::SourceArgs;
@@ -54,6 +56,8 @@ pub struct Report {
     pub size: [f64; 2],
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress_unit: Option<String>,
     pub surface: String,
     pub rms_height: f64,
     pub rms_gradient: f64,
@@ -216,6 +220,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
         n: grid.points(),
         size: grid.lengths(),
         unit: surface.unit.clone(),
+        stress_unit: surface.stress_unit.clone(),
         surface: surface.description,
         rms_height: moments.rms_height(),
         rms_gradient,
@@ -289,51 +294,79 @@ impl Theories {
     }
 }
 
+impl Report {
+    /// Returns a column of numbers, with the readable unit of their kind.
+    fn column(&self, word: &str, kind: &str, importance: Importance, of: &dyn Fn(&Load) -> Option<f64>) -> Printed {
+        let values: Vec<Option<f64>> = self.loads.iter().map(of).collect();
+        let unit = self.units().shown(kind, largest(values.iter().copied().flatten()));
+        let head = unit.as_ref().map_or_else(|| word.to_owned(), |unit| format!("{word} / {}", unit.divisor()));
+        let number = |value: f64| match &unit {
+            Some(unit) => significant(value * unit.factor),
+            None => format!("{value:.3e}"),
+        };
+        let cells = values.into_iter().map(|value| value.map_or_else(|| "-".to_owned(), number));
+        Printed { word: word.to_owned(), cells: std::iter::once(head).chain(cells).collect(), importance }
+    }
+
+    /// Returns the table of the areas at the wavelengths; empty without one.
+    fn magnified(&self) -> Vec<Printed> {
+        let mut seen: Vec<(f64, Magnified)> = Vec::new();
+        for load in &self.loads {
+            seen.extend(load.persson.at_wavelength.iter().map(|seen| (load.p_star, *seen)));
+        }
+        if seen.is_empty() {
+            return Vec::new();
+        }
+        let unit = self.units().shown("length", largest(seen.iter().map(|(_, seen)| seen.wavelength)));
+        let (factor, name) = unit.map_or((1.0, String::new()), |unit| (unit.factor, format!(" / {}", unit.name)));
+        let column = |head: String, cells: Vec<String>| {
+            let cells = std::iter::once(head.clone()).chain(cells).collect();
+            Printed { word: head, cells, importance: Importance::Main }
+        };
+        vec![
+            column("p*".into(), seen.iter().map(|(p_star, _)| format!("{p_star:.3e}")).collect()),
+            column(
+                format!("wavelength{name}"),
+                seen.iter().map(|(_, seen)| significant(seen.wavelength * factor)).collect(),
+            ),
+            column("Persson".into(), seen.iter().map(|(_, seen)| format!("{:.3e}", seen.area_fraction)).collect()),
+        ]
+    }
+
+    fn units(&self) -> Units {
+        Units::new(self.unit.as_deref(), self.stress_unit.as_deref())
+    }
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let unit = self.unit.as_deref().unwrap_or("length");
+        let units = self.units();
         writeln!(f, "{}", self.surface)?;
-        writeln!(
-            f,
-            "rms height {:.4e} {unit}, rms gradient {:.4e}, E* {:.4e}",
-            self.rms_height, self.rms_gradient, self.e_star
-        )?;
+        let [height, modulus] = [units.words(self.rms_height, "length"), units.words(self.e_star, "stress")];
+        writeln!(f, "rms height {height}, rms gradient {:.4e}, E* {modulus}", self.rms_gradient)?;
         if let (Some(nayak), Some(density)) = (self.nayak, self.summit_density) {
+            let unit = self.unit.as_deref().unwrap_or("length");
             writeln!(f, "Nayak's parameter {nayak:.4}, {density:.4e} summits for each {unit}^2")?;
         }
-        writeln!(f, "pressure in full contact: standard deviation {:.4e}", self.full_contact_deviation)?;
-        writeln!(f)?;
-        writeln!(
+        let deviation = units.words(self.full_contact_deviation, "stress");
+        writeln!(f, "pressure in full contact: standard deviation {deviation}\n")?;
+        let column = |word, importance, of: &dyn Fn(&Load) -> Option<f64>| self.column(word, "1", importance, of);
+        let columns = vec![
+            column("p*", Importance::Main, &|load| Some(load.p_star)),
+            self.column("pressure", "stress", Importance::Usual, &|load| Some(load.mean_pressure)),
+            column("Persson", Importance::Main, &|load| Some(load.persson.area_fraction)),
+            column("BGT", Importance::Usual, &|load| load.bush_gibson_thomas.map(|found| found.area_fraction)),
+            column("GW", Importance::Detail, &|load| load.greenwood_williamson.map(|found| found.area_fraction)),
+            column("formula", Importance::Usual, &|load| load.self_affine.map(|area| area.area_fraction)),
+            column("counted", Importance::Detail, &|load| load.self_affine.and_then(|area| area.counted)),
+            self.column("mean gap", "length", Importance::Main, &|load| Some(load.persson.mean_gap)),
+        ];
+        print_sheet(f, |width| Sheet::of(columns, width), 0, |_| String::new(), |_| String::new())?;
+        print_note(
             f,
-            "                            contact area fraction of                                          mean gap"
+            "area fractions of Persson's theory, of Bush, Gibson and Thomas (BGT), and of Greenwood and Williamson \
+             (GW); mean gap of Persson's theory",
         )?;
-        writeln!(
-            f,
-            "      p*        Persson     Bush-Gibson-Thomas  Greenwood-Williamson  formula    counted     Persson"
-        )?;
-        let number =
-            |value: Option<f64>| value.map_or_else(|| format!("{:>11}", "-"), |value| format!("{value:>11.4e}"));
-        for load in &self.loads {
-            let areas = [load.bush_gibson_thomas, load.greenwood_williamson]
-                .map(|found| number(found.map(|a| a.area_fraction)));
-            let [limit, counted] = [
-                number(load.self_affine.map(|area| area.area_fraction)),
-                number(load.self_affine.and_then(|area| area.counted)),
-            ];
-            let [bush, greenwood] = areas;
-            writeln!(
-                f,
-                "{:>11.4e} {:>11.4e} {bush}         {greenwood}           {limit} {counted} {:>11.4e}",
-                load.p_star, load.persson.area_fraction, load.persson.mean_gap
-            )?;
-            for seen in &load.persson.at_wavelength {
-                writeln!(
-                    f,
-                    "            {:>11.4e} seen without waves below {:.4e} {unit}",
-                    seen.area_fraction, seen.wavelength
-                )?;
-            }
-        }
         let reasons: BTreeMap<_, _> = self.loads.iter().flat_map(|load| &load.undefined).collect();
         for (reason, names) in reasons {
             print_note(f, &format!("no {}: {reason}", names.join(", ")))?;
@@ -341,9 +374,15 @@ impl fmt::Display for Report {
         if self.loads.iter().any(|load| load.self_affine.is_some()) {
             print_note(
                 f,
-                "formula: fitted to computed contacts in the limit of endless spectra; counted: on this band and grid \
-                 (docs/results.md)",
+                "formula: area fraction fitted to computed contacts in the limit of endless spectra; counted: on this \
+                 band and grid (docs/results.md)",
             )?;
+        }
+        let seen = self.magnified();
+        if !seen.is_empty() {
+            writeln!(f)?;
+            print_sheet(f, |width| Sheet::of(seen, width), 0, |_| String::new(), |_| String::new())?;
+            print_note(f, "area fraction of Persson's theory, seen without waves shorter than the wavelength")?;
         }
         list_files(f, None, &self.plots)
     }

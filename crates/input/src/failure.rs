@@ -6,7 +6,7 @@ use gfmd_contact::{Fields, Refusal, SolveError};
 use gfmd_files::legible::line;
 use gfmd_files::{FileError, JournalError};
 use gfmd_plot::PlotError;
-use gfmd_problem::{Clash, Spelling, Unusable, Words, key, setting, words};
+use gfmd_problem::{Clash, Spelling, Unusable, Words, Written, key, setting, words};
 use gfmd_sweep::SweepError;
 
 /// Reason why a command fails. Its message is one line, without characters that steer a terminal, also if it quotes a
@@ -83,6 +83,15 @@ impl Failure {
             Self::NotConverged(words) => Self::NotConverged(words.and(remark)),
             Self::Computation(words) => Self::Computation(words.and(remark)),
             Self::Interrupted(words) => Self::Interrupted(words.and(remark)),
+        }
+    }
+
+    /// Shows the quantities of unusable input as they were written.
+    #[must_use]
+    pub fn as_written(self, written: &Written) -> Self {
+        match self {
+            Self::Input(unusable) => Self::Input(unusable.as_written(written)),
+            other => other,
         }
     }
 

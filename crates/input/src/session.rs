@@ -11,7 +11,7 @@ use gfmd_field::{Grid, Share};
 use gfmd_files::legible::line;
 use gfmd_files::{Memory, Output, Provenance, Topography, Warning, Warnings};
 use gfmd_problem::options::given::ArrayOption;
-use gfmd_problem::{MemoryNeed, Spelling, Words, key};
+use gfmd_problem::{MemoryNeed, Spelling, Words, Written, key};
 use gfmd_vector::Ranks;
 use ndarray::Array2;
 use serde::Serialize;
@@ -53,6 +53,8 @@ pub struct Session {
     meter: Meter,
     /// Height map that was read before the flags were parsed.
     map: Arc<Mutex<Option<NamedMap>>>,
+    /// Quantities of the options as they were written.
+    written: Written,
 }
 
 /// Height map in a file, with the names of file and channel as given.
@@ -111,6 +113,7 @@ impl Session {
             command: None,
             meter: Meter::default(),
             map: Arc::default(),
+            written: Written::default(),
         }
     }
 
@@ -156,6 +159,17 @@ impl Session {
     #[must_use]
     pub fn with_map(self, map: Option<NamedMap>) -> Self {
         Self { map: Arc::new(Mutex::new(map.filter(|_| self.is_first()))), ..self }
+    }
+
+    /// Returns the session with the quantities of its options as they were written.
+    #[must_use]
+    pub fn with_written(self, written: Written) -> Self {
+        Self { written, ..self }
+    }
+
+    /// Returns a failure with the quantities of the options as they were written.
+    pub fn as_written(&self, failure: Failure) -> Failure {
+        failure.as_written(&self.written)
     }
 
     /// Takes the height map of a file and a channel, if it was read already. It is kept for one reader.

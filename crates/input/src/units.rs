@@ -5,7 +5,7 @@ use gfmd_files::{Reader, Reading, Topography, split_dataset};
 use gfmd_problem::options::given::{ArrayOption, Arrays};
 use gfmd_problem::options::quantities::{Sought, text_in_units, value_in_units};
 use gfmd_problem::options::{Kinds, KindsByKey};
-use gfmd_problem::{flag, key};
+use gfmd_problem::{Written, flag, key};
 use gfmd_unit::Units;
 use toml::{Table, Value};
 
@@ -139,7 +139,8 @@ impl Word {
 }
 
 /// Returns the words of the command `name` with bare numbers in place of quantities with a unit, and the rows of tables
-/// in place of their files; with the height map of the surface if it was read for its unit.
+/// in place of their files; with the height map of the surface if it was read for its unit, and the quantities as they
+/// were written.
 ///
 /// # Errors
 /// Returns an error for a text that is not a unit, a quantity of another kind than its option, a quantity without a
@@ -148,7 +149,7 @@ pub fn of_words(
     name: &str,
     mut words: Vec<Word>,
     kinds: &KindsByKey,
-) -> Result<(Vec<Word>, Option<NamedMap>), Failure> {
+) -> Result<(Vec<Word>, Option<NamedMap>, Written), Failure> {
     for word in &mut words {
         let rows = match word.quantity(kinds) {
             // A command without units takes the numbers of the table, whatever its units.
@@ -179,7 +180,7 @@ pub fn of_words(
         }
     }
     if !sought.any {
-        return Ok((words, None));
+        return Ok((words, None, Written::default()));
     }
     let value_of = |option: &str| {
         words.iter().filter_map(Word::given).find(|(key, _)| *key == option).map(|(_, value)| value.to_owned())
@@ -209,9 +210,10 @@ pub fn of_words(
         source.unit = Some(found);
     }
     let (units, map) = source.units()?;
+    let mut take = (&units, Written::default());
     for word in &mut words {
         let Some(((key, text), kinds)) = word.quantity(kinds) else { continue };
-        if let Some(text) = text_in_units((key, kinds), text, &mut &units)? {
+        if let Some(text) = text_in_units((key, kinds), text, &mut take)? {
             word.replace(&text);
         }
     }
@@ -220,14 +222,15 @@ pub fn of_words(
         added.push((STRESS_UNIT, Units::PASCAL.to_owned()));
     }
     words.extend(added.iter().map(|(option, value)| Word::value(option, &format!("{}=", flag(option)), value)));
-    Ok((words, map))
+    let written = take.1;
+    Ok((words, map, written))
 }
 
-/// The units of [`of_words`], for a table of options and its arrays.
+/// Does what [`of_words`] does, for a table of options and its arrays. Returns the quantities as they were written.
 ///
 /// # Errors
 /// The errors of `of_words`.
-pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &KindsByKey) -> Result<(), Failure> {
+pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &KindsByKey) -> Result<Written, Failure> {
     named::of_table(table)?;
     let mut sought = Sought::default();
     for (key, value) in &*table {
@@ -236,7 +239,7 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &Kinds
         }
     }
     if !sought.any {
-        return Ok(());
+        return Ok(Written::default());
     }
     if without_units(command)
         && let Some(found) = table.iter().find(|(key, value)| {
@@ -274,13 +277,14 @@ pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &Kinds
         }
     }
     let (units, _) = source.units()?;
+    let mut take = (&units, Written::default());
     for (key, value) in table.iter_mut() {
         if let Some(kinds) = kinds.get(&**key) {
-            value_in_units((key, *kinds), value, &mut &units)?;
+            value_in_units((key, *kinds), value, &mut take)?;
         }
     }
     if command != BODY && sought.stress && units.stress().is_none() {
         table.insert(STRESS_UNIT.into(), Units::PASCAL.into());
     }
-    Ok(())
+    Ok(take.1)
 }

@@ -75,6 +75,7 @@ impl fmt::Display for NoLimit {
             ),
             Self::Counted => f.write_str("it is counted, and two grids agree by chance"),
             Self::OneGrid => f.write_str("it cannot be estimated from one solution (use --grid-error refine)"),
+            Self::NearClosing(0.0) => f.write_str("nothing flows, and the grid error of zero is not known"),
             Self::NearClosing(found) => {
                 write!(f, "the conductivity is {found:.1e}; below {LEAST_CONDUCTIVITY} the grid error is not known")
             }

@@ -95,9 +95,10 @@ impl Ticks {
             (major.collect(), minor)
         } else {
             // Fewer than three decades get labels within a decade: the sparsest choice with at least three labels.
-            let choices: [&[i32]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
+            let all = || between(&[1, 2, 3, 4, 5, 6, 7, 8, 9]);
+            let choices: [&[i32]; 4] = [&[1], &[1, 3], &[1, 2, 5], &[1, 2, 3, 5, 7]];
             let enough = choices.iter().map(|digits| between(digits)).find(|positions| positions.len() >= 3);
-            (enough.unwrap_or_else(|| between(choices[3])), between(choices[3]))
+            (enough.unwrap_or_else(all), all())
         };
         let plain = positions.iter().all(|&value| (0.000_99..10_001.0).contains(&value)) && last - first < 4;
         let major: Vec<(f64, String)> = positions.into_iter().map(|v| (v, log_label(v, plain))).collect();
@@ -194,6 +195,7 @@ mod tests {
         assert_eq!(labels(Scale::Log, [1e-9, 2.0]), ["10^{−8}", "10^{−6}", "10^{−4}", "10^{−2}", "10^{0}"]);
         assert_eq!(labels(Scale::Log, [0.02, 0.6]), ["0.03", "0.1", "0.3"]);
         assert_eq!(labels(Scale::Log, [0.005, 2.0]), ["0.01", "0.1", "1"]);
+        assert_eq!(labels(Scale::Log, [0.065, 0.36]), ["0.07", "0.1", "0.2", "0.3"]);
         assert_eq!(labels(Scale::Log, [2.1e-7, 4.4e-7]), ["3×10^{−7}", "4×10^{−7}"]);
         assert_eq!(labels(Scale::Log, [1.61, 1.68]), ["1.62", "1.64", "1.66", "1.68"]);
     }

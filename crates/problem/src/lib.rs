@@ -28,6 +28,7 @@ mod sideways;
 mod unknown;
 mod unusable;
 mod words;
+mod written;
 
 pub use accuracy::{Accuracy, AccuracyError};
 pub use adhesion::Adhesion;
@@ -43,3 +44,4 @@ pub use rules::{Clash, Facts, Part, RULES, Rule, rules_of, rules_of_sliding, tab
 pub use unknown::{NoUnknown, Unknown};
 pub use unusable::{SIZES, Unusable, check_size};
 pub use words::{Spelling, Words, argument, flag, key, setting};
+pub use written::Written;

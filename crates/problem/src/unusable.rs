@@ -1,7 +1,7 @@
 use std::fmt::{self, Display};
 use std::ops::RangeInclusive;
 
-use crate::{Spelling, Words, key, words};
+use crate::{Spelling, Words, Written, key, words};
 
 /// Error: input that cannot be used, with the value found and the allowed values, or with the reason.
 ///
@@ -54,6 +54,16 @@ impl Unusable {
     #[must_use]
     pub fn because(self, why: impl Into<Words>) -> Self {
         Self { why: Some(why.into()), ..self }
+    }
+
+    /// Shows the found quantities of the option as they were written, not in the units of the problem.
+    #[must_use]
+    pub fn as_written(self, written: &Written) -> Self {
+        let option = self.key().map(str::to_owned);
+        let of = option.as_deref();
+        let stays = written.has_others(of, &self.words().spelled(Spelling::Flag));
+        let shown = |text: &str| written.replaced(of, text, stays);
+        Self { found: self.found.as_deref().map(shown), why: self.why.map(|why| why.with_texts(shown)), ..self }
     }
 
     /// Returns the key of the option to which the error belongs.

@@ -80,6 +80,15 @@ impl Words {
         self.0.is_empty()
     }
 
+    /// Returns the words with another text in place of each one between the options.
+    pub(crate) fn with_texts(self, change: impl Fn(&str) -> String) -> Self {
+        let piece = |piece: Piece| match piece {
+            Piece::Text(text) => Piece::Text(change(&text)),
+            option @ Piece::Option { .. } => option,
+        };
+        Self(self.0.into_iter().map(piece).collect())
+    }
+
     /// Returns the text with its options spelled as flags or as arguments.
     pub fn spelled(&self, spelling: Spelling) -> String {
         self.spelled_by(match spelling {

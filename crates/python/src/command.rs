@@ -81,9 +81,9 @@ pub(crate) fn solve<'py>(
     stay_in(&problem.clone().into_iter().chain(named).collect()).map_err(|failure| unusable(py, failure))?;
     let output = out.map(Output::claim).transpose().map_err(|error| refused(py, &format!("out: {error}")))?;
     let arrays = arrays.map_or_else(|| Ok(Arrays::new()), self::arrays)?;
-    let command = Command::of(command, problem, arrays).map_err(|failure| unusable(py, failure))?;
+    let (command, written) = Command::of(command, problem, arrays).map_err(|failure| unusable(py, failure))?;
     let memory = Memory::default();
-    let session = Session::embedded();
+    let session = Session::embedded().with_written(written);
     let session = if let Command::KappaSweep(_) | Command::Study(_) = command {
         session
     } else {
@@ -163,7 +163,7 @@ pub(crate) fn path_vjp<'py>(
     tick: Option<Py<PyAny>>,
 ) -> PyResult<OfPath<'py>> {
     let command = Command::of("path", table(problem)?, self::arrays(arrays)?);
-    let Command::Path(args) = command.map_err(|failure| unusable(py, failure))? else {
+    let (Command::Path(args), _) = command.map_err(|failure| unusable(py, failure))? else {
         return Err(refused(py, &"the command is no path"));
     };
     let fields: BTreeMap<String, Array3<f64>> =

@@ -21,7 +21,7 @@ use gfmd_law::{Law, LawKind};
 use gfmd_measure::{GapGas, Gas};
 use gfmd_problem::options::flags::{self, keys, of_keys};
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, Row};
-use gfmd_problem::{Accuracy, AnyState, Facts, Posed, Spelling, key};
+use gfmd_problem::{Accuracy, AnyState, Facts, Posed, Spelling, Written, key};
 use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext, statistics_of};
 use gfmd_run::accuracy;
 use gfmd_run::series::{ContactArgs, Field, Finer, Prepared, Slopes, beside, check_drive, fields};
@@ -94,15 +94,17 @@ pub(crate) fn law_traction(
     Ok(gaps.into_iter().map(|gap| law.opening(gap).traction).collect())
 }
 
-/// Parses a contact from a dictionary with the keys of its options and a second one with its arrays.
+/// Parses a contact from a dictionary with the keys of its options and a second one with its arrays; with the
+/// quantities as they were written.
 pub(crate) fn described(
     py: Python<'_>,
     problem: &Bound<'_, PyDict>,
     values: &Bound<'_, PyDict>,
-) -> PyResult<ContactArgs> {
+) -> PyResult<(ContactArgs, Written)> {
     let (mut table, arrays) = (table(problem)?, arrays(values)?);
-    of_table("contact", &mut table, &arrays, kinds()).map_err(|failure| unusable(py, failure))?;
-    of_keys(table, arrays).map_err(|error| unusable(py, error))
+    let written = of_table("contact", &mut table, &arrays, kinds()).map_err(|failure| unusable(py, failure))?;
+    let args = of_keys(table, arrays).map_err(|error| unusable(py, error.as_written(&written)))?;
+    Ok((args, written))
 }
 
 /// Prepares the parts of a contact that was posed before, without repeating its warnings.
@@ -114,7 +116,7 @@ pub(crate) fn prepared(args: &ContactArgs) -> Result<Prepared, Failure> {
 /// Returns the numbers of a contact's attraction as JSON; `null` without attraction.
 #[pyfunction]
 pub(crate) fn adhesion(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>) -> PyResult<String> {
-    let args = described(py, problem, arrays)?;
+    let (args, _) = described(py, problem, arrays)?;
     let found = quick(py, || prepared(&args).map(|prepared| prepared.adhesion))?;
     json::to_string(&found.map_err(|failure| failed(py, failure))?).map_err(|error| refused(py, &error))
 }
@@ -218,7 +220,7 @@ type Solved = (State, String, Option<(&'static str, String)>, Option<Py<PyAny>>)
 impl Problem {
     #[new]
     fn new(py: Python<'_>, problem: &Bound<'_, PyDict>, arrays: &Bound<'_, PyDict>, threads: usize) -> PyResult<Self> {
-        let args = described(py, problem, arrays)?;
+        let (args, written) = described(py, problem, arrays)?;
         let (made, raised) = run(py, threads, None, |_| {
             let session = Session::embedded();
             let (prepared, contact) = args.pose(&session)?;
@@ -227,7 +229,7 @@ impl Problem {
         })?;
         raised.map_or(Ok(()), Err)?;
         // Nothing was computed yet, so every failure is unusable input.
-        let (prepared, contact, finer) = made.map_err(|failure| unusable(py, failure))?;
+        let (prepared, contact, finer) = made.map_err(|failure| unusable(py, failure.as_written(&written)))?;
         Ok(Self { args, prepared, contact, finer })
     }
 

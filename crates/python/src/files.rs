@@ -38,7 +38,7 @@ pub(crate) fn save(
     loads: Vec<Load<'_>>,
     config: &Bound<'_, PyDict>,
 ) -> PyResult<()> {
-    let args = described(py, problem, arrays)?;
+    let (args, _) = described(py, problem, arrays)?;
     let config = table(config)?;
     let approach = config.contains_key("approach");
     let config = toml::to_string(&config).map_err(|error| refused(py, &error))?;

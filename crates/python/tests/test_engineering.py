@@ -87,6 +87,25 @@ def test_profiles_slabs_and_relaxing_bodies_have_no_estimate():
         gfmd.estimate(rough(), gfmd.Body(prony=[(0.1, 0.3)]), p_star=0.1)
 
 
+@pytest.mark.parametrize(
+    "given, words",
+    [
+        ({"force": "-5 N"}, "force is -5 N; it must be positive and finite"),
+        ({"pressure": ["1 MPa", "-1 kPa"]}, "pressure is -1 kPa; it must be positive and finite"),
+        ({"approach": "-5 nm"}, "approach is -5 nm; it must be positive and finite"),
+        ({"pressure": "1 MPa", "hardness": "-2 GPa"}, "hardness is -2 GPa; it must be positive and finite"),
+    ],
+)
+def test_refusals_show_quantities_as_they_were_written(given, words):
+    surface = gfmd.self_affine(n=16, size="100 um", unit="um")
+    with pytest.raises(gfmd.InputError, match=words):
+        gfmd.contact(surface, gfmd.Body(young="1 GPa"), **given)
+    with pytest.raises(gfmd.InputError, match="young is -1 GPa; it must be positive and finite"):
+        gfmd.Body(young="-1 GPa")
+    with pytest.raises(gfmd.InputError, match="pressure is -1 MPa; it must be positive"):
+        gfmd.estimate(surface, gfmd.Body(young="1 GPa"), pressure="-1 MPa")
+
+
 def rows(text, keyword):
     lines = iter(text.splitlines())
     for line in lines:

@@ -29,4 +29,4 @@ pub use digits::with_limit;
 pub use json::{RecordError, by_reason, reason_for};
 pub use record::{BRACKETS, ROUGH, Record, lines, reason_of, reasons};
 pub use statistics::{Along, STATISTICS, Statistic, Statistics, Unmeasured, patches, statistics_of};
-pub use table::{Printed, Sheet, columns_of, heads, readable, significant, table_of};
+pub use table::{Printed, Sheet, columns_of, heads, largest, significant, size_for_unit, table_of};

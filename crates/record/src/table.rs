@@ -101,7 +101,7 @@ pub fn columns_of<S: Subject>(rows: &[Record<S>], tables: &[Table], units: &Unit
         return Vec::new();
     }
     let columns = heads.iter().map(|(column, Head { word, form, importance, .. })| {
-        let unit = readable(column, rows, units);
+        let unit = readable(column, heads.iter().map(|(beside, _)| *beside), rows, units);
         let cells = rows.iter().map(|row| shown(row, column.name, *form, unit.as_ref()));
         let head = unit.as_ref().map_or_else(|| (*word).to_owned(), |unit| format!("{word} / {}", unit.divisor()));
         Printed {
@@ -144,10 +144,27 @@ fn shown<S: Subject>(row: &Record<S>, name: &str, form: Form, unit: Option<&Disp
     })
 }
 
-/// Returns a readable unit for a column; `None` if it has no unit, or the units of the problem are unknown.
-pub fn readable<S: Subject>(column: &Column<S>, rows: &[Record<S>], units: &Units) -> Option<DisplayUnit> {
-    let values = rows.iter().filter_map(|row| row.value(column.name)).filter(|value| value.is_finite());
-    units.shown(column.unit, values.fold(0.0, |largest: f64, value| largest.max(value.abs())))
+/// Returns a readable unit for a column of a table; `None` if it has no unit, or the units of the problem are unknown.
+fn readable<'a, S: Subject>(
+    column: &Column<S>,
+    table: impl Iterator<Item = &'a Column<S>>,
+    rows: &[Record<S>],
+    units: &Units,
+) -> Option<DisplayUnit> {
+    let of = |column: &Column<S>| largest(rows.iter().filter_map(|row| row.value(column.name)));
+    units.shown(column.unit, size_for_unit(of(column), || table.filter(|other| other.unit == column.unit).map(of)))
+}
+
+/// Returns the largest size of finite numbers; 0 without one.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.fold(0.0, |largest: f64, value| largest.max(value.abs()))
+}
+
+/// Returns the size that chooses the unit of numbers up to `own`: zeros have the unit of the largest number of their
+/// kind beside them.
+pub fn size_for_unit<I: Iterator<Item = f64>>(own: f64, beside: impl FnOnce() -> I) -> f64 {
+    if own > 0.0 { own } else { largest(beside()) }
 }
 
 /// Formats a number that is not much larger than 1000 with five significant digits.
@@ -274,6 +291,10 @@ mod tests {
         let lines = table_of(&rows, &[Table::State], &Units::new(Some("m"), None), None).lines;
         assert!(lines[0].contains("mean gap / nm"), "{lines:?}");
         assert!(lines[2].contains("1.3~"), "{lines:?}");
+        // A leak of zero stands in the unit of the other one.
+        let leaks = [row(&[("leak_x", Cell::Real(0.0)), ("leak_y", Cell::Real(2.5e-9))])];
+        let lines = table_of(&leaks, &[Table::Flow], &Units::new(Some("m"), None), None).lines;
+        assert_eq!(lines, ["  leak x / (µl/s)  leak y / (µl/s)", "           0.0000           2.5000"]);
         let lost = row(&[("dissipated", Cell::Real(0.05)), ("dissipated_error", Cell::Real(2e-3))]);
         let lines = table_of(&[lost], &[Table::Energy], &Units::new(Some("m"), None), None).lines;
         assert!(lines[0].ends_with("+- / (mJ/m²)") && lines[1].ends_with("2.0e0"), "{lines:?}");

@@ -1,10 +1,10 @@
 //! Page about a study of many contacts, and its table.
 
-use gfmd_check::study::{Cube, CubeNumber, MeanOver};
+use gfmd_check::study::{Cube, CubeNumber, MeanOver, StateAxis};
 use gfmd_files::Reader;
 use gfmd_input::failure::Failure;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use gfmd_record::{Head, Importance, Origin, Sliding, State, Subject, heads, significant, with_limit};
+use gfmd_record::{Head, Importance, Origin, Sliding, State, Subject, heads, largest, significant, with_limit};
 use maud::{Markup, html};
 
 use crate::page::{Certificate, Fact, Page, Table, config, of, powers, sentence, text, transforms, whole};
@@ -47,8 +47,8 @@ fn shown_of<S: Subject>(cube: &Cube) -> Vec<Shown<'_>> {
     found.collect()
 }
 
-/// Standard error divided by the mean below which it is rounding.
-const ROUNDING: f64 = 1e-12;
+/// Standard error divided by the mean below which it is rounding, or the tolerance of a prescribed load.
+const ROUNDING: f64 = 1e-8;
 
 /// Returns the standard error of a mean, unless it is unknown or rounding.
 fn error_of(mean: &MeanOver) -> Option<f64> {
@@ -64,8 +64,43 @@ pub fn cell(mean: Option<MeanOver>, factor: f64) -> String {
     }
 }
 
-/// Returns the extent of a study in words.
-pub fn words(cube: &Cube) -> String {
+/// Kinds of the coordinates of states.
+const KINDS: [&str; 4] = ["stress", "length", "stress*length^2", "length/time"];
+
+/// Returns the kind of the coordinates of an axis of the states.
+fn kind_of(cube: &Cube, axis: &StateAxis) -> Option<&'static str> {
+    let units = cube.known_units();
+    KINDS.into_iter().find(|kind| units.name(kind) == axis.units)
+}
+
+/// Returns the name of an axis of the states in front of its readable unit, and the factor to this unit.
+fn coordinate(cube: &Cube, axis: &StateAxis, name: &str) -> (String, f64) {
+    let largest = largest(axis.values.iter().flatten().copied());
+    match kind_of(cube, axis).and_then(|kind| cube.known_units().shown(kind, largest)) {
+        Some(unit) => (format!("{name} / {}", unit.divisor()), unit.factor),
+        None if axis.units == "1" => (name.to_owned(), 1.0),
+        None => (format!("{name} / {}", axis.units), 1.0),
+    }
+}
+
+/// Returns for each axis of the states its name with its readable unit, and the coordinate of each state.
+pub fn coordinates(cube: &Cube) -> Vec<(String, Vec<String>)> {
+    let of = |(index, axis): (usize, &StateAxis)| {
+        let (head, factor) = coordinate(cube, axis, &axis.name);
+        let value = |state: usize| cube.coordinates(state)[index];
+        let text = |value: f64| if factor == 1.0 { value.to_string() } else { significant(value * factor) };
+        (head, (0..cube.states()).map(|state| text(value(state))).collect())
+    };
+    cube.axes.iter().enumerate().map(of).collect()
+}
+
+/// Says how many members have warnings.
+pub fn with_warnings(members: usize) -> String {
+    if members == 1 { "1 member has warnings".into() } else { format!("{members} members have warnings") }
+}
+
+/// Returns the extent of a study and the number of its members in words.
+pub fn words(cube: &Cube) -> [String; 2] {
     let count = |count: usize, one: &str, more: &str| format!("{count} {}", if count == 1 { one } else { more });
     let lists = [
         count(cube.surfaces.len(), "surface", "surfaces"),
@@ -77,7 +112,7 @@ pub fn words(cube: &Cube) -> String {
         name => count(axis.length, name, &format!("{name}s")),
     });
     let all: Vec<String> = lists.into_iter().chain(axes).collect();
-    format!("study of {}: {}; {}", cube.command, all.join(" x "), count(cube.members(), "member", "members"))
+    [format!("study of {}: {}", cube.command, all.join(" x ")), count(cube.members(), "member", "members")]
 }
 
 /// Largest number of curves in a figure.
@@ -87,6 +122,8 @@ const MOST_CURVES: usize = 12;
 fn chart(cube: &Cube, shown: &Shown) -> Option<Chart> {
     let axis = cube.axes.last().filter(|axis| axis.length > 0)?;
     let others = cube.states() / axis.length;
+    let (label, factor) = coordinate(cube, axis, &axis.long_name);
+    let units = cube.known_units();
     let curves = (0..cube.surfaces.len())
         .flat_map(|surface| (0..cube.bodies.len()).map(move |body| (surface, body)))
         .flat_map(|(surface, body)| (0..others).map(move |other| (surface, body, other)));
@@ -100,12 +137,14 @@ fn chart(cube: &Cube, shown: &Shown) -> Option<Chart> {
             label.push(plain(&text(&cube.bodies[body])));
         }
         if others > 1 {
-            label.push(format!("{} {}", cube.axes[0].name, cube.coordinates(other * axis.length)[0]));
+            let (axis, value) = (&cube.axes[0], cube.coordinates(other * axis.length)[0]);
+            let value = kind_of(cube, axis).map_or_else(|| value.to_string(), |kind| units.words(value, kind));
+            label.push(format!("{} {value}", axis.name));
         }
         let point = |index: usize| {
             let state = other * axis.length + index;
             let mean = cube.mean(shown.number, surface, body, state)?;
-            let x = axis.values.as_ref().map_or(index as f64, |values| values[index]);
+            let x = axis.values.as_ref().map_or(index as f64, |values| values[index] * factor);
             let y = mean.mean * shown.factor;
             Some(error_of(&mean).map_or(Point::new(x, y), |error| Point::with_error(x, y, error * shown.factor)))
         };
@@ -116,8 +155,7 @@ fn chart(cube: &Cube, shown: &Shown) -> Option<Chart> {
     }
     let values = axis.values.clone().unwrap_or_default();
     let [least, most] = [f64::min, f64::max].map(|fold| values.iter().copied().reduce(fold).unwrap_or(0.0));
-    let unit = if axis.units == "1" { String::new() } else { format!(" / {}", axis.units) };
-    let label = plain(&format!("{}{unit}", axis.long_name));
+    let label = plain(&label);
     let x = if least > 0.0 && most > 10.0 * least { Axis::log(&label) } else { Axis::linear(&label) };
     let panel = Panel { x, y: Axis::linear(&plain(&shown.head)), series, ..Panel::default() };
     (!panel.series.is_empty()).then(|| Chart::new(vec![panel]))
@@ -150,7 +188,8 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     page.answer.push(html! {
         p.headline { (solved) " of " (all) " members " span { "solved by gfmd " (text(&cube.command)) } }
         p {
-            (sentence(&text(&words(&cube)))) ". The tables have means over the seeds, with standard errors in brackets."
+            (sentence(&text(&words(&cube).join("; "))))
+            ". The tables have means over the seeds, with standard errors in brackets."
         }
     });
     let names = |names: &[String]| text(&names.join(", "));
@@ -189,7 +228,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let warned = cube.warnings.iter().filter(|warnings| !warnings.is_empty()).count();
     if warned > 0 {
-        page.remarks.push(format!("{warned} members have warnings, which are in /study/warnings"));
+        page.remarks.push(format!("{}, which are in /study/warnings", with_warnings(warned)));
     }
     let tolerances = cube.configs.iter().filter_map(|config| Some(of(&config.parse().ok()?, "tolerance")));
     let tolerance = tolerances.filter(|tolerance| tolerance.is_finite()).reduce(f64::max).unwrap_or(f64::NAN);
@@ -216,18 +255,16 @@ fn place(cube: &Cube, member: usize) -> String {
 
 /// Returns the table of the means.
 fn means(cube: &Cube, shown: &[Shown]) -> Table {
-    let axes = cube.axes.iter().map(|axis| match &*axis.units {
-        "1" => axis.name.clone(),
-        units => format!("{} / {units}", axis.name),
-    });
-    let head = ["surface".to_owned(), "body".to_owned()].into_iter().chain(axes);
+    let axes = coordinates(cube);
+    let heads = axes.iter().map(|(head, _)| head.clone());
+    let head = ["surface".to_owned(), "body".to_owned()].into_iter().chain(heads);
     let head = head.chain(shown.iter().map(|one| one.head.clone())).map(|head| html! { (text(&head)) }).collect();
     let mut rows: Vec<Vec<Markup>> = Vec::new();
     for (surface, name) in cube.surfaces.iter().enumerate() {
         for (body, of_body) in cube.bodies.iter().enumerate() {
             for state in 0..cube.states() {
                 let named = [name, of_body].map(|name| html! { (text(name)) });
-                let at = cube.coordinates(state).into_iter().map(|value| html! { (value) });
+                let at = axes.iter().map(|(_, values)| html! { (values[state]) });
                 let numbers =
                     shown.iter().map(|one| powers(&cell(cube.mean(one.number, surface, body, state), one.factor)));
                 rows.push(named.into_iter().chain(at).chain(numbers).collect());

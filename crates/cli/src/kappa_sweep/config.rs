@@ -24,8 +24,12 @@ pub enum Configured {
 impl FromStr for Configured {
     type Err = Infallible;
 
+    /// Reads the name of a file; a text of several lines is the configuration itself.
     fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(Self::File(text.into()))
+        Ok(match text.contains('\n').then(|| text.parse()) {
+            Some(Ok(table)) => Self::Contents(table),
+            _ => Self::File(text.into()),
+        })
     }
 }
 

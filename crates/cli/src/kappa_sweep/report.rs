@@ -252,11 +252,11 @@ impl fmt::Display for Report {
             Some(error) => format!("{value:.4} ± {error:.4}"),
             None => format!("{value:.4}"),
         };
-        writeln!(f, "{} {:>9} {:>5}  {:>17}  {:>17}", Cell::HEADS, "p*", "runs", "kappa", "corrected")?;
+        writeln!(f, "{} {:>7} {:>5} {:>15} {:>15}", Cell::HEADS, "p*", "runs", "kappa", "corrected")?;
         for p in &self.points {
             let corrected = p.kappa_corrected.map_or_else(|| "-".into(), |k| with_error(k, p.kappa_corrected_sem));
             let kappa = with_error(p.kappa, p.kappa_sem);
-            writeln!(f, "{} {:>9} {:>5}  {kappa:>17}  {corrected:>17}", p.cell, p.p_star, p.realisations)?;
+            writeln!(f, "{} {:>7} {:>5} {kappa:>15} {corrected:>15}", p.cell, p.p_star, p.realisations)?;
         }
         for fit in &self.fits {
             let area = if fit.area == Area::Raw { "raw area" } else { "corrected area" };

@@ -43,7 +43,7 @@ pub(crate) fn check(
     let expected: Vec<&str> = cube.errors.iter().map(|error| status(error)).collect();
     same(&format!("{GROUP}/status"), stored == expected);
     if config.files().is_empty()
-        && let Ok(problem) = solve::Problem::of(config.command, config.table(0))
+        && let Ok((problem, _)) = solve::Problem::of(config.command, config.table(0))
     {
         for (axis, values) in cube.axes.iter().zip(problem.coordinates()) {
             comparison.values(

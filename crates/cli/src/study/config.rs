@@ -13,7 +13,7 @@ use super::inputs::files_of;
 use super::solve::{Command, Problem};
 
 /// Options that are not of the problem, or whose output a study does not have.
-const REFUSED: [&str; 12] = [
+pub(super) const REFUSED: [&str; 12] = [
     "out",
     "resume",
     "checkpoint",
@@ -29,7 +29,7 @@ const REFUSED: [&str; 12] = [
 ];
 
 /// Options of the states, which are the same for all members.
-const STATES: [&str; 10] =
+pub(super) const STATES: [&str; 10] =
     ["pressure", "p_star", "force", "approach", "lateral", "lateral_y", "distance", "time", "velocity", "steps"];
 
 /// Largest number of members of a study, so that its plan does not fill the memory.
@@ -273,7 +273,7 @@ fn one_seed(place: &str, value: &Value) -> Result<u64, Failure> {
 }
 
 /// Reads a list of seeds: whole numbers, and ranges "A:B" with both ends.
-fn seeds(place: &str, list: &Value) -> Result<Vec<u64>, Failure> {
+pub(super) fn seeds(place: &str, list: &Value) -> Result<Vec<u64>, Failure> {
     let entries = match list {
         Value::Array(entries) => &entries[..],
         single => std::slice::from_ref(single),

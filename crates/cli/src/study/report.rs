@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use gfmd_check::study::{Cube, CubeNumber, MeanOver, StateAxis, status};
 use gfmd_record::{Importance, Printed, Sheet};
-use gfmd_report::study::{Shown, shown, words};
+use gfmd_report::study::{Shown, coordinates, shown, with_warnings, words};
 use gfmd_sweep::Shard;
 use serde::Serialize;
 
 use super::config::StudyConfig;
-use crate::session::{list_files, print_sheet};
+use crate::session::{list_files, print_note, print_sheet};
 
 /// Printed result.
 #[derive(Clone, Debug, Serialize)]
@@ -103,13 +103,9 @@ impl fmt::Display for Report {
         let cube = &self.cube;
         let failed: Vec<usize> = (0..cube.members()).filter(|member| !cube.errors[*member].is_empty()).collect();
         let seeds = cube.seeds.len();
-        writeln!(f, "{}, {} failed", words(cube), failed.len())?;
-        let over = if seeds == 1 {
-            "one seed".into()
-        } else {
-            format!("means over {seeds} seeds (digits in brackets: standard error in units of the last digit)")
-        };
-        writeln!(f, "{over}\n")?;
+        let [extent, members] = words(cube);
+        let over = if seeds == 1 { "one seed".into() } else { format!("means over {seeds} seeds") };
+        writeln!(f, "{extent}\n{members}, {} failed; {over}\n", failed.len())?;
         let mut columns: Vec<Printed> = Vec::new();
         let rows: Vec<[usize; 3]> = (0..cube.surfaces.len())
             .flat_map(|surface| (0..cube.bodies.len()).map(move |body| (surface, body)))
@@ -125,11 +121,8 @@ impl fmt::Display for Report {
         if cube.bodies.len() > 1 {
             text(["body"; 2], Importance::Main, &|row| cube.bodies[row[1]].clone());
         }
-        for (index, axis) in cube.axes.iter().enumerate() {
-            let unit = if axis.units == "1" { String::new() } else { format!(" / {}", axis.units) };
-            text([&axis.name, &format!("{}{unit}", axis.name)], Importance::Main, &|row| {
-                cube.coordinates(row[2])[index].to_string()
-            });
+        for ((head, values), axis) in coordinates(cube).iter().zip(&cube.axes) {
+            text([&axis.name, head], Importance::Main, &|row| values[row[2]].clone());
         }
         for Shown { word, head, importance, number, factor } in shown(cube) {
             text([word, &head], importance, &|[surface, body, state]| {
@@ -137,6 +130,9 @@ impl fmt::Display for Report {
             });
         }
         print_sheet(f, |width| Sheet::of(columns, width), 0, |_| String::new(), |_| String::new())?;
+        if seeds > 1 {
+            print_note(f, "digits in brackets: the standard error in units of the last digit")?;
+        }
         for member in failed.iter().take(LISTED) {
             let [surface, seed, body] = cube.place(*member);
             let place =
@@ -148,7 +144,7 @@ impl fmt::Display for Report {
         }
         let warned = cube.warnings.iter().filter(|warnings| !warnings.is_empty()).count();
         if warned > 0 {
-            writeln!(f, "{warned} members have warnings, in /study/warnings")?;
+            writeln!(f, "{}, in /study/warnings", with_warnings(warned))?;
         }
         list_files(f, Some(&self.out), &[])
     }

@@ -9,6 +9,7 @@ use gfmd_files::Checksum;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_input::units::of_table;
+use gfmd_problem::Written;
 use gfmd_problem::options::Options;
 use gfmd_problem::options::flags::{keys, leave_out_idle, of_keys};
 use gfmd_problem::options::given::Arrays;
@@ -73,8 +74,9 @@ pub(super) enum Problem {
     Slide(Box<slide::Args>),
 }
 
-/// Reads the options of a command from a table. A single value stands for a list of one.
-fn options<A: ClapArgs + Options + DeserializeOwned>(command: &str, mut table: Table) -> Result<A, Failure> {
+/// Reads the options of a command from a table, and the quantities as they were written. A single value stands for a
+/// list of one.
+fn options<A: ClapArgs + Options + DeserializeOwned>(command: &str, mut table: Table) -> Result<(A, Written), Failure> {
     let flags = A::augment_args(clap::Command::new("gfmd"));
     leave_out_idle::<A>(&mut table);
     for flag in flags.get_arguments().filter(|flag| flag.get_value_delimiter().is_some()) {
@@ -87,8 +89,8 @@ fn options<A: ClapArgs + Options + DeserializeOwned>(command: &str, mut table: T
     for key in RANGES {
         write_out(command, key, &mut table)?;
     }
-    of_table(command, &mut table, &Arrays::new(), kinds())?;
-    Ok(of_keys(table, Arrays::new())?)
+    let written = of_table(command, &mut table, &Arrays::new(), kinds())?;
+    Ok((of_keys(table, Arrays::new())?, written))
 }
 
 /// Options whose values may be ranges "A:B:N".
@@ -128,16 +130,19 @@ fn write_out(command: &str, key: &'static str, table: &mut Table) -> Result<(), 
 }
 
 impl Problem {
-    /// Reads the problem of a member from its options.
+    /// Reads the problem of a member from its options, and the quantities as they were written.
     ///
     /// # Errors
     /// Returns an error for options that cannot be read, and for units of a file that cannot.
-    pub(super) fn of(command: Command, table: Table) -> Result<Self, Failure> {
+    pub(super) fn of(command: Command, table: Table) -> Result<(Self, Written), Failure> {
+        fn boxed<A>((args, written): (A, Written), make: fn(Box<A>) -> Problem) -> (Problem, Written) {
+            (make(Box::new(args)), written)
+        }
         let name = command.name();
         Ok(match command {
-            Command::Contact => Self::Contact(Box::new(options(name, table)?)),
-            Command::Path => Self::Path(Box::new(options(name, table)?)),
-            Command::Slide => Self::Slide(Box::new(options(name, table)?)),
+            Command::Contact => boxed(options(name, table)?, Self::Contact),
+            Command::Path => boxed(options(name, table)?, Self::Path),
+            Command::Slide => boxed(options(name, table)?, Self::Slide),
         })
     }
 
@@ -250,9 +255,9 @@ pub(super) fn solve(command: Command, table: Table, session: &Session) -> Result
     // The warnings of the members are in the file, not on the terminal.
     let silent = tracing::subscriber::NoSubscriber::default();
     let solved = tracing::subscriber::with_default(silent, || {
-        let problem = Problem::of(command, table)?;
+        let (problem, written) = Problem::of(command, table)?;
         member.config = problem.config()?;
-        problem.run(&within, &mut member)
+        problem.run(&within, &mut member).map_err(|failure| failure.as_written(&written))
     });
     let failure = match solved {
         Ok(failure) => failure,

@@ -50,6 +50,7 @@ pub(super) fn draw(stem: &Path, theories: &Theories, p_star: &[f64], unit: &str)
         let area = theories.area(*load);
         let density = |p: f64| theories.persson.pressure_density(mean, f64::INFINITY, p) / area;
         let points = points.map(|p| (p / scale, density(p) * scale));
+        let load: f64 = format!("{load:.3e}").parse().unwrap_or(*load);
         Series::line(&format!("*p*\\* = {load}"), hue, points)
     };
     let panel = Panel {

@@ -121,6 +121,21 @@ fn leaks_and_conductances_stand_in_the_headline_of_pages() {
     }
 }
 
+/// A groove along y leaks along y only; zero has the unit of the leak beside it, in the table and on the page.
+#[test]
+fn a_leak_of_zero_has_the_unit_of_the_other_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let asked = "contact --shape wave:A=1um,Lx=100um --n 16 --size 100um --young 70GPa --pressure 1MPa --flow \
+                 --fluid water --pressure-drop 1bar --out g.h5";
+    let output = gfmd(folder, &asked.split_whitespace().collect::<Vec<_>>());
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("leak x / (nl/s)") && table.contains("leak y / (nl/s)"), "{table}");
+    assert!(gfmd(folder, &["report", "g.h5", "--out", "page.html"]).status.success());
+    let page = std::fs::read_to_string(folder.join("page.html")).unwrap();
+    assert!(page.contains("nl/s") && !page.contains(" l/s"), "{page}");
+}
+
 #[test]
 fn a_gas_that_is_not_known_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -135,7 +150,7 @@ fn a_gas_that_is_not_known_is_refused() {
         ("--gas-accommodation 1", "--gas-accommodation is given; it must be left out without --gas"),
         (&format!("{known} --gas-jump 1"), "--gas is air; it must be left out with --gas-conductivity and --gas-jump"),
         (&format!("{known} --gas-temperature 20"), "the temperature is 20 K; it must be from 200 to 1000 K"),
-        (&format!("{known} --gas-pressure 3MPa"), "--gas-pressure: the pressure is 3000000 Pa; it must be positive"),
+        (&format!("{known} --gas-pressure 3MPa"), "the pressure is 3MPa = 3000000 Pa; it must be positive"),
         (&format!("{known} --gas-accommodation 1,2"), "an accommodation coefficient is 2; it must be above 0"),
         (&format!("{known} --gas-accommodation 1,1,1"), "it must be one or two numbers"),
         (&format!("{known} --finite-slope"), "the vertical gap is not their distance"),

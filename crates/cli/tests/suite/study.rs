@@ -101,7 +101,10 @@ fn a_study_has_the_numbers_of_single_contacts() {
     assert!(!reader.text("/study/mean_gap", "long_name").unwrap().is_empty());
 
     let table = String::from_utf8(gfmd(path, &words(&["--out", "t.h5"])).stdout).unwrap();
-    assert!(table.contains("2 surfaces x 3 seeds x 2 bodies x 2 loads; 12 members, 0 failed"), "{table}");
+    assert!(
+        table.contains("2 surfaces x 3 seeds x 2 bodies x 2 loads\n12 members, 0 failed; means over 3 seeds"),
+        "{table}"
+    );
     assert_eq!(table.lines().filter(|line| line.contains("rough") && line.contains("thin")).count(), 2, "{table}");
 }
 
@@ -276,11 +279,11 @@ fn bad_studies_are_refused_in_one_line() {
         let text = refused(&study);
         assert!(words.iter().all(|word| text.contains(word)), "{study}: {text}");
     }
-    // Lists that a single contact does not take.
+    // Lists that a command without studies does not take.
     for (line, way_out) in [
-        ("contact --n 16 --p-star 0.1 --seed 1:10", "gfmd study computes many seeds"),
-        ("contact --n 16 --p-star 0.1 --seed 1 --seed 2", "gfmd study computes many seeds"),
-        ("path --surface a.npy --surface b.npy --p-star 0.1", "gfmd study computes many surfaces"),
+        ("theory --n 16 --p-star 0.1 --seed 1:10", "gfmd study computes many seeds"),
+        ("estimate --n 16 --p-star 0.1 --seed 1 --seed 2", "gfmd study computes many seeds"),
+        ("theory --surface a.npy --surface b.npy --p-star 0.1", "gfmd study computes many surfaces"),
     ] {
         let output = gfmd(Path::new("."), &line.split_whitespace().collect::<Vec<_>>());
         let text = message(&output);
@@ -291,6 +294,50 @@ fn bad_studies_are_refused_in_one_line() {
     assert_eq!(same.status.code(), Some(2), "{}", message(&same));
     let absent = gfmd(folder.path(), &["study", "absent.toml"]);
     assert!(absent.status.code() == Some(2) && message(&absent).contains("absent.toml"), "{}", message(&absent));
+}
+
+/// Lists on a command line give the file of the study with the same lists.
+#[test]
+fn lists_of_seeds_and_surfaces_make_a_study_of_a_command() {
+    let folder = folder(
+        "command = \"contact\"\n[contact]\nn = 16\nsize = \"50µm\"\nforce = [\"1N\", \"2N\"]\n\
+         material = \"steel-s355\"\n[study]\nseed = \"3:5\"",
+    );
+    let path = folder.path();
+    let run = |line: &str| gfmd(path, &line.split_whitespace().collect::<Vec<_>>());
+    succeeded(&run("study study.toml -q --out whole.h5"));
+    succeeded(&run("contact --n 16 --size 50um --force 1N,2N --material steel-s355 --seed 3,4:5 -q --out s.h5"));
+    assert!(numbers(&path.join("s.h5")) == numbers(&path.join("whole.h5")));
+    assert_eq!(json(path, &["check", "s.h5", "--rerun", "--json"])["differing"], 0);
+    for name in ["a", "b"] {
+        let seed = if name == "a" { "1" } else { "2" };
+        succeeded(&run(&format!("surface --n 16 --size 1 --seed {seed} --out {name}.npy -q")));
+    }
+    let both = "--surface a.npy --surface b.npy --size 1";
+    for line in [
+        format!("path {both} --p-star 0.1,0.05 --steps 1"),
+        format!("wear {both} --p-star 0.1 --coefficient 1 --distance 0,0.01 --steps 1"),
+        format!("slide {both} --p-star 0.1 --prony 1:0.5 --velocity 0.1,1"),
+    ] {
+        let made = json(path, &format!("{line} --json -q").split_whitespace().collect::<Vec<_>>());
+        assert_eq!(made["surface"], serde_json::json!(["a.npy", "b.npy"]), "{line}");
+        assert_eq!(made["status"], serde_json::json!(["solved", "solved"]), "{line}");
+    }
+    assert!(Reader::open(path.join("study.h5")).is_ok());
+    for (line, found) in [
+        ("contact --n 16 --p-star 0.1 --seed 1:x", "--seed is \"1:x\"; it must be a whole number"),
+        ("contact --n 16 --p-star 0.1 --seed 1,1", "--seed has 1 twice"),
+        ("contact --n 16 --p-star 0.1 --seed 1:2 --plots p", "--plots is given; it must be left out with several of"),
+        ("contact --n 16 --p-star 0.1 --seed 1:2 --sead 3", "unexpected argument '--sead'"),
+        ("contact --n 16 --size 1um --young=-1GPa --p-star 0.1 --seed 1:2", "Young's modulus is -1GPa"),
+        ("contact --surface a.npy --size 1 --p-star 0.1 --seed 1:2", "the same contact"),
+        ("path --surface a.npy --surface a.npy --size 1 --p-star 0.1", "--surface is a.npy twice; each must differ"),
+    ] {
+        let output = run(line);
+        let text = message(&output);
+        assert!(output.status.code() == Some(2) && text.contains(found), "{line}: {text}");
+        assert_eq!(text.trim_end().lines().count(), 1, "{text}");
+    }
 }
 
 #[test]

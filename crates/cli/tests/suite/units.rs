@@ -105,7 +105,7 @@ fn a_scan_is_read_once() {
     .unwrap();
     let name = scan.to_str().unwrap();
     let given = vec![Word::value("surface", "--surface=", name), Word::value("pressure", "--pressure=", "1MPa")];
-    let (plain, map) = of_words("contact", given, gfmd_cli::kinds::kinds()).unwrap();
+    let (plain, map, _) = of_words("contact", given, gfmd_cli::kinds::kinds()).unwrap();
     assert_eq!(plain[1].text(), "--pressure=1e6");
     std::fs::remove_file(&scan).unwrap();
     let source = SourceArgs { surface: Some(ArrayOption::File(name.into())), ..SourceArgs::default() };
@@ -219,6 +219,42 @@ fn refusals_name_the_flag_and_what_to_do() {
     }
     // Reduced quantities of a surface with a unit have none.
     json(folder.path(), &words("contact --n 16 --unit um --e-star 1 --p-star 0.1 --json"));
+}
+
+/// A refused number has the unit in which it was written, not the unit of the problem.
+#[test]
+fn refusals_show_quantities_as_they_were_written() {
+    let folder = folder();
+    let of_surface = "--n 16 --unit um --size 100um";
+    for (flags, part) in [
+        ("contact SURFACE --young 1GPa --force=-5N", "--force is -5N; it must be positive and finite"),
+        ("contact SURFACE --young 1GPa --pressure=1MPa,-1kPa", "--pressure is -1kPa; it must be positive"),
+        ("contact SURFACE --young 1GPa --approach '-5 nm'", "--approach is -5 nm; it must be positive"),
+        ("contact SURFACE --young=-1GPa --p-star 0.1", "--young: Young's modulus is -1GPa; it must be positive"),
+        ("contact SURFACE --young 1GPa --p-star 0.1 --hardness=-2GPa", "--hardness is -2GPa; it must be positive"),
+        ("contact --n 16 --size=-1mm --young 1GPa --p-star 0.1", "the cell lengths are [-1mm, -1mm]; they must be"),
+        ("contact --shape sphere:R=-2mm --n 16 --size 1mm --young 1GPa --p-star 1", "R of sphere is -2mm; it must be"),
+        ("theory SURFACE --young 1GPa --force=-5N", "--force is -5N; it must be positive"),
+        (
+            "slide SURFACE --young 1GPa --prony 1s:0.5 --p-star 0.1 --velocity=-1mm/s",
+            "--velocity is -1mm/s; it must be",
+        ),
+        ("path SURFACE --young 1GPa --prony=-1ms:0.5 --p-star 0.1 --time 0", "a relaxation time is -1ms; it must be"),
+        // Bounds are in the unit of the problem, and so is the number beside them.
+        ("surface SURFACE --filter s:-2000nm", "the nesting index is -2000nm = -2; it must be between 12.5"),
+    ] {
+        let flags = flags.replace("SURFACE", of_surface);
+        let words: Vec<&str> = flags.split('\'').enumerate().flat_map(|(index, part)| quoted(index, part)).collect();
+        let output = gfmd(folder.path(), &words);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(error.contains(part) && error.lines().count() == 1, "{flags}: {error}");
+        assert_eq!(output.status.code(), Some(2), "{flags}");
+    }
+}
+
+/// Returns the words of every other part of a command line, and the parts between as they are.
+fn quoted(index: usize, part: &str) -> Vec<&str> {
+    if index % 2 == 1 { vec![part] } else { part.split_whitespace().collect() }
 }
 
 #[test]

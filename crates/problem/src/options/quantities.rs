@@ -11,7 +11,7 @@ use gfmd_surface::{Marginal, Shape};
 use gfmd_unit::{NoValue, Quantity, Units};
 use toml::Value;
 
-use crate::{Unusable, Words, key, setting, words};
+use crate::{Unusable, Words, Written, key, setting, words};
 
 /// Kinds of the numbers of an option, in the words of results: `stress`, `1/length`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,6 +184,14 @@ impl Take for &Units {
             let why = words![format!("{:?}: ", quantity.text()), without_value(&error)];
             Unusable::of(why).at(key(option))
         })
+    }
+}
+
+impl Take for (&Units, Written) {
+    fn take(&mut self, option: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
+        let number = self.0.take(option, quantity, kind)?;
+        self.1.add(option, quantity.text(), number);
+        Ok(number)
     }
 }
 

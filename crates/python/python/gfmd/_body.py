@@ -314,7 +314,8 @@ class Body(Record):
 def _modulus(name: str, value: object) -> Optional[float]:
     found = None if value is None else in_units(name, value, "stress")
     if found is not None and not 0.0 < found < math.inf:
-        raise InputError(f"{name} is {found}; it must be positive and finite")
+        written = value if isinstance(value, str) else found
+        raise InputError(f"{name} is {written}; it must be positive and finite")
     return found
 
 
@@ -358,7 +359,7 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
         given, fraction = quantity("prony", branch[0], "time"), number("prony", branch[1])
         time = in_units("prony", given, "time")
         if not 0.0 < time < math.inf:
-            raise InputError(f"a relaxation time of prony is {time}; it must be positive and finite")
+            raise InputError(f"a relaxation time of prony is {given}; it must be positive and finite")
         if not 0.0 < fraction < 1.0:
             raise InputError(f"a fraction of prony is {fraction}; it must be above 0 and below 1")
         branches.append((given, fraction))

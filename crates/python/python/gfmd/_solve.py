@@ -103,14 +103,15 @@ class _Setup:
         found = [
             self.problem.value(control, value, LOADS[control]) if isinstance(value, str) else value for value in given
         ]
-        for value in found:
-            self.check(control, value)
+        for value, written in zip(found, given):
+            self.check(control, value, written)
         return found
 
-    def check(self, control: str, value: float) -> None:
+    def check(self, control: str, value: float, written: Quantity) -> None:
+        """Checks the sign of a load; the message shows it as it was written."""
         pulls = self.law["name"] != "hard-wall"
         if not math.isfinite(value) or not (pulls or value > 0.0):
-            raise InputError(f"{control} is {value}; it must be {'finite' if pulls else 'positive and finite'}")
+            raise InputError(f"{control} is {written}; it must be {'finite' if pulls else 'positive and finite'}")
 
     def tell(self, done: list[Contact], control: str, values: list[float]) -> None:
         """Warns about large slopes and strains, and about units that seem inconsistent."""

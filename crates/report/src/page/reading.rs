@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use gfmd_field::Grid;
 use gfmd_files::Reader;
-use gfmd_record::{COLUMNS, Column, Record, Subject, columns, with_limit};
+use gfmd_record::{
+    COLUMNS, Column, Record, Subject, Table as RecordTable, columns, heads, largest, size_for_unit, with_limit,
+};
 use gfmd_unit::{DisplayUnit, Units};
 use maud::{Markup, html};
 
@@ -59,12 +61,12 @@ impl<'a> Stored<'a> {
         (0..self.length).map(of).collect()
     }
 
-    /// Returns a column in a readable unit, if the unit of the file is known.
-    pub(crate) fn read<S: Subject>(&self, column: &Column<S>) -> InUnit {
+    /// Returns a column of a table in a readable unit, if the unit of the file is known.
+    pub(crate) fn read<S: Subject>(&self, column: &Column<S>, table: RecordTable) -> InUnit {
         let mut values = self.column(column.name);
-        let finite = values.iter().filter(|value| value.is_finite());
-        let highest = finite.fold(0.0, |largest: f64, value| largest.max(value.abs()));
-        let unit = self.units().shown(column.unit, highest);
+        let beside = heads::<S>(table).filter(|(other, _)| other.unit == column.unit);
+        let beside = || beside.map(|(other, _)| largest(self.column(other.name)));
+        let unit = self.units().shown(column.unit, size_for_unit(largest(values.iter().copied()), beside));
         if let Some(unit) = &unit {
             values.iter_mut().for_each(|value| *value *= unit.factor);
         }
@@ -79,9 +81,15 @@ impl<'a> Stored<'a> {
     /// Formats a number of a row, multiplied by `times`, with its unit, as in the tables. A column with a limit on fine
     /// grids shows its certain digits, or two digits and `~` if the limit is unknown; other columns show five digits.
     pub(crate) fn said(&self, name: &str, row: usize, times: f64) -> Markup {
+        self.said_beside(name, &[], row, times)
+    }
+
+    /// Formats a number like [`said`](Self::said); a zero has the unit of the columns beside it.
+    fn said_beside(&self, name: &str, beside: &[&str], row: usize, times: f64) -> Markup {
         let [value, limit, error] = ["", "_limit", "_limit_error"].map(|end| self.column(&format!("{name}{end}"))[row]);
         let kind = COLUMNS.iter().find(|column| column.name == name).map_or("1", |column| column.unit);
-        let (factor, unit) = unit_for(value, kind, &self.units());
+        let beside = || beside.iter().map(|other| self.column(other)[row]);
+        let (factor, unit) = unit_for(size_for_unit(value.abs(), beside), kind, &self.units());
         let [value, limit, error] = [value, limit, error].map(|number| times * factor * number);
         let limited = self.has(&format!("{name}_limit"));
         html! { @if limited { (powers(&with_limit(value, limit, error))) } @else { (number(value)) } (unit) }
@@ -90,16 +98,18 @@ impl<'a> Stored<'a> {
     /// Returns a line of the headline for each leak and conductance that was asked for, at a row.
     pub(crate) fn joint(&self, row: usize) -> Markup {
         let all = [
-            ("leak_x", "leaks along x"),
-            ("leak_y", "leaks along y"),
-            ("contact_conductance", "conducted by the contacts"),
-            ("gas_conductance", "conducted by the gas in the gap"),
+            ("leak_x", "leak_y", "leaks along x"),
+            ("leak_y", "leak_x", "leaks along y"),
+            ("contact_conductance", "gas_conductance", "conducted by the contacts"),
+            ("gas_conductance", "contact_conductance", "conducted by the gas in the gap"),
         ];
-        let asked = all.into_iter().filter(|(name, _)| self.has(name));
+        let asked = all.into_iter().filter(|(name, ..)| self.has(name));
         html! {
-            @for (name, meaning) in asked {
+            @for (name, beside, meaning) in asked {
                 p.headline {
-                    @if self.column(name)[row].is_finite() { (self.said(name, row, 1.0)) " " span { (meaning) } }
+                    @if self.column(name)[row].is_finite() {
+                        (self.said_beside(name, &[beside], row, 1.0)) " " span { (meaning) }
+                    }
                     @else { "No value of " (name.replace('_', " ")) " " span { (self.attribute(name, "undefined")) } }
                 }
             }

@@ -143,7 +143,7 @@ impl Page {
             (RecordTable::Heat, ", flash temperature"),
         ];
         for (table, part) in tables {
-            let columns = heads::<S>(table).map(|(column, head)| (column.name, head, stored.read(column)));
+            let columns = heads::<S>(table).map(|(column, head)| (column.name, head, stored.read(column, table)));
             let shown: Vec<_> = columns.filter(|(_, head, (values, _))| is_shown(head.form, &values[..rows])).collect();
             if !shown.iter().any(|(_, head, _)| head.table == table) {
                 continue;
