@@ -23,7 +23,7 @@ mod _gfmd {
         options,
     };
     #[pymodule_export]
-    use crate::files::{read_array, read_config, read_kind, read_records, read_report, read_text, save};
+    use crate::files::{StoredFile, save};
     #[pymodule_export]
     use crate::law::law_text;
     #[pymodule_export]

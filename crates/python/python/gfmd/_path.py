@@ -318,8 +318,9 @@ class Path(Leaks, Computed, StepFields):
         if not is_kept and waypoint not in (-1, waypoints - 1):
             raise InputError(f'waypoint is {waypoint}; it must be -1 without kept_strain="waypoints"')
         group = "plastic" if waypoint == -1 or not is_kept else "plastic_at_waypoints"
-        with self._stored() as file:
-            fields = [_gfmd.read_array(file, f"/{group}/equivalent_{cell}") for cell in range(len(self.cells))]
+        with self._stored() as name:
+            file = _gfmd.StoredFile(name)
+            fields = [file.array(f"/{group}/equivalent_{cell}") for cell in range(len(self.cells))]
         if group != "plastic":
             fields = [field[waypoint] for field in fields]
         return np.stack([_spread(field, self.n) for field in fields])
