@@ -33,7 +33,8 @@ mod _gfmd {
     };
     #[pymodule_export]
     use crate::unit::{
-        canonical, converted, fluids, in_units, kinds, law_kinds, materials, readable, unit_name, with_limit,
+        canonical, converted, fluids, in_units, kinds, law_kinds, materials, option_kinds, readable, unit_name,
+        with_limit,
     };
 
     #[pymodule_export]

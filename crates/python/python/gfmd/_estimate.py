@@ -12,7 +12,6 @@ from ._body import Body, as_body
 from ._check import Array, frozen, quantities
 from ._errors import InputError
 from ._given import taking
-from ._load import LOADS
 from ._measured import Measured
 from ._options_inside import EstimateOptions
 from ._record import LINES, Record, reason_of, table
@@ -200,7 +199,7 @@ def estimate(
     """
     made, elastic = as_surface(surface), as_body(body, of_moduli=True)
     loads = {"pressure": pressure, "p_star": p_star, "force": force}
-    given = {name: quantities(name, value, LOADS[name]) for name, value in loads.items() if value is not None}
+    given = {name: quantities(name, value) for name, value in loads.items() if value is not None}
     if len(given) > 1:
         raise InputError(f"the load is given by {', '.join(given)}; it must be given by one of pressure, p_star, force")
     problem = dict(unit=made.unit, size=list(made.size), **given, **_command.body_keys(elastic), **options)
