@@ -61,8 +61,8 @@ fn has_long(option: &Arg, name: &str) -> bool {
 }
 
 /// Returns the option with this long name, or with this former name.
-fn find<'a>(commands: [&'a Command; 2], name: &str) -> Option<&'a Arg> {
-    commands.into_iter().flat_map(Command::get_arguments).find(|arg| has_long(arg, name))
+fn find<'a>(commands: &[&'a Command], name: &str) -> Option<&'a Arg> {
+    commands.iter().flat_map(|command| command.get_arguments()).find(|arg| has_long(arg, name))
 }
 
 /// Returns the largest number of values of an option.
@@ -114,7 +114,6 @@ pub(crate) fn understood(command: &Command, words: &[String]) -> Result<Vec<Word
     // Flag waiting for values, and their number; option of the last word if that is a value.
     let mut open: Option<(&Arg, usize)> = None;
     let mut last: Option<&Arg> = None;
-    let mut surface: Option<String> = None;
     for word in rest.by_ref() {
         if word == "--" {
             out.push(Word::plain(word));
@@ -122,7 +121,7 @@ pub(crate) fn understood(command: &Command, words: &[String]) -> Result<Vec<Word
         }
         if let Some(name) = word.strip_prefix("--").filter(|name| !name.is_empty()) {
             let (name, value) = name.split_once('=').map_or((name, None), |(name, value)| (name, Some(value)));
-            let Some(arg) = find([sub, command], name) else {
+            let Some(arg) = find(&[sub, command], name) else {
                 if let Some(hint) = hint(command, sub, name) {
                     return Err(Failure::refused(format!("unexpected argument '--{name}' found; {hint}")));
                 }
@@ -134,9 +133,6 @@ pub(crate) fn understood(command: &Command, words: &[String]) -> Result<Vec<Word
                 Some(_) => (None, Some(arg)),
                 None => (Some((arg, most_values(arg))).filter(|(_, most)| *most > 0), None),
             };
-            if name == "surface" {
-                surface = value.map(str::to_owned);
-            }
             // A former name becomes the present one, which messages and files have.
             let long = arg.get_long().unwrap_or(name);
             out.push(match value {
@@ -156,29 +152,23 @@ pub(crate) fn understood(command: &Command, words: &[String]) -> Result<Vec<Word
             one_unit(arg, value.text(), &word)?;
             value.append(&format!(" {word}"));
         } else if let Some((arg, most)) = open.take() {
-            let is_first = last.is_none();
-            if is_negative(&word) && is_first && (most == 1 || word.contains(',')) {
-                let flag = out.pop().map_or_else(String::new, |flag| format!("{}=", flag.text()));
-                out.push(Word::value(arg.get_id().as_str(), &flag, &word));
-            } else if word.starts_with('-') && word.len() > 1 && !is_negative(&word) {
+            if word.starts_with('-') && word.len() > 1 && !is_negative(&word) {
                 // Short flag.
                 out.push(Word::plain(word));
                 last = None;
                 continue;
-            } else {
-                out.push(Word::value(arg.get_id().as_str(), "", &word));
             }
-            if arg.get_id() == "surface" {
-                surface = Some(word);
-            }
+            let is_joined = is_negative(&word) && last.is_none() && (most == 1 || word.contains(','));
+            let flag = out.pop_if(|_| is_joined).map_or_else(String::new, |flag| format!("{}=", flag.text()));
+            out.push(Word::value(arg.get_id().as_str(), &flag, &word));
             (last, open) = (Some(arg), (most > 1).then_some((arg, most - 1)));
         } else if word.starts_with('-') || sub.get_positionals().next().is_some() {
             out.push(Word::plain(word));
             last = None;
         } else {
-            alone(sub, last, out.last().map(Word::text), &word, surface.as_deref())?;
+            alone(sub, last, &out, &word)?;
             out.extend([Word::plain(SURFACE), Word::value("surface", "", &word)]);
-            (surface, last) = (Some(word), None);
+            last = None;
         }
     }
     out.extend(rest.map(Word::plain));
@@ -200,21 +190,17 @@ fn one_unit(arg: &Arg, value: &str, word: &str) -> Result<(), Failure> {
     }
 }
 
-/// Refuses a word that is not an option, a value or a surface.
-fn alone(
-    sub: &Command,
-    last: Option<&Arg>,
-    value: Option<&str>,
-    word: &str,
-    surface: Option<&str>,
-) -> Result<(), Failure> {
+/// Refuses a word that is not an option, a value or a surface. `last` is the option of the last word `before` it, if
+/// that is a value.
+fn alone(sub: &Command, last: Option<&Arg>, before: &[Word], word: &str) -> Result<(), Failure> {
     let name = sub.get_name();
+    let surface = before.iter().filter_map(Word::given).find(|(key, _)| *key == "surface").map(|(_, file)| file);
+    let value = before.last().and_then(Word::given).map(|(_, value)| value);
     let is_number = begins_as_number(word);
     let is_like_file = is_file(word) || word.contains(['.', '/', '\\']);
     let reason = match (last, value) {
         (Some(arg), Some(value)) if is_number && !is_file(word) => {
             let flag = arg.get_long().unwrap_or_default();
-            let value = value.strip_prefix(&format!("--{flag}=")).unwrap_or(value);
             format!("unexpected argument '{word}' found; separate values by commas: --{flag} {value},{word}")
         }
         (Some(arg), Some(value)) if !is_like_file && kinds().contains_key(arg.get_id().as_str()) => {
@@ -223,16 +209,16 @@ fn alone(
             let reason = error.map_or_else(|| "a value has one unit".to_owned(), |error| error.to_string());
             format!("--{flag}: \"{value} {word}\": {reason}")
         }
-        _ => match (find([sub, sub], "surface"), surface) {
+        _ => match (find(&[sub], "surface"), surface) {
             (Some(_), None) => return Ok(()),
             (Some(_), Some(surface)) => {
-                let second = match find([sub, sub], "lower-surface") {
+                let second = match find(&[sub], "lower-surface") {
                     Some(_) => "; a second rough surface is --lower-surface or --second-surface FILE",
                     None => "",
                 };
                 format!("unexpected argument '{word}' found; the surface is {surface}{second}")
             }
-            (None, _) if find([sub, sub], "config").is_some() => {
+            (None, _) if find(&[sub], "config").is_some() => {
                 format!("unexpected argument '{word}' found; write --config {word}")
             }
             (None, _) => format!(
@@ -246,7 +232,7 @@ fn alone(
 /// Returns the replacement for the option `name`, which the command `sub` lacks.
 fn hint(command: &Command, sub: &Command, name: &str) -> Option<String> {
     let name = name.to_lowercase().replace('_', "-");
-    let has = |flag: &str| find([sub, command], flag).is_some();
+    let has = |flag: &str| find(&[sub, command], flag).is_some();
     if has(&name) {
         return Some(format!("write --{name}"));
     }
@@ -260,10 +246,7 @@ fn hint(command: &Command, sub: &Command, name: &str) -> Option<String> {
     if let Some((_, flag)) = other {
         return Some(format!("write --{flag}"));
     }
-    let others: Vec<_> = command
-        .get_subcommands()
-        .filter(|other| find([other, other], &name).is_some())
-        .map(Command::get_name)
-        .collect();
+    let others: Vec<_> =
+        command.get_subcommands().filter(|other| find(&[other], &name).is_some()).map(Command::get_name).collect();
     (!others.is_empty()).then(|| format!("it is an option of gfmd {}", others.join(", ")))
 }

@@ -2,9 +2,24 @@
 
 use std::sync::OnceLock;
 
-use gfmd_problem::options::{KindsByKey, add_kinds};
+use gfmd_problem::options::{Kinds, KindsByKey, Options};
 
 use crate::{body, contact, estimate, green, law, path, prony, punch, slide, surface, theory};
+
+/// Calls `see` with the key and the kinds of each option of each command.
+fn see_all(see: &mut dyn FnMut(&'static str, Kinds)) {
+    contact::Args::kinds(see);
+    punch::Args::kinds(see);
+    body::Args::kinds(see);
+    surface::Args::kinds(see);
+    green::Args::kinds(see);
+    path::Args::kinds(see);
+    slide::Args::kinds(see);
+    law::Args::kinds(see);
+    prony::Args::kinds(see);
+    theory::Args::kinds(see);
+    estimate::Args::kinds(see);
+}
 
 /// Returns the kinds of the numbers of all options, by key. Options with the same key have the same kinds in all
 /// commands.
@@ -12,45 +27,24 @@ pub fn kinds() -> &'static KindsByKey {
     static ALL: OnceLock<KindsByKey> = OnceLock::new();
     ALL.get_or_init(|| {
         let mut all = KindsByKey::new();
-        add_kinds::<contact::Args>(&mut all);
-        add_kinds::<punch::Args>(&mut all);
-        add_kinds::<body::Args>(&mut all);
-        add_kinds::<surface::Args>(&mut all);
-        add_kinds::<green::Args>(&mut all);
-        add_kinds::<path::Args>(&mut all);
-        add_kinds::<slide::Args>(&mut all);
-        add_kinds::<law::Args>(&mut all);
-        add_kinds::<prony::Args>(&mut all);
-        add_kinds::<theory::Args>(&mut all);
-        add_kinds::<estimate::Args>(&mut all);
+        see_all(&mut |key, kinds| {
+            all.insert(key, kinds);
+        });
         all
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use gfmd_problem::options::{Kinds, Options};
-
     use super::*;
 
     #[test]
     fn options_with_the_same_key_have_the_same_kinds() {
-        let mut seen: Vec<(&str, Kinds)> = Vec::new();
-        let mut see = |key, kinds| seen.push((key, kinds));
-        contact::Args::kinds(&mut see);
-        punch::Args::kinds(&mut see);
-        body::Args::kinds(&mut see);
-        surface::Args::kinds(&mut see);
-        green::Args::kinds(&mut see);
-        path::Args::kinds(&mut see);
-        slide::Args::kinds(&mut see);
-        law::Args::kinds(&mut see);
-        prony::Args::kinds(&mut see);
-        theory::Args::kinds(&mut see);
-        estimate::Args::kinds(&mut see);
-        assert!(seen.len() > kinds().len(), "commands share options");
-        for (key, found) in seen {
+        let mut seen = 0;
+        see_all(&mut |key, found| {
+            seen += 1;
             assert_eq!(kinds()[key], found, "{key}");
-        }
+        });
+        assert!(seen > kinds().len(), "commands share options");
     }
 }

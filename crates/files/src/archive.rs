@@ -233,9 +233,10 @@ impl<'a> Archive<'a> {
         self.file()?.flush().map_err(|error| self.failed("(checksum)", &error))?;
         if self.output.has_values() {
             let input = Input::open(&part).map_err(|error| error.to_string());
-            let sum = input.and_then(|input| Hdf5::open(&input)).and_then(|file| content::checksum(&file, &|| false));
+            let file = input.and_then(|input| Hdf5::open(&input));
+            let sum = file.and_then(|file| content::checksum(&file, &|| false, &|_| false));
             let unreadable = |reason| FileError::Write { path: part.clone(), variable: "(checksum)".into(), reason };
-            self.attribute("/", content::NAME, sum.map_err(unreadable)?.unwrap_or_default())?;
+            self.attribute("/", content::NAME, sum.map_err(unreadable)?.unwrap_or_default().0)?;
         }
         if let Some(file) = self.file.take() {
             let closed = file.flush().and_then(|()| file.close());

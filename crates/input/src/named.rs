@@ -1,7 +1,7 @@
 //! Options whose value is a name in a list, which stands for the values of other options: materials and fluids.
 
-use gfmd_problem::{flag, key, words};
-use toml::{Table, Value};
+use gfmd_problem::{key, words};
+use toml::Value;
 
 use crate::failure::Failure;
 use crate::fluids::fluid;
@@ -64,16 +64,6 @@ const ALL: [Named; 3] = [
     },
 ];
 
-/// Option with its value as results record it, and the values for which it stands.
-pub(crate) struct Resolved {
-    /// Key of the option.
-    pub option: &'static str,
-    /// Name with its source.
-    pub recorded: String,
-    /// Values of other options.
-    pub values: Vec<(&'static str, Value)>,
-}
-
 /// Returns a name with its source, as results record it.
 fn recorded(name: &str, source: &str) -> String {
     format!("{name} ({source})")
@@ -84,48 +74,41 @@ fn is_recorded(text: &str) -> bool {
     text.ends_with(')')
 }
 
-/// Returns the meaning of each name among options. `value` returns the text of an option that is given.
+/// Puts values in the place of the names among the `given` options, which keep the names with their sources.
 ///
 /// # Errors
 /// Returns an error for an unknown name, and for a given option that a name replaces.
-pub(crate) fn resolved<'a>(value: impl Fn(&str) -> Option<&'a str>) -> Result<Vec<Resolved>, Failure> {
+pub(crate) fn put_values(given: &mut Vec<(String, Value)>) -> Result<(), Failure> {
     let mut all = Vec::new();
+    let text = |key: &str| find(given, key).map(|value| value.as_str().unwrap_or_default());
     for Named { option, replaced, has, of_body, meaning } in ALL {
-        let Some(name) = value(option).filter(|name| !is_recorded(name)) else { continue };
+        let Some(name) = text(option).filter(|name| !is_recorded(name)) else { continue };
         let Meaning { source, values } = meaning(option, name)?;
-        if of_body && value("compliance").is_some() {
+        if of_body && text("compliance").is_some() {
             let allowed = words!["left out with ", key("compliance"), ", which describes the whole body"];
             return Err(Failure::value(key(option), name, allowed));
         }
-        if let Some(&other) = replaced.iter().find(|other| value(other).is_some()) {
+        if let Some(&other) = replaced.iter().find(|other| text(other).is_some()) {
             let allowed = words!["given without ", key(other), format!(": {has}")];
             return Err(Failure::value(key(option), name, allowed));
         }
-        all.push(Resolved { option, recorded: recorded(name, source), values });
+        all.push((option, recorded(name, source), values));
     }
-    Ok(all)
-}
-
-/// Puts the values of the names in a table of options in their place.
-///
-/// # Errors
-/// The errors of [`resolved`].
-pub(crate) fn of_table(table: &mut Table) -> Result<(), Failure> {
-    let found = resolved(|option| table.get(option).map(|value| value.as_str().unwrap_or_default()))?;
-    for Resolved { option, recorded, values } in found {
-        table.insert(option.into(), recorded.into());
-        table.extend(values.into_iter().map(|(key, value)| (key.to_owned(), value)));
+    for (option, recorded, values) in all {
+        let own = given.iter_mut().filter(|(key, _)| key == option);
+        own.for_each(|(_, value)| *value = recorded.as_str().into());
+        given.extend(values.into_iter().map(|(key, value)| (key.to_owned(), value)));
     }
     Ok(())
 }
 
-/// Returns the flag of an option with `=`, and its value, as words of a command line have them.
-pub(crate) fn in_words(option: &str, value: &Value) -> (String, String) {
-    (format!("{}=", flag(option)), text(value))
+/// Returns the first value given for an option.
+pub(crate) fn find<'a>(given: &'a [(String, Value)], key: &str) -> Option<&'a Value> {
+    given.iter().find(|(other, _)| other == key).map(|(_, value)| value)
 }
 
 /// Returns a value as a flag takes it.
-fn text(value: &Value) -> String {
+pub(crate) fn text(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         Value::Array(all) => all.iter().map(text).collect::<Vec<_>>().join(","),
@@ -137,26 +120,24 @@ fn text(value: &Value) -> String {
 mod tests {
     use super::*;
 
-    fn table(entries: &[(&str, Value)]) -> Table {
+    fn given(entries: &[(&str, Value)]) -> Vec<(String, Value)> {
         entries.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect()
     }
 
     #[test]
     fn a_name_stands_for_its_values_once() {
-        let mut found = table(&[
+        let mut found = given(&[
             ("material", "aluminium".into()),
             ("second_material", "steel-s355".into()),
             ("fluid", "water".into()),
         ]);
-        of_table(&mut found).unwrap();
-        assert_eq!((found["young"].as_str(), found["poisson"].as_float()), (Some("70GPa"), Some(0.3)));
-        let second: Vec<Value> = vec!["210GPa".into(), 0.3.into()];
-        assert_eq!(found["second_body"], Value::from(second));
-        assert_eq!(in_words("second_body", &found["second_body"]), ("--second-body=".into(), "210GPa,0.3".into()));
-        assert_eq!(found["viscosity"].as_str(), Some("1.0016mPa*s"));
-        assert!(ALL.iter().all(|named| is_recorded(found[named.option].as_str().unwrap())));
+        put_values(&mut found).unwrap();
+        let shown = |key: &str| text(find(&found, key).unwrap());
+        assert_eq!([shown("young"), shown("poisson"), shown("second_body")], ["70GPa", "0.3", "210GPa,0.3"]);
+        assert_eq!(shown("viscosity"), "1.0016mPa*s");
+        assert!(ALL.iter().all(|named| is_recorded(&shown(named.option))));
         let again = found.clone();
-        of_table(&mut found).unwrap();
+        put_values(&mut found).unwrap();
         assert_eq!(found, again);
     }
 
@@ -165,15 +146,15 @@ mod tests {
         for Named { option, replaced, of_body, .. } in ALL {
             let name = if of_body { "aluminium" } else { "water" };
             for &other in replaced {
-                let mut both = table(&[(option, name.into()), (other, 0.2.into())]);
-                let said = of_table(&mut both).unwrap_err().to_string();
+                let mut both = given(&[(option, name.into()), (other, 0.2.into())]);
+                let said = put_values(&mut both).unwrap_err().to_string();
                 assert!(said.contains("it must be given without"), "{said}");
             }
-            let mut unknown = table(&[(option, "mithril".into())]);
-            let said = of_table(&mut unknown).unwrap_err().to_string();
+            let mut unknown = given(&[(option, "mithril".into())]);
+            let said = put_values(&mut unknown).unwrap_err().to_string();
             assert!(said.contains("mithril; it must be one of") && said.contains(name), "{said}");
-            let mut whole = table(&[(option, name.into()), ("compliance", "1:1,100:0.01".into())]);
-            assert_eq!(of_table(&mut whole).is_err(), of_body, "{option}");
+            let mut whole = given(&[(option, name.into()), ("compliance", "1:1,100:0.01".into())]);
+            assert_eq!(put_values(&mut whole).is_err(), of_body, "{option}");
         }
     }
 }

@@ -240,8 +240,8 @@ pub fn highest(share: &Share, heights: &Array2<f64>) -> f64 {
 }
 
 impl Surface {
-    /// Returns true if the heights, or a part of them, were read at points, not made of waves. Only the first of several
-    /// processes knows.
+    /// Returns true if the heights, or a part of them, were read at points, not made of waves. Only the first one of
+    /// several processes knows.
     pub fn is_read(&self) -> bool {
         self.scan.is_some() || self.second.is_some()
     }

@@ -2,15 +2,15 @@
 //! parsed.
 
 use gfmd_files::{Reader, Reading, Topography, split_dataset};
+use gfmd_problem::options::KindsByKey;
 use gfmd_problem::options::given::{ArrayOption, Arrays};
-use gfmd_problem::options::quantities::{Sought, text_in_units, value_in_units};
-use gfmd_problem::options::{Kinds, KindsByKey};
-use gfmd_problem::{Written, flag, key};
+use gfmd_problem::options::quantities::{Sought, value_in_units};
+use gfmd_problem::{Written, flag};
 use gfmd_unit::Units;
 use toml::{Table, Value};
 
 use crate::failure::Failure;
-use crate::named::{self, Resolved, in_words, resolved};
+use crate::named::{find, put_values, text};
 use crate::session::NamedMap;
 use crate::table;
 
@@ -19,6 +19,9 @@ const UNIT: &str = "unit";
 
 /// The key of the unit of stresses.
 const STRESS_UNIT: &str = "stress_unit";
+
+/// The key of the flag that reads the grey values of an image.
+const IMAGE_HEIGHTS: &str = "image_heights";
 
 /// Command that takes its units from a result.
 const BODY: &str = "body";
@@ -29,12 +32,6 @@ const LAW: &str = "law";
 /// True if the lengths of a command have no unit.
 fn without_units(command: &str) -> bool {
     !matches!(command, "contact" | "path" | "slide" | "surface" | "theory" | "estimate" | BODY | LAW)
-}
-
-/// The refusal of a quantity with a unit by a command without units.
-fn refused(command: &str, option: &str, text: &str) -> Failure {
-    let allowed = format!("a number without a unit, since the lengths of {command} have none");
-    Failure::value(key(option), text, allowed)
 }
 
 /// The units of the first row `A:B` of a table; none of numbers without one.
@@ -120,12 +117,6 @@ impl Word {
         Some((key, &self.text[*start..]))
     }
 
-    /// Returns the option and its value, if it has numbers that may have a unit, and their kinds.
-    fn quantity(&self, kinds: &KindsByKey) -> Option<((&str, &str), Kinds)> {
-        let given = self.given()?;
-        Some((given, *kinds.get(given.0)?))
-    }
-
     /// Appends to the value.
     pub fn append(&mut self, text: &str) {
         self.text.push_str(text);
@@ -139,8 +130,7 @@ impl Word {
 }
 
 /// Returns the words of the command `name` with bare numbers in place of quantities with a unit, and the rows of tables
-/// in place of their files; with the height map of the surface if it was read for its unit, and the quantities as they
-/// were written.
+/// in place of their files; with the height map of the surface if it was read for its unit.
 ///
 /// # Errors
 /// Returns an error for a text that is not a unit, a quantity of another kind than its option, a quantity without a
@@ -151,78 +141,25 @@ pub fn of_words(
     kinds: &KindsByKey,
 ) -> Result<(Vec<Word>, Option<NamedMap>, Written), Failure> {
     for word in &mut words {
-        let rows = match word.quantity(kinds) {
+        let Some((key, text)) = word.given() else { continue };
+        if let Some(kinds) = kinds.get(key).filter(|kinds| kinds.names_a_table(text)) {
             // A command without units takes the numbers of the table, whatever its units.
-            Some(((key, text), kinds)) if kinds.names_a_table(text) => {
-                table::rows(key, text, kinds.columns(), !without_units(name))?
-            }
-            _ => continue,
-        };
-        word.replace(&rows);
-    }
-    let given =
-        |option: &str| words.iter().filter_map(Word::given).find(|(key, _)| *key == option).map(|(_, value)| value);
-    for Resolved { option, recorded, values } in resolved(given)? {
-        words.iter_mut().filter(|word| word.given().is_some_and(|(key, _)| key == option)).for_each(|word| {
-            word.replace(&recorded);
-        });
-        words.extend(values.iter().map(|(key, value)| {
-            let (before, text) = in_words(key, value);
-            Word::value(key, &before, &text)
-        }));
-    }
-    let mut sought = Sought::default();
-    for ((key, text), kinds) in words.iter().filter_map(|word| word.quantity(kinds)) {
-        let before = sought.any;
-        text_in_units((key, kinds), text, &mut sought)?;
-        if sought.any && !before && without_units(name) {
-            return Err(refused(name, key, text));
+            let rows = table::rows(key, text, kinds.columns(), !without_units(name))?;
+            word.replace(&rows);
         }
     }
-    if !sought.any {
-        return Ok((words, None, Written::default()));
-    }
-    let value_of = |option: &str| {
-        words.iter().filter_map(Word::given).find(|(key, _)| *key == option).map(|(_, value)| value.to_owned())
+    let switch = flag(IMAGE_HEIGHTS);
+    let option = |word: &Word| match word.given() {
+        Some((key, text)) => Some((key.to_owned(), Value::from(text))),
+        None => (word.text() == switch).then(|| (IMAGE_HEIGHTS.to_owned(), true.into())),
     };
-    let mut source = Source {
-        unit: value_of(UNIT),
-        stress_unit: value_of(STRESS_UNIT),
-        surface: value_of("surface"),
-        channel: value_of("channel"),
-        image_heights: words.iter().any(|word| word.text() == flag("image_heights")),
-    };
-    let mut added = Vec::new();
-    if let (LAW, Some(rows)) = (name, value_of("law_table")) {
-        let [unit, stress_unit] = units_of_rows(&rows);
-        for (key, own, found) in [(UNIT, &mut source.unit, unit), (STRESS_UNIT, &mut source.stress_unit, stress_unit)] {
-            if let (None, Some(found)) = (&own, found) {
-                added.push((key, found.clone()));
-                *own = Some(found);
-            }
-        }
+    let mut given = words.iter().filter_map(option).collect();
+    let (map, written) = resolve(name, &mut given, &Arrays::new(), kinds)?;
+    let mut given = given.into_iter();
+    for (word, (_, value)) in words.iter_mut().filter(|word| option(word).is_some()).zip(given.by_ref()) {
+        word.replace(&text(&value));
     }
-    // Generated heights take the unit of the length of their cell.
-    if let (None, None, Some(size)) = (&source.unit, &source.surface, value_of("size"))
-        && let Some(found) = size.split(',').find_map(unit_in)
-    {
-        added.push((UNIT, found.clone()));
-        source.unit = Some(found);
-    }
-    let (units, map) = source.units()?;
-    let mut take = (&units, Written::default());
-    for word in &mut words {
-        let Some(((key, text), kinds)) = word.quantity(kinds) else { continue };
-        if let Some(text) = text_in_units((key, kinds), text, &mut take)? {
-            word.replace(&text);
-        }
-    }
-    // If a stress has a unit, stresses without one are in Pa, which is recorded.
-    if name != BODY && sought.stress && units.stress().is_none() {
-        added.push((STRESS_UNIT, Units::PASCAL.to_owned()));
-    }
-    words.extend(added.iter().map(|(option, value)| Word::value(option, &format!("{}=", flag(option)), value)));
-    let written = take.1;
+    words.extend(given.map(|(key, value)| Word::value(&key, &format!("{}=", flag(&key)), &text(&value))));
     Ok((words, map, written))
 }
 
@@ -231,60 +168,78 @@ pub fn of_words(
 /// # Errors
 /// The errors of `of_words`.
 pub fn of_table(command: &str, table: &mut Table, arrays: &Arrays, kinds: &KindsByKey) -> Result<Written, Failure> {
-    named::of_table(table)?;
+    let mut given = std::mem::take(table).into_iter().collect();
+    let resolved = resolve(command, &mut given, arrays, kinds);
+    table.extend(given);
+    resolved.map(|(_, written)| written)
+}
+
+/// Puts bare numbers in the place of quantities among the options `given` to a command, and values in the place of
+/// names. Adds the units that follow from the quantities. Returns the height map of the surface if it was read for its
+/// unit, and the quantities as they were written.
+fn resolve(
+    command: &str,
+    given: &mut Vec<(String, Value)>,
+    arrays: &Arrays,
+    kinds: &KindsByKey,
+) -> Result<(Option<NamedMap>, Written), Failure> {
+    put_values(given)?;
     let mut sought = Sought::default();
-    for (key, value) in &*table {
-        if let Some(kinds) = kinds.get(&**key) {
-            value_in_units((key, *kinds), &mut value.clone(), &mut sought)?;
+    for (key, value) in &*given {
+        let Some(kinds) = kinds.get(&**key) else { continue };
+        value_in_units((key, *kinds), &mut value.clone(), &mut sought)?;
+        if sought.any && without_units(command) {
+            let allowed = format!("a number without a unit, since the lengths of {command} have none");
+            return Err(Failure::value(gfmd_problem::key(key), text(value), allowed));
         }
     }
     if !sought.any {
-        return Ok(Written::default());
+        return Ok((None, Written::default()));
     }
-    if without_units(command)
-        && let Some(found) = table.iter().find(|(key, value)| {
-            let mut sought = Sought::default();
-            let found =
-                kinds.get(&***key).map(|kinds| value_in_units((key, *kinds), &mut (*value).clone(), &mut sought));
-            found.is_some_and(|found| found.is_ok()) && sought.any
-        })
-    {
-        return Err(refused(command, found.0, &found.1.to_string()));
-    }
-    let text = |key: &str| table.get(key).and_then(Value::as_str).map(str::to_owned);
+    let text_of = |key: &str| find(given, key).and_then(Value::as_str).map(str::to_owned);
     let mut source = Source {
-        unit: text(UNIT),
-        stress_unit: text(STRESS_UNIT),
-        surface: text("surface"),
-        channel: text("channel"),
-        image_heights: table.get("image_heights").and_then(Value::as_bool) == Some(true),
+        unit: text_of(UNIT),
+        stress_unit: text_of(STRESS_UNIT),
+        surface: text_of("surface"),
+        channel: text_of("channel"),
+        image_heights: find(given, IMAGE_HEIGHTS).and_then(Value::as_bool) == Some(true),
     };
+    let mut added = Vec::new();
+    if let (LAW, Some(rows)) = (command, text_of("law_table")) {
+        let [unit, stress_unit] = units_of_rows(&rows);
+        for (key, own, found) in [(UNIT, &mut source.unit, unit), (STRESS_UNIT, &mut source.stress_unit, stress_unit)] {
+            if let (None, Some(found)) = (&own, found) {
+                added.push((key, found.clone()));
+                *own = Some(found);
+            }
+        }
+    }
     if let Some(ArrayOption::Load(load)) = arrays.get("surface") {
         let recorded = |key: &str| load.config.get(key).and_then(Value::as_str).map(str::to_owned);
         source.unit = source.unit.or_else(|| recorded(UNIT));
         source.stress_unit = source.stress_unit.or_else(|| recorded(STRESS_UNIT));
     }
     // Generated heights take the unit of the length of their cell.
-    if source.unit.is_none() && source.surface.is_none() && !arrays.contains_key("surface") {
-        let texts = match table.get("size") {
-            Some(Value::Array(sides)) => sides.iter().filter_map(Value::as_str).collect(),
-            Some(Value::String(text)) => text.split(',').collect(),
-            _ => Vec::new(),
-        };
-        if let Some(found) = texts.into_iter().find_map(unit_in) {
-            table.insert(UNIT.into(), found.clone().into());
-            source.unit = Some(found);
-        }
+    if source.unit.is_none()
+        && source.surface.is_none()
+        && !arrays.contains_key("surface")
+        && let Some(found) = find(given, "size").map(text).and_then(|size| size.split(',').find_map(unit_in))
+    {
+        added.push((UNIT, found.clone()));
+        source.unit = Some(found);
     }
-    let (units, _) = source.units()?;
+    let (units, map) = source.units()?;
     let mut take = (&units, Written::default());
-    for (key, value) in table.iter_mut() {
+    for (key, value) in given.iter_mut() {
         if let Some(kinds) = kinds.get(&**key) {
             value_in_units((key, *kinds), value, &mut take)?;
         }
     }
+    let (_, written) = take;
+    // If a stress has a unit, stresses without one are in Pa, which is recorded.
     if command != BODY && sought.stress && units.stress().is_none() {
-        table.insert(STRESS_UNIT.into(), Units::PASCAL.into());
+        added.push((STRESS_UNIT, Units::PASCAL.to_owned()));
     }
-    Ok(take.1)
+    given.extend(added.into_iter().map(|(key, value)| (key.to_owned(), value.into())));
+    Ok((map, written))
 }

@@ -40,10 +40,3 @@ pub trait Options: Default {
     /// Takes the values of options that are arrays in memory.
     fn take_arrays(&mut self, arrays: &mut given::Arrays);
 }
-
-/// Adds the kinds of the options of a group.
-pub fn add_kinds<O: Options>(kinds: &mut KindsByKey) {
-    O::kinds(&mut |key, of_option| {
-        kinds.insert(key, of_option);
-    });
-}

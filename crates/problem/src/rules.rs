@@ -313,8 +313,6 @@ parts! {
     }, |f| f.boundary == Boundary::Free && f.moves_sideways();
     /// Path.
     Path: |_| ("path".into(), "asked for", "a path".into()), |f| f.task == Task::Path;
-    /// Patches, distributions, spectra, conductance.
-    Statistics: |_| (key("statistics"), "given", key("statistics")), |f| f.statistics;
     /// Flow through the gap.
     Flow: |_| (key("flow"), "given", key("flow")), |f| f.flow;
     /// Leak of a fluid.
@@ -323,8 +321,6 @@ parts! {
     Gas: |_| (key("gas"), "given", key("gas")), |f| f.gas;
     /// Loads at which the flow stops.
     FlowThreshold: |_| (key("flow_threshold"), "given", key("flow_threshold")), |f| f.flow_threshold;
-    /// Second solution on a finer grid.
-    Refine: |_| (key("grid_error"), "refine", setting("grid_error", "refine")), |f| f.grid_error == GridError::Refine;
     /// Record of the search.
     History: |_| (key("history"), "given", key("history")), |f| f.history;
     /// Run that continues an earlier one.

@@ -4,16 +4,17 @@ use std::path::Path;
 
 use gfmd_check::result::ResultKind;
 use gfmd_cli::contact::{self, configuration};
-use gfmd_files::{Output, Reader};
+use gfmd_files::{FileError, Output, Reader};
 use gfmd_input::failure::Failure;
 use gfmd_input::json;
 use gfmd_input::session::Session;
+use gfmd_input::source::stored_unit;
 use gfmd_record::{Record, SLIDING_FIELDS, arrays};
 use gfmd_run::series::{Chosen, Prepared, StateFile};
 use ndarray::{Array2, ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::command::table;
 use crate::contact::{described, prepared};
@@ -69,90 +70,121 @@ pub(crate) fn save(
     written.map_err(|failure| failed(py, failure))
 }
 
-/// Reads an array of a file.
-#[pyfunction]
-pub(crate) fn read_array<'py>(py: Python<'py>, path: &str, name: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let read = quick(py, || {
-        let reader = Reader::open(path)?;
-        Ok::<_, gfmd_files::FileError>((reader.shape(name)?, reader.values::<f64>(name)?))
-    })?;
-    let (shape, values) = read.map_err(|error| refused(py, &error))?;
-    let array = ArrayD::from_shape_vec(IxDyn(&shape), values).map_err(|error| refused(py, &error))?;
-    Ok(array.into_pyarray(py))
-}
+/// Open result file.
+#[pyclass(frozen, module = "gfmd._gfmd")]
+pub(crate) struct StoredFile(Reader);
 
-/// Reads the scalars of each load in a contact file, as JSON, and the names of its fields.
-#[pyfunction]
-pub(crate) fn read_records(py: Python<'_>, path: &str) -> PyResult<(Vec<String>, Vec<&'static str>)> {
-    let read = quick(py, || {
-        let reader = Reader::open(path)?;
-        let (facts, records) = contact::records(&reader)?;
-        // Files of earlier versions have no repulsion.
-        let there = |name: &&str| *name != "repulsion" || reader.contains(&format!("/fields/{name}"));
-        Ok::<_, Failure>((records, arrays(&facts).map(|array| array.name).filter(there).collect()))
-    })?;
-    // A missing file is unusable input, like a file of another kind.
-    let (records, fields) = read.map_err(|failure| unusable(py, failure))?;
-    let texts = records.iter().map(|record| json::to_string(record).map_err(|error| refused(py, &error)));
-    Ok((texts.collect::<PyResult<_>>()?, fields))
-}
+/// Groups of the arrays that a result in memory has.
+const IN_MEMORY: [&str; 4] = ["/fields/", "/surface/", "/lower/", "/base/"];
 
-/// Reads the report of any result but a contact in a file, as JSON, and the names of its fields.
-#[pyfunction]
-pub(crate) fn read_report(py: Python<'_>, path: &str) -> PyResult<(String, Vec<String>)> {
-    let read = quick(py, || {
-        let reader = Reader::open(path)?;
-        let session = Session::embedded();
-        let there = |name: &&str| reader.contains(&format!("/fields/{name}"));
-        let names = |names: &mut dyn Iterator<Item = &'static str>| names.filter(there).map(Into::into).collect();
-        Ok::<_, Failure>(match ResultKind::of(&reader) {
-            Some(ResultKind::Path) => {
-                let report = gfmd_cli::path::stored(&reader, &session)?;
-                (json::to_string(&report), names(&mut arrays(&report.facts).map(|array| array.name)))
-            }
-            Some(ResultKind::Slide) => {
-                let report = gfmd_cli::slide::stored(&reader, &session)?;
-                (json::to_string(&report), names(&mut SLIDING_FIELDS.iter().map(|field| field.name)))
-            }
-            Some(ResultKind::Punch) => {
-                (json::to_string(&gfmd_cli::punch::stored(&reader, &session)?), reader.names("/fields"))
-            }
-            Some(ResultKind::Body) => (json::to_string(&gfmd_cli::body::stored(&reader)?), reader.names("/fields")),
-            Some(ResultKind::KappaSweep) => (json::to_string(&gfmd_cli::kappa_sweep::report_of(&reader)?), Vec::new()),
-            Some(ResultKind::Study) => (json::to_string(&gfmd_cli::study::report_of(&reader)?), Vec::new()),
-            Some(ResultKind::Contact) | None => return Err(Failure::input(path, "it has no report of a command")),
-        })
-    })?;
-    let (text, fields) = read.map_err(|failure| unusable(py, failure))?;
-    Ok((text.map_err(|error| refused(py, &error))?, fields))
-}
+#[pymethods]
+impl StoredFile {
+    #[new]
+    fn open(py: Python<'_>, path: &str) -> PyResult<Self> {
+        let reader = quick(py, || Reader::open(path))?;
+        // A missing file is unusable input, like a file of another kind.
+        reader.map(Self).map_err(|error| refused(py, &error))
+    }
 
-/// Reads the kind of a file, the name of its command; refuses a file that was damaged or changed.
-#[pyfunction]
-pub(crate) fn read_kind(py: Python<'_>, path: &str) -> PyResult<Option<&'static str>> {
-    let read = quick(py, || {
-        let reader = Reader::open(path).map_err(|error| Failure::refused(error.to_string()))?;
-        let kind = ResultKind::of(&reader).map(ResultKind::name);
-        let is_surface = || kind.is_none() && reader.contains("/surface/height");
-        if reader.is_intact()? == Some(false) {
-            return Err(Failure::input(path, "it is damaged, or was changed; gfmd check says where"));
+    /// Name of the file.
+    #[getter]
+    fn path(&self) -> String {
+        self.0.path().display().to_string()
+    }
+
+    /// Kind of the file, the name of its command.
+    #[getter]
+    fn kind(&self) -> Option<&'static str> {
+        let kind = ResultKind::of(&self.0).map(ResultKind::name);
+        if kind.is_none() && self.0.contains("/surface/height") { Some("surface") } else { kind }
+    }
+
+    /// Refuses a file that was damaged or changed. Keeps the arrays, which `array` then gives without a second read.
+    fn check(&self, py: Python<'_>) -> PyResult<()> {
+        let is_array = |path: &str| IN_MEMORY.iter().any(|group| path.starts_with(group));
+        match quick(py, || self.0.is_intact_keeping(&is_array))?.map_err(Failure::from) {
+            Ok(Some(false)) => {
+                Err(unusable(py, Failure::input(self.path(), "it is damaged, or was changed; gfmd check says where")))
+            }
+            found => found.map(|_| ()).map_err(|failure| unusable(py, failure)),
         }
-        Ok::<_, Failure>(if is_surface() { Some("surface") } else { kind })
-    })?;
-    read.map_err(|failure| unusable(py, failure))
-}
+    }
 
-/// Reads a text attribute of a file.
-#[pyfunction]
-pub(crate) fn read_text(py: Python<'_>, path: &str, group: &str, name: &str) -> PyResult<String> {
-    quick(py, || Reader::open(path).and_then(|reader| reader.text(group, name)))?.map_err(|error| refused(py, &error))
-}
+    /// Reads an array.
+    fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let read = quick(py, || Ok::<_, FileError>((self.0.shape(name)?, self.0.take(name)?)))?;
+        let (shape, values) = read.map_err(|error| refused(py, &error))?;
+        let array = ArrayD::from_shape_vec(IxDyn(&shape), values).map_err(|error| refused(py, &error))?;
+        Ok(array.into_pyarray(py))
+    }
 
-/// Reads the configuration of a `contact` result as JSON. It has only keys and types that such results have.
-#[pyfunction]
-pub(crate) fn read_config(py: Python<'_>, path: &str) -> PyResult<String> {
-    let read = quick(py, || configuration(&Reader::open(path)?))?;
-    // A missing file is unusable input, like a file of another kind.
-    let table = read.map_err(|failure| unusable(py, failure))?;
-    serde_json::to_string(&table).map_err(|error| refused(py, &error))
+    /// Reads lengths and unit of the cell of a surface, which are in its group.
+    fn cell(&self, py: Python<'_>, group: &str) -> PyResult<([f64; 2], Option<String>)> {
+        let length = |name| self.0.number(group, name).map_err(|error| refused(py, &error));
+        Ok(([length("size_x")?, length("size_y")?], stored_unit(&self.0, group)))
+    }
+
+    /// Reads a text attribute.
+    fn text(&self, py: Python<'_>, group: &str, name: &str) -> PyResult<String> {
+        self.0.text(group, name).map_err(|error| refused(py, &error))
+    }
+
+    /// Reads all bytes.
+    fn bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = quick(py, || self.0.bytes())?.map_err(|error| refused(py, &error))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Reads the configuration of a `contact` result as JSON. It has only keys and types that such results have.
+    fn config(&self, py: Python<'_>) -> PyResult<String> {
+        let table = quick(py, || configuration(&self.0))?.map_err(|failure| unusable(py, failure))?;
+        serde_json::to_string(&table).map_err(|error| refused(py, &error))
+    }
+
+    /// Reads the scalars of each load of a contact, as JSON, and the names of its fields.
+    fn records(&self, py: Python<'_>) -> PyResult<(Vec<String>, Vec<&'static str>)> {
+        let reader = &self.0;
+        let read = quick(py, || {
+            let (facts, records) = contact::records(reader)?;
+            // Files of earlier versions have no repulsion.
+            let there = |name: &&str| *name != "repulsion" || reader.contains(&format!("/fields/{name}"));
+            Ok::<_, Failure>((records, arrays(&facts).map(|array| array.name).filter(there).collect()))
+        })?;
+        let (records, fields) = read.map_err(|failure| unusable(py, failure))?;
+        let texts = records.iter().map(|record| json::to_string(record).map_err(|error| refused(py, &error)));
+        Ok((texts.collect::<PyResult<_>>()?, fields))
+    }
+
+    /// Reads the report of any result but a contact, as JSON, and the names of its fields.
+    fn report(&self, py: Python<'_>) -> PyResult<(String, Vec<String>)> {
+        let reader = &self.0;
+        let read = quick(py, || {
+            let session = Session::embedded();
+            let there = |name: &&str| reader.contains(&format!("/fields/{name}"));
+            let names = |names: &mut dyn Iterator<Item = &'static str>| names.filter(there).map(Into::into).collect();
+            Ok::<_, Failure>(match ResultKind::of(reader) {
+                Some(ResultKind::Path) => {
+                    let report = gfmd_cli::path::stored(reader, &session)?;
+                    (json::to_string(&report), names(&mut arrays(&report.facts).map(|array| array.name)))
+                }
+                Some(ResultKind::Slide) => {
+                    let report = gfmd_cli::slide::stored(reader, &session)?;
+                    (json::to_string(&report), names(&mut SLIDING_FIELDS.iter().map(|field| field.name)))
+                }
+                Some(ResultKind::Punch) => {
+                    (json::to_string(&gfmd_cli::punch::stored(reader, &session)?), reader.names("/fields"))
+                }
+                Some(ResultKind::Body) => (json::to_string(&gfmd_cli::body::stored(reader)?), reader.names("/fields")),
+                Some(ResultKind::KappaSweep) => {
+                    (json::to_string(&gfmd_cli::kappa_sweep::report_of(reader)?), Vec::new())
+                }
+                Some(ResultKind::Study) => (json::to_string(&gfmd_cli::study::report_of(reader)?), Vec::new()),
+                Some(ResultKind::Contact) | None => {
+                    return Err(Failure::input(reader.path().display().to_string(), "it has no report of a command"));
+                }
+            })
+        })?;
+        let (text, fields) = read.map_err(|failure| unusable(py, failure))?;
+        Ok((text.map_err(|error| refused(py, &error))?, fields))
+    }
 }

@@ -23,7 +23,7 @@ mod _gfmd {
         options,
     };
     #[pymodule_export]
-    use crate::files::{read_array, read_config, read_kind, read_records, read_report, read_text, save};
+    use crate::files::{StoredFile, save};
     #[pymodule_export]
     use crate::law::law_text;
     #[pymodule_export]
@@ -33,7 +33,8 @@ mod _gfmd {
     };
     #[pymodule_export]
     use crate::unit::{
-        canonical, converted, fluids, in_units, kinds, law_kinds, materials, readable, unit_name, with_limit,
+        canonical, converted, fluids, in_units, kinds, law_kinds, materials, option_kinds, readable, unit_name,
+        with_limit,
     };
 
     #[pymodule_export]

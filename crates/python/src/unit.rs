@@ -1,6 +1,9 @@
 //! Units: parsing of quantities, and numbers in readable units.
 
+use std::collections::BTreeMap;
+
 use gfmd_law::LawKind;
+use gfmd_problem::argument;
 use gfmd_record::{ARRAYS, COLUMNS};
 use gfmd_unit::{Conversion, Quantity, Units};
 use numpy::{IntoPyArray, PyReadonlyArray2};
@@ -57,6 +60,12 @@ pub(crate) fn canonical(unit: &str) -> &str {
 pub(crate) fn kinds() -> Vec<(&'static str, &'static str)> {
     let columns = COLUMNS.iter().map(|column| (column.name, column.unit));
     columns.chain(ARRAYS.iter().map(|array| (array.name, array.unit))).collect()
+}
+
+/// Returns the kinds of quantity of the numbers of options, in turn, by argument.
+#[pyfunction]
+pub(crate) fn option_kinds() -> BTreeMap<&'static str, Vec<&'static str>> {
+    gfmd_cli::kinds::kinds().iter().map(|(&key, kinds)| (argument(key), kinds.in_turn().to_vec())).collect()
 }
 
 /// Returns the kinds of quantity of the parameters of all laws, by name.

@@ -15,7 +15,15 @@ import pytest
 from gfmd._columns import LowerFace, Patches, States, Steps
 from gfmd._given import TABLES
 from gfmd._options import ContactOptions, PathOptions, SlideOptions
-from gfmd._options_inside import GreenOptions, InteriorOptions, PronyOptions, PunchOptions, StudyOptions, SweepOptions
+from gfmd._options_inside import (
+    EstimateOptions,
+    GreenOptions,
+    InteriorOptions,
+    PronyOptions,
+    PunchOptions,
+    StudyOptions,
+    SweepOptions,
+)
 
 FOLDER = Path(__file__).parents[1]
 ERRORS = (gfmd.Error, gfmd.Interrupted)
@@ -322,6 +330,7 @@ TAKING = {
     gfmd.punch: (PunchOptions, set()),
     gfmd.green: (GreenOptions, {"qx"}),
     gfmd.kappa_sweep: (SweepOptions, set()),
+    gfmd.estimate: (EstimateOptions, LOADS - {"approach"}),
     gfmd.prony: (PronyOptions, {"frequency", "storage", "loss", "temperature", "log_a_t"}),
     gfmd.study: (StudyOptions, {"progress"}),
 }

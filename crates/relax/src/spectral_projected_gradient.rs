@@ -23,8 +23,8 @@ pub trait OnConvexSet {
         for_each([out], &|start, [d]| d.iter_mut().zip(&x[start..]).for_each(|(d, x)| *d -= x));
     }
 
-    /// Returns the sums of four products over a vector of this `length`; `of` returns those of a range. Several processes
-    /// that share a vector add all their values.
+    /// Returns the sums of four products over a vector of this `length`; `of` returns the sums over a range. Several
+    /// processes that share a vector add all their values.
     fn sums(&self, length: usize, of: &(dyn Fn(Range<usize>) -> [f64; 4] + Sync)) -> [f64; 4] {
         reduce(length, &|range| of(range), &add)
     }

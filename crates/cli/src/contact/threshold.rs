@@ -196,7 +196,7 @@ impl Bisection<'_> {
 }
 
 impl Sample {
-    /// Measures a state between two surfaces; `at` has its numbers. The first of several processes finds the open paths.
+    /// Measures a state of this surface; `at` has its numbers. The first of several processes finds the open paths.
     fn of(state: &AnyState, Surface { share, boundary, .. }: &Surface, at: StateContext) -> Self {
         // The samples need neither statistics nor flow.
         let plain = Facts { statistics: false, flow: false, leak: false, conducts: false, ..*at.facts };

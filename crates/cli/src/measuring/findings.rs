@@ -105,7 +105,7 @@ pub(crate) struct Findings {
 
 impl Findings {
     /// Measures a state; `of_flow` says whether the flow needs fields, `warn` receives the code and text for each
-    /// number that is less exact than it should be. The first of several processes measures the whole fields, the others
+    /// number that is less exact than it should be. The first of several processes measures whole fields, the others
     /// find nothing.
     ///
     /// # Errors

@@ -86,45 +86,27 @@ fn options<A: ClapArgs + Options + DeserializeOwned>(command: &str, mut table: T
             *value = Value::Array(vec![value.clone()]);
         }
     }
-    for key in RANGES {
-        write_out(command, key, &mut table)?;
-    }
     let written = of_table(command, &mut table, &Arrays::new(), kinds())?;
+    for key in RANGES {
+        write_out(key, &mut table)?;
+    }
     Ok((of_keys(table, Arrays::new())?, written))
 }
 
 /// Options whose values may be ranges "A:B:N".
 const RANGES: [&str; 7] = ["pressure", "p_star", "force", "approach", "distance", "time", "velocity"];
 
-/// Puts the values of ranges "A:B:N" of an option in their place; both ends may have a unit.
-fn write_out(command: &str, key: &'static str, table: &mut Table) -> Result<(), Failure> {
-    let Some(Value::Array(entries)) = table.get(key) else { return Ok(()) };
-    let ends = |entry: &Value| {
-        let parts: Vec<String> = entry.as_str()?.split(':').map(|part| part.trim().to_owned()).collect();
-        <[String; 3]>::try_from(parts).ok()
-    };
-    let (mut all, mut stress_unit) = (Vec::new(), None);
-    for entry in entries {
-        let Some([first, last, count]) = ends(entry) else {
-            all.push(entry.clone());
+/// Puts the values of ranges "A:B:N" of an option in their place.
+fn write_out(key: &'static str, table: &mut Table) -> Result<(), Failure> {
+    let Some(Value::Array(entries)) = table.get_mut(key) else { return Ok(()) };
+    for entry in std::mem::take(entries) {
+        let Some(text) = entry.as_str().filter(|text| text.contains(':')) else {
+            entries.push(entry);
             continue;
         };
-        // The ends alone are values of the option.
-        let end = |text: String| text.parse::<f64>().map_or_else(|_| Value::from(text), Value::from);
-        let mut alone = table.clone();
-        alone.insert(key.into(), Value::Array(vec![end(first), end(last)]));
-        of_table(command, &mut alone, &Arrays::new(), kinds())?;
-        let found = alone.get(key).and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-        let text: Vec<String> = found.iter().map(Value::to_string).chain([count]).collect();
-        let made = text.join(":").parse::<Entry>();
+        let made = text.parse::<Entry>();
         let made = made.map_err(|reason| Failure::input(gfmd_problem::key(key), format!("{entry}: {reason}")))?;
-        all.extend(numbers(&[made]).map(Value::from));
-        // A stress with a unit gives the others one.
-        stress_unit = stress_unit.or(alone.remove("stress_unit"));
-    }
-    table.insert(key.into(), Value::Array(all));
-    if let Some(unit) = stress_unit {
-        table.insert("stress_unit".into(), unit);
+        entries.extend(numbers(&[made]).map(Value::from));
     }
     Ok(())
 }

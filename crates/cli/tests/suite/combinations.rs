@@ -4,7 +4,7 @@
 //! elimination (docs/reliability.md, "Random combinations").
 //!
 //! `GFMD_COMBINATIONS=20000 cargo test --release -p gfmd-cli --test suite combinations:: -- --nocapture` sets the
-//! number of cases (default: 300) and prints counts; `GFMD_COMBINATION=N` runs only case N and keeps its folder, and
+//! number of cases and prints counts; `GFMD_COMBINATION=N` runs only case N and keeps its folder, and
 //! `GFMD_HISTORY=N` does so for a history, `GFMD_PARTS=N` for the parts of a path.
 
 #![expect(clippy::print_stdout, reason = "the counts of cases")]
@@ -37,10 +37,10 @@ use serde_json::Value;
 const CASES: u64 = 120;
 
 /// Number of histories drawn in the default run, before histories of other kinds are left out.
-const HISTORIES: u64 = 60;
+const HISTORIES: u64 = 30;
 
-/// Number of paths with random parts in the default run; it takes about half a minute of processor time.
-const PATHS: u64 = 40;
+/// Number of paths with random parts in the default run.
+const PATHS: u64 = 20;
 
 /// Cases of longer runs that exposed a wrong program or definition; the default run includes them.
 const ONCE_WRONG: [u64; 16] =

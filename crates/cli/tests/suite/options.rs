@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgAction, Command};
 use gfmd_cli::program;
+use gfmd_input::hardness::GivenHardness;
 use gfmd_input::source::SourceArgs;
 use gfmd_problem::argument;
 use gfmd_problem::options::flags::keys;
@@ -206,12 +207,11 @@ fn options_of_commands_with_groups_have_one() {
 }
 
 /// Types of arguments that Python takes in a form of its own.
-const TYPES: [(&str, &str); 17] = [
+const TYPES: [(&str, &str); 16] = [
     ("accuracy", "float | str"),
     ("cells", "str | Sequence[Quantity]"),
     ("damping", "float | Sequence[float]"),
     ("distance", "Quantity | npt.ArrayLike"),
-    ("hardness", "Quantity | npt.ArrayLike"),
     ("heat", "Sequence[Quantity]"),
     ("history_mode", "Sequence[tuple[int, int, str]]"),
     ("history_point", "Sequence[tuple[float, float, str]]"),
@@ -241,6 +241,7 @@ fn type_of(arg: &Arg, has_units: bool) -> String {
             let names: Vec<String> = choices.iter().map(|name| format!("\"{name}\"")).collect();
             format!("Literal[{}]", names.join(", "))
         }
+        () if is_any(&[TypeId::of::<GivenHardness>()]) => "Quantity | npt.ArrayLike".into(),
         () if has_units && !kinds(key(arg)).is_empty() => "Quantity".into(),
         () if is_any(&[TypeId::of::<f64>()]) => "float".into(),
         () if is_any(&integers) => "int".into(),
@@ -447,6 +448,13 @@ fn python_has_the_types_of_the_options() {
             text: "Arguments of `green` beside the body and the wave vector along x.",
             command: "green",
             keys: without(all("green"), &elastic, &["qx"]),
+            further: &[],
+        },
+        Class {
+            name: "EstimateOptions",
+            text: "Arguments of `estimate` beside the load.",
+            command: "estimate",
+            keys: with(Vec::new(), &["hardness", "stress_unit"]),
             further: &[],
         },
         Class {

@@ -106,7 +106,7 @@ fn a_scan_is_read_once() {
     let name = scan.to_str().unwrap();
     let given = vec![Word::value("surface", "--surface=", name), Word::value("pressure", "--pressure=", "1MPa")];
     let (plain, map, _) = of_words("contact", given, gfmd_cli::kinds::kinds()).unwrap();
-    assert_eq!(plain[1].text(), "--pressure=1e6");
+    assert_eq!(plain[1].text(), "--pressure=1000000.0");
     std::fs::remove_file(&scan).unwrap();
     let source = SourceArgs { surface: Some(ArrayOption::File(name.into())), ..SourceArgs::default() };
     let session = Session::silent().with_map(map);

@@ -1,5 +1,7 @@
 //! Checksum of the whole content of a file, which reveals a changed or damaged file.
 
+use std::collections::BTreeMap;
+
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::{Attribute, Dataset, Datatype, StringSize};
@@ -20,21 +22,31 @@ const LARGEST_CHUNK: usize = 1 << 28;
 /// Number of values added to the checksum at a time.
 const BATCH: usize = 1 << 10;
 
+/// Real numbers of variables, row-major, by path.
+pub(super) type Values = BTreeMap<String, Vec<f64>>;
+
 /// Computes the checksum of the names, shapes and values of all variables, and of all attributes that are single
-/// numbers or texts. Returns `None` if `stop` returned true meanwhile.
-pub(super) fn checksum(file: &Hdf5, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<String>, String> {
-    let mut sum = Sum { sum: Checksum::default(), stop };
+/// numbers or texts. Also returns the real numbers of the variables whose path is `wanted`. Returns `None` if `stop`
+/// returned true meanwhile.
+pub(super) fn checksum(
+    file: &Hdf5,
+    stop: &(dyn Fn() -> bool + Sync),
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<Option<(String, Values)>, String> {
+    let mut sum = Sum { sum: Checksum::default(), stop, wanted, kept: Values::new() };
     match group(file, &file.root()?, "", &mut Vec::new(), &mut sum) {
         Err(ChecksumFailure::Stopped) => Ok(None),
         Err(ChecksumFailure::Unreadable(reason)) => Err(reason),
-        Ok(()) => Ok(Some(sum.sum.text())),
+        Ok(()) => Ok(Some((sum.sum.text(), sum.kept))),
     }
 }
 
-/// Running checksum that can be stopped.
+/// Running checksum that can be stopped, with the values to keep.
 struct Sum<'a> {
     sum: Checksum,
     stop: &'a (dyn Fn() -> bool + Sync),
+    wanted: &'a dyn Fn(&str) -> bool,
+    kept: Values,
 }
 
 impl Sum<'_> {
@@ -122,9 +134,16 @@ fn variable(file: &Hdf5, dataset: &Dataset, path: &str, sum: &mut Sum) -> Result
     let shape = file.shape(path)?;
     sum.bytes(format!("{path}{shape:?}=").as_bytes());
     match dataset.dtype() {
-        Datatype::FloatingPoint { .. } => values(file, path, &shape, f64::to_le_bytes, sum),
-        Datatype::FixedPoint { signed: true, .. } => values(file, path, &shape, i64::to_le_bytes, sum),
-        Datatype::FixedPoint { .. } => values(file, path, &shape, u64::to_le_bytes, sum),
+        Datatype::FloatingPoint { .. } => {
+            let mut kept = (sum.wanted)(path).then(Vec::new);
+            values(file, path, &shape, f64::to_le_bytes, sum, |piece| {
+                kept.iter_mut().for_each(|kept| kept.extend_from_slice(piece));
+            })?;
+            sum.kept.extend(kept.map(|values| (path.to_owned(), values)));
+            Ok(())
+        }
+        Datatype::FixedPoint { signed: true, .. } => values(file, path, &shape, i64::to_le_bytes, sum, |_| {}),
+        Datatype::FixedPoint { .. } => values(file, path, &shape, u64::to_le_bytes, sum, |_| {}),
         _ => {
             file.texts(path)?.iter().for_each(|text| sum.bytes(format!("{text}\n").as_bytes()));
             Ok(())
@@ -141,13 +160,15 @@ fn bits(bytes: &[u8], kind: &Datatype) -> Result<[u8; 8], Error> {
     }
 }
 
-/// Adds the values of a variable, converted by `bytes`. Pieces are read on all threads.
+/// Adds the values of a variable, converted by `bytes`, and shows them to `see` in order. Pieces are read on all
+/// threads.
 fn values<T: Number>(
     file: &Hdf5,
     path: &str,
     shape: &[usize],
     bytes: impl Fn(T) -> [u8; 8],
     sum: &mut Sum,
+    mut see: impl FnMut(&[T]),
 ) -> Result<(), ChecksumFailure> {
     file.possible(path)?;
     let pieces = pieces(shape, &file.chunk(path)?.unwrap_or_else(|| vec![1; shape.len()]));
@@ -161,7 +182,9 @@ fn values<T: Number>(
         };
         let read: Vec<Result<Vec<T>, String>> = together.par_iter().map(read).collect();
         for values in read {
-            for values in values?.chunks(BATCH) {
+            let values = values?;
+            see(&values);
+            for values in values.chunks(BATCH) {
                 batch.clear();
                 values.iter().for_each(|value| batch.extend_from_slice(&bytes(*value)));
                 sum.bytes(&batch);

@@ -30,6 +30,8 @@ struct Memory {
     lengths: BTreeMap<String, Vec<usize>>,
     /// Entries along the first dimension of a variable compressed together: variable, first entry, and values.
     block: Option<(String, usize, Box<dyn Any + Send>)>,
+    /// Values kept when the checksum was computed.
+    kept: content::Values,
 }
 
 impl Reader {
@@ -69,10 +71,31 @@ impl Reader {
     /// A file that cannot be read to its end.
     pub fn is_intact_until(&self, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<bool>, FileError> {
         let Ok(stated) = self.text("/", content::NAME) else { return Ok(None) };
+        self.compare(&stated, stop, &|_| false).map(Some)
+    }
+
+    /// Compares like [`is_intact`](Self::is_intact) and keeps the real numbers of the variables whose path is `wanted`,
+    /// which [`values`](Self::values) and [`take`](Self::take) then return without reading them again.
+    ///
+    /// # Errors
+    /// A file that cannot be read to its end.
+    pub fn is_intact_keeping(&self, wanted: &dyn Fn(&str) -> bool) -> Result<Option<bool>, FileError> {
+        let Ok(stated) = self.text("/", content::NAME) else { return Ok(None) };
+        self.compare(&stated, &|| false, wanted).map(Some)
+    }
+
+    fn compare(
+        &self,
+        stated: &str,
+        stop: &(dyn Fn() -> bool + Sync),
+        wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<bool, FileError> {
         for path in self.variables() {
             self.check(&path)?;
         }
-        Ok(Some(self.content(stop)?.is_some_and(|found| found == stated)))
+        let Some((found, kept)) = self.content(stop, wanted)? else { return Ok(false) };
+        self.memory().kept = kept;
+        Ok(found == stated)
     }
 
     /// Computes the checksum of the content: names, shapes and values of all variables, and all attributes that are
@@ -81,11 +104,15 @@ impl Reader {
     /// # Errors
     /// A file that cannot be read to its end.
     pub fn content_sha256(&self) -> Result<String, FileError> {
-        Ok(self.content(&|| false)?.unwrap_or_default())
+        Ok(self.content(&|| false, &|_| false)?.unwrap_or_default().0)
     }
 
-    fn content(&self, stop: &(dyn Fn() -> bool + Sync)) -> Result<Option<String>, FileError> {
-        content::checksum(&self.file, stop).map_err(|reason| self.failed("(all)", reason))
+    fn content(
+        &self,
+        stop: &(dyn Fn() -> bool + Sync),
+        wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<Option<(String, content::Values)>, FileError> {
+        content::checksum(&self.file, stop, wanted).map_err(|reason| self.failed("(all)", reason))
     }
 
     /// Returns the variable that needs most memory when read, and its bytes, or `None` for a file without variables.
@@ -125,6 +152,15 @@ impl Reader {
         sum.map_err(|source| FileError::Io { action: "read", path: self.path.clone(), source })
     }
 
+    /// Reads the bytes of the open file, even if another file has taken its name.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or was changed in place since it was opened.
+    pub fn bytes(&self) -> Result<Vec<u8>, FileError> {
+        let bytes = self.input.bytes(u64::MAX);
+        bytes.map_err(|source| FileError::Io { action: "read", path: self.path.clone(), source })
+    }
+
     /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
@@ -147,9 +183,21 @@ impl Reader {
     }
 
     /// Reads all values of a variable, row-major. Numbers of another type are converted to `T`.
-    pub fn values<T: Number>(&self, path: &str) -> Result<Vec<T>, FileError> {
+    pub fn values<T: Number + 'static>(&self, path: &str) -> Result<Vec<T>, FileError> {
         self.check(path)?;
+        if let Some(kept) = self.memory().kept.get(path).and_then(|kept| (kept as &dyn Any).downcast_ref::<Vec<T>>()) {
+            return Ok(kept.clone());
+        }
         self.file.values(path).map_err(|reason| self.failed(path, reason))
+    }
+
+    /// Returns all values of a variable, row-major, and no longer keeps them.
+    ///
+    /// # Errors
+    /// A variable that cannot be read.
+    pub fn take(&self, path: &str) -> Result<Vec<f64>, FileError> {
+        let kept = self.memory().kept.remove(path);
+        kept.map_or_else(|| self.values(path), Ok)
     }
 
     /// Reads all values of a variable of any program, scaled and with NaN for missing values by the NetCDF conventions.

@@ -80,6 +80,13 @@ fn a_draft_makes_the_same_file() {
     let reader = Reader::open(&other).unwrap();
     assert_eq!(reader.text("/fit/kappa_tfc", "note").unwrap(), "other words");
     assert_eq!(reader.is_intact().unwrap(), Some(true));
+    assert_eq!(reader.is_intact_keeping(&|path| path.starts_with("/fields/")).unwrap(), Some(true));
+    for (path, values) in &fields {
+        // Kept values, kept values taken, and values read again are the same.
+        for found in [reader.values::<f64>(path), reader.take(path), reader.take(path)] {
+            assert!(found.unwrap().iter().map(|value| value.to_bits()).eq(values.iter().map(|value| value.to_bits())));
+        }
+    }
 
     let output = Output::memory(&memory);
     let mut archive = Archive::create(&output, &provenance()).unwrap();

@@ -466,10 +466,7 @@ def interior(
     threads, out, along = options.pop("threads", None), options.pop("out", None), options.pop("along", None)
     quantities = options.pop("quantities", TABLES["InteriorOptions"]["quantities"]["default"])
     problem: dict[str, Any] = dict(
-        depths=None if depths is None else lengths("depths", depths, "length"),
-        slice=along,
-        quantities=quantities,
-        **options,
+        depths=None if depths is None else lengths("depths", depths), slice=along, quantities=quantities, **options
     )
     if not isinstance(source, Loaded):
         raise InputError(f"source is {type(source).__name__}; it must be a Contact or a Punch")

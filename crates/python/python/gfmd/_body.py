@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _gfmd
-from ._check import Array, Quantity, array, in_units, integer, number, quantity, shown, word
+from ._check import KINDS, Array, Quantity, array, in_units, integer, kind_of, number, quantity, shown, word
 from ._errors import InputError
 from ._hints import hinted
 from ._record import Record
@@ -226,8 +226,8 @@ class Body(Record):
             raise InputError("young and e_star are both given; give one of the two")
         nu = _ratio("poisson", poisson)
         modulus, contact = _modulus("young", young), _modulus("e_star", e_star)
-        thickness = None if height is None else quantity("height", height, "length")
-        if thickness is not None and not in_units("height", thickness, "length") > 0.0:
+        thickness = None if height is None else quantity("height", height)
+        if thickness is not None and not in_units("height", thickness) > 0.0:
             raise InputError(f"height is {thickness}; it must be positive, or None for a half-space")
         thickness = None if thickness == math.inf else thickness
         if contact is None:
@@ -330,7 +330,7 @@ def _sheet(name: str, value: object, form: str, lengths: tuple[int, ...]) -> tup
     """Checks (Young's modulus, Poisson's ratio[, height]) of a half-space, a layer or a slab."""
     if isinstance(value, (str, bytes)) or not isinstance(value, Sequence) or len(value) not in lengths:
         raise InputError(f"{name} is {shown(value)}; it must be {form}")
-    found = [quantity(name, entry, kind) for entry, kind in zip(value, ("stress", "1", "length"))]
+    found = [quantity(name, entry, kind) for entry, kind in zip(value, KINDS["layers"])]
     _modulus(f"young of {name}", found[0])
     _ratio(f"poisson of {name}", found[1])
     if len(found) == 3 and not 0.0 < in_units(name, found[2], "length") < math.inf:
@@ -356,14 +356,14 @@ def _relaxation(prony: object, moduli: str, relaxes: str) -> dict[str, Any]:
     for branch in prony:
         if isinstance(branch, (str, bytes)) or not isinstance(branch, Sequence) or len(branch) != 2:
             raise InputError(f"prony has the branch {shown(branch)}; it must be {form}")
-        given, fraction = quantity("prony", branch[0], "time"), number("prony", branch[1])
-        time = in_units("prony", given, "time")
+        given, fraction = quantity("prony", branch[0]), number("prony", branch[1])
+        time = in_units("prony", given)
         if not 0.0 < time < math.inf:
             raise InputError(f"a relaxation time of prony is {given}; it must be positive and finite")
         if not 0.0 < fraction < 1.0:
             raise InputError(f"a fraction of prony is {fraction}; it must be above 0 and below 1")
         branches.append((given, fraction))
-    if len({in_units("prony", time, "time") for time, _ in branches}) < len(branches):
+    if len({in_units("prony", time) for time, _ in branches}) < len(branches):
         raise InputError(f"prony is {shown(prony)}; its relaxation times must differ")
     if not sum(fraction for _, fraction in branches) < 1.0:
         raise InputError(f"prony is {shown(prony)}; its fractions must add up to less than 1")
@@ -392,14 +392,14 @@ def _plasticity(stress: object, slope: object, curve: object, kinematic: object,
         if isinstance(point, (str, bytes)) or not isinstance(point, (Sequence, np.ndarray)) or len(point) != 2:
             raise InputError(f"hardening_curve has the point {shown(point)}; it must be (plastic strain, yield stress)")
     given = {
-        "yield_stress": None if stress is None else quantity("yield_stress", stress, "stress"),
-        "hardening": None if slope is None else quantity("hardening", slope, "stress"),
+        "yield_stress": None if stress is None else quantity("yield_stress", stress),
+        "hardening": None if slope is None else quantity("hardening", slope),
         "hardening_curve": tuple(
-            (number("hardening_curve", strain), quantity("hardening_curve", found, "stress"))
+            (number("hardening_curve", strain), quantity("hardening_curve", found, kind_of("hardening_curve", 1)))
             for strain, found in listed[0]
         ),
-        "kinematic_hardening": None if kinematic is None else quantity("kinematic_hardening", kinematic, "stress"),
-        "layer_yield": tuple(quantity("layer_yield", found, "stress") for found in listed[1]),
+        "kinematic_hardening": None if kinematic is None else quantity("kinematic_hardening", kinematic),
+        "layer_yield": tuple(quantity("layer_yield", found) for found in listed[1]),
     }
     if stress is None:
         for name, value in given.items():
@@ -453,7 +453,7 @@ def _rows(rows: list[tuple[float, ...]], uniform: object) -> dict[str, Any]:
 
 def _composite(first: float, other: tuple[Quantity, ...]) -> float:
     """Returns the composite contact modulus of two bodies, with the same arithmetic as the program."""
-    young, poisson = in_units("second_body", other[0], "stress"), number("second_body", other[1])
+    young, poisson = in_units("second_body", other[0]), number("second_body", other[1])
     small, large = sorted((first, young / ((1.0 - poisson) * (1.0 + poisson))))
     return small / (1.0 + small / large)
 

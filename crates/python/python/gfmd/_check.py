@@ -46,24 +46,38 @@ def optional(name: str, value: object) -> Optional[float]:
 Quantity = Union[float, str]
 
 
-def in_units(name: str, value: object, kind: str, unit: Optional[str] = "m", stress: Optional[str] = "Pa") -> float:
-    """Converts a string with a unit of this kind to these units (default SI). Returns a number unchanged."""
+# Kinds of the numbers of options in turn, by argument, for options whose numbers may have a unit.
+KINDS = _gfmd.option_kinds()
+
+
+def kind_of(name: str, place: int = 0) -> str:
+    """Returns the kind of a number of an option, by its place in the list of them."""
+    kinds = KINDS.get(name, ["1"])
+    return kinds[place % len(kinds)]
+
+
+def in_units(
+    name: str, value: object, kind: Optional[str] = None, unit: Optional[str] = "m", stress: Optional[str] = "Pa"
+) -> float:
+    """Converts a string with a unit of this kind (default: the kind of the option `name`) to these units (default SI).
+    Returns a number unchanged.
+    """
     if not isinstance(value, str):
         return number(name, value)
-    found = _gfmd.in_units(name, word(name, value), kind, unit, stress)
+    found = _gfmd.in_units(name, word(name, value), kind_of(name) if kind is None else kind, unit, stress)
     if found is None:
         raise InputError(f"{name} is {shown(value)}; it must be a number, or a text with a unit")
     return found
 
 
-def quantity(name: str, value: object, kind: str) -> Quantity:
-    """Checks a number, or a string with a unit of this kind."""
+def quantity(name: str, value: object, kind: Optional[str] = None) -> Quantity:
+    """Checks a number, or a string with a unit of this kind, by default the kind of the option `name`."""
     found = in_units(name, value, kind)
     return value if isinstance(value, str) else found
 
 
-def quantities(name: str, value: Any, kind: str) -> list[Quantity]:
-    """Checks one or several quantities."""
+def quantities(name: str, value: Any, kind: Optional[str] = None) -> list[Quantity]:
+    """Checks one or several quantities of this kind, by default the kind of the option `name`."""
     if (
         isinstance(value, str)
         or not isinstance(value, Iterable)
@@ -236,9 +250,7 @@ def size(value: Any, shape: tuple[int, ...], unit: Optional[str] = None) -> tupl
     """Returns the cell lengths for None (1), L along x, or (Lx, Ly). L alone gives equal spacing along both axes."""
     nx, ny = shape
     given = (
-        []
-        if value is None
-        else [in_units("size", length, "length", unit, None) for length in quantities("size", value, "length")]
+        [] if value is None else [in_units("size", length, None, unit, None) for length in quantities("size", value)]
     )
     if len(given) > 2:
         raise InputError(f"size is {shown(value)}; it must be L or (Lx, Ly)")

@@ -439,7 +439,7 @@ class Contact(Result, Numbers, Fields):
             >>> c.conductance() < c.conductance(conductor_height=0.1)
             True
         """
-        height = in_units("conductor_height", conductor_height, "length", self.surface.unit, None)
+        height = in_units("conductor_height", conductor_height, None, self.surface.unit, None)
         found = _gfmd.conductance(self.touching, self.surface.size, self.boundary, height)
         if self.finite_slope or self.lower_surface is not None:
             return math.nan

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
-from ._check import Array, Quantity, frozen, quantities, quantity
+from ._check import Array, frozen, quantities
 from ._errors import InputError
-from ._hints import hinted
-from ._load import LOADS
+from ._given import taking
 from ._measured import Measured
+from ._options_inside import EstimateOptions
 from ._record import LINES, Record, reason_of, table
 from ._surface import Surface, as_surface
 from ._units import Units
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Estimate(Measured):
@@ -165,7 +168,7 @@ class Estimate(Measured):
         return f"Estimate of {len(self.p_star)} contacts{table(columns, LINES - 1)}"
 
 
-@hinted
+@taking(EstimateOptions)
 def estimate(
     surface: Surface | npt.ArrayLike | Any,
     body: Body,
@@ -173,8 +176,7 @@ def estimate(
     pressure: Any = None,
     p_star: Any = None,
     force: Any = None,
-    hardness: Optional[Quantity] = None,
-    stress_unit: Optional[str] = None,
+    **options: Unpack[EstimateOptions],
 ) -> Estimate:
     """Estimates contacts from the surface's spectrum and highest points, without a solution, as `gfmd estimate` does.
 
@@ -197,12 +199,10 @@ def estimate(
     """
     made, elastic = as_surface(surface), as_body(body, of_moduli=True)
     loads = {"pressure": pressure, "p_star": p_star, "force": force}
-    given = {name: quantities(name, value, LOADS[name]) for name, value in loads.items() if value is not None}
+    given = {name: quantities(name, value) for name, value in loads.items() if value is not None}
     if len(given) > 1:
         raise InputError(f"the load is given by {', '.join(given)}; it must be given by one of pressure, p_star, force")
-    problem: dict[str, Any] = dict(unit=made.unit, size=list(made.size), **given, **_command.body_keys(elastic))
-    problem["hardness"] = None if hardness is None else quantity("hardness", hardness, "stress")
-    problem["stress_unit"] = stress_unit
+    problem = dict(unit=made.unit, size=list(made.size), **given, **_command.body_keys(elastic), **options)
     values, *_ = _command.solve("estimate", problem, {"surface": made.heights})
     rows = values.pop("loads")
     undefined = {name: reason for row in rows for reason, names in row.pop("undefined", {}).items() for name in names}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
@@ -16,6 +16,7 @@ from ._check import Array
 from ._command import body_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError
+from ._gfmd import StoredFile
 from ._kappa import KappaSweep
 from ._kappa import made_of as _sweep_of
 from ._load import LOADS, of_load
@@ -39,112 +40,105 @@ _ARRAYS = {
 }
 
 
-def _stored(name: str, group: str, given: Sequence[float], description: str = "description") -> Surface:
-    """Reads a surface from a file, with the size `given` by the configuration, and its text `description`."""
-    heights, size, unit, *_ = _gfmd.read(f"{name}:{group}/height")
-    if len(given) == 2:
-        size = (given[0], given[1])
-    elif size is not None and len(given) == 1:
-        size = (given[0], size[1])
-    return _surface(heights, size or (1.0, 1.0), unit, _gfmd.read_text(name, group, description))
+def _stored(file: StoredFile, group: str) -> Surface:
+    """Reads a surface from a file."""
+    size, unit = file.cell(group)
+    return _surface(file.array(f"{group}/height"), size, unit, file.text(group, "description"))
 
 
-def _array(name: str, dataset: str, shape: Optional[tuple[int, ...]] = None) -> Array:
-    """Reads an array from a file and checks its shape, if one is given."""
-    found = _gfmd.read_array(name, dataset)
-    if shape is not None and found.shape != shape:
-        raise InputError(f"{name}: {dataset} has the shape {list(found.shape)}; it must be {list(shape)}")
-    return found
-
-
-def _read(name: str, wanted: Optional[Collection[str]] = None) -> tuple[dict[str, Any], dict[str, Any], Contents]:
+def _read(
+    file: StoredFile, wanted: Optional[Collection[str]] = None
+) -> tuple[dict[str, Any], dict[str, Any], Contents]:
     """Reads the report in a file, its fields by name (the `wanted` ones, all by default), and the bytes of the file."""
-    text, names = _gfmd.read_report(name)
+    text, names = file.report()
     values = parsed(text)
     names = [field for field in names if wanted is None or field in wanted]
-    fields: dict[str, Any] = {field: _check.frozen(_array(name, f"/fields/{field}")) for field in names}
+    fields: dict[str, Any] = {field: _check.frozen(file.array(f"/fields/{field}")) for field in names}
     for of_the_run in ("peak_bytes", "plots", "scan", "out"):
         values.pop(of_the_run, None)
-    values["warnings"] = _warnings(name)
-    return values, fields, _contents(name)
+    values["warnings"] = _warnings(file)
+    return values, fields, Contents(file.bytes())
 
 
-def _reported(name: str) -> tuple[dict[str, Any], dict[str, Any], Contents]:
+def _reported(file: StoredFile) -> tuple[dict[str, Any], dict[str, Any], Contents]:
     """Reads the report in a file, its surfaces and fields by name, and the bytes of the file."""
-    values, found, contents = _read(name)
-    size = values["size"] if "second_surface" not in values else []
-    found["surface"] = _stored(name, "/surface", size)
+    values, found, contents = _read(file)
+    found["surface"] = _stored(file, "/surface")
     if values.get("hardness") is not None and not isinstance(values["hardness"], float):
-        found["hardness"] = _check.frozen(_array(name, "/surface/hardness"))
+        found["hardness"] = _check.frozen(file.array("/surface/hardness"))
     if "lower" in values:
-        found["lower_surface"] = _stored(name, "/lower", size)
-        values["lower"]["surface"] = _gfmd.read_text(name, "/lower", "description")
+        found["lower_surface"] = _stored(file, "/lower")
+        values["lower"]["surface"] = file.text("/lower", "description")
     return values, found, contents
 
 
-def _warnings(name: str) -> list[dict[str, str]]:
+def _field(file: StoredFile, field: str, shape: tuple[int, ...]) -> Array:
+    """Reads a field from a file and checks its shape."""
+    found = file.array(f"/fields/{field}")
+    if found.shape != shape:
+        raise InputError(f"{file.path}: /fields/{field} has the shape {list(found.shape)}; it must be {list(shape)}")
+    return found
+
+
+def _warnings(file: StoredFile) -> list[dict[str, str]]:
     """Reads the warnings of a file."""
-    lines = (line.partition(": ") for line in _gfmd.read_text(name, "/", "warnings").splitlines())
+    lines = (line.partition(": ") for line in file.text("/", "warnings").splitlines())
     return [{"code": code, "text": text} for code, _, text in lines]
 
 
-def _contents(name: str) -> Contents:
-    with open(name, "rb") as file:
-        return Contents(file.read())
-
-
-def _path(name: str) -> Path:
+def _path(file: StoredFile) -> Path:
     """Reads a path from its file."""
-    values, found, contents = _reported(name)
+    values, found, contents = _reported(file)
     if values.get("coefficient") is not None:
-        is_by_slip = 'wear_by = "slip"' in _gfmd.read_text(name, "/", "config")
+        is_by_slip = 'wear_by = "slip"' in file.text("/", "config")
         by: Literal["distance", "slip"] = "slip" if is_by_slip else "distance"
         found["wear"] = Wear(values["coefficient"], by=by)
     # A file has the largest part of each residual alone.
-    for step, largest in zip(values["steps"], _array(name, "/path/residual")):
+    for step, largest in zip(values["steps"], file.array("/path/residual")):
         step["residual"] = {"largest": largest}
     return Path({**gathered(values), "unit": found["surface"].unit, **found}, contents)
 
 
-def _slide(name: str) -> Slide:
+def _slide(file: StoredFile) -> Slide:
     """Reads steady sliding from its file."""
-    values, found, contents = _reported(name)
-    for state, largest in zip(values["states"], _array(name, "/states/residual")):
+    values, found, contents = _reported(file)
+    for state, largest in zip(values["states"], file.array("/states/residual")):
         state["residual"] = {"largest": largest}
     return _slide_of(values, found, (found.pop("surface"), found.pop("hardness", None)), contents)
 
 
-def _study(name: str) -> Study:
+def _study(file: StoredFile) -> Study:
     """Reads a study from its file."""
-    values, _, contents = _read(name)
+    values, _, contents = _read(file)
     return _study_of(values, contents)
 
 
-def _sweep(name: str) -> KappaSweep:
+def _sweep(file: StoredFile) -> KappaSweep:
     """Reads a kappa sweep from its file."""
-    values, _, contents = _read(name)
+    values, _, contents = _read(file)
     return _sweep_of(values, contents)
 
 
-def _punch(name: str) -> Punch:
+def _punch(file: StoredFile) -> Punch:
     """Reads a punch from its file."""
-    return punch_of(*_read(name, ("displacement", "traction", "under_punch")))
+    return punch_of(*_read(file, ("displacement", "traction", "under_punch")))
 
 
-def _below(name: str) -> FieldsBelow:
+def _below(file: StoredFile) -> FieldsBelow:
     """Reads fields below a surface from their file."""
-    return below_of(*_read(name, ("displacement", "strain", "stress", "von_mises", "energy_density")))
+    return below_of(*_read(file, ("displacement", "strain", "stress", "von_mises", "energy_density")))
 
 
-def _heights(name: str) -> Surface:
-    """Reads a surface from its file."""
-    return _stored(name, "/surface", [], "source")
+def _heights(file: StoredFile) -> Surface:
+    """Reads a surface from its file, which has the positions of its points but not the size of its cell."""
+    heights, size, unit, *_ = _gfmd.read(f"{file.path}:/surface/height")
+    return _surface(heights, size or (1.0, 1.0), unit, file.text("/surface", "source"))
 
 
 _Loaded = Union[FieldsBelow, KappaSweep, Path, Punch, Slide, Study, Surface]
 
 # Readers by kind of a file; a contact has more than a report.
-_READERS: dict[str | None, Callable[[str], _Loaded]] = {
+_READERS: dict[str | None, Callable[[StoredFile], _Loaded]] = {
     "path": _path,
     "slide": _slide,
     "study": _study,
@@ -194,15 +188,14 @@ def load(
     name = _check.path("path", path)
     if _is_json(name):
         return _prony_of(name)
-    kind = _gfmd.read_kind(name)
-    if kind in _READERS:
-        return _READERS[kind](name)
+    file = StoredFile(name)
+    file.check()
+    if file.kind in _READERS:
+        return _READERS[file.kind](file)
     # Checked for keys and types, as a file may come from anyone.
-    config = json.loads(_gfmd.read_config(name))
-    size = [] if "second_surface" in config else config.get("size", [])
-    surface = _stored(name, "/surface", size)
-    between = "lower_surface" in config or "lower_seed" in config
-    lower = _stored(name, "/lower", size) if between else None
+    config = json.loads(file.config())
+    surface = _stored(file, "/surface")
+    lower = _stored(file, "/lower") if "lower_surface" in config or "lower_seed" in config else None
     body, law = body_of(config), law_of(config)
     options = {
         key: value
@@ -210,16 +203,15 @@ def load(
         if (key in _gfmd.options() or key == "stress_unit") and key != "lower_seed"
     }
     arrays = {
-        key: _check.frozen(_array(name, dataset))
-        for key, dataset in _ARRAYS.items()
-        if isinstance(config.get(key), str)
+        key: _check.frozen(file.array(dataset)) for key, dataset in _ARRAYS.items() if isinstance(config.get(key), str)
     }
     if lower is not None:
         options["lower_surface"], arrays["lower_surface"] = "array", lower.heights
     settings = Settings({"size": list(surface.size), **body_keys(body), **options}, arrays, lower)
-    reported, names = _gfmd.read_records(name)
+    reported, names = file.records()
     records = [of_load(record) for record in reported]
-    fields = {field: _array(name, f"/fields/{field}", (len(records), *surface.heights.shape)) for field in names}
+    shape = (len(records), *surface.heights.shape)
+    fields = {field: _field(file, field, shape) for field in names}
     control, asked = next(((key, config[key]) for key in LOADS if config.get(key)), ("", []))
 
     def contact(index: int) -> Contact:

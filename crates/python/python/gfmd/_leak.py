@@ -50,9 +50,7 @@ def rate(
     `fluid` is a name and a viscosity, exactly one of them given.
     """
     viscosity = viscosity_of(*fluid)
-    thickness, drop = in_units("viscosity", viscosity, "stress*time"), in_units(
-        "pressure_drop", pressure_drop, "stress"
-    )
+    thickness, drop = in_units("viscosity", viscosity), in_units("pressure_drop", pressure_drop)
     if not (0.0 < thickness < math.inf and 0.0 < drop < math.inf):
         raise InputError(
             f"viscosity and pressure_drop are {viscosity!r}, {pressure_drop!r}; they must be positive and finite"

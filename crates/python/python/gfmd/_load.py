@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from ._check import frozen
+from ._check import frozen, kind_of
 from ._columns import LowerFace, Residuals
 from ._record import Record, by_name, parsed, without_null
 
 # Kinds of the loads.
-LOADS = {"pressure": "stress", "p_star": "1", "force": "stress*length^2", "approach": "length"}
+LOADS = {name: kind_of(name) for name in ("pressure", "p_star", "force", "approach")}
 
 
 class Residual(Residuals):

@@ -60,6 +60,13 @@ class GreenOptions(TypedDict, total=False):
     depth: Optional[float]
 
 
+class EstimateOptions(TypedDict, total=False):
+    """Arguments of `estimate` beside the load."""
+
+    stress_unit: Optional[str]
+    hardness: Optional[Quantity]
+
+
 class PronyOptions(TypedDict, total=False):
     """Arguments of `prony` beside the measured moduli."""
 

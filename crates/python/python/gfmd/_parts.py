@@ -34,7 +34,7 @@ class Wear:
     by: Literal["distance", "slip"] = "distance"
 
     def __post_init__(self) -> None:
-        found = in_units("coefficient", quantity("coefficient", self.coefficient, "1/stress"), "1/stress")
+        found = in_units("coefficient", quantity("coefficient", self.coefficient))
         if not (0.0 < found < math.inf):
             allowed = "positive and finite"
             text = f"coefficient is {shown(self.coefficient)}; it must be {allowed}"

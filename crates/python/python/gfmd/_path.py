@@ -18,7 +18,7 @@ from ._errors import Error, InputError
 from ._given import taking
 from ._hints import hinted
 from ._leak import Leaks
-from ._load import LOADS, Residual, residual_of
+from ._load import Residual, residual_of
 from ._options import PathOptions
 from ._parts import Wear, wear_keys
 from ._progress import Progress
@@ -318,8 +318,9 @@ class Path(Leaks, Computed, StepFields):
         if not is_kept and waypoint not in (-1, waypoints - 1):
             raise InputError(f'waypoint is {waypoint}; it must be -1 without kept_strain="waypoints"')
         group = "plastic" if waypoint == -1 or not is_kept else "plastic_at_waypoints"
-        with self._stored() as file:
-            fields = [_gfmd.read_array(file, f"/{group}/equivalent_{cell}") for cell in range(len(self.cells))]
+        with self._stored() as name:
+            file = _gfmd.StoredFile(name)
+            fields = [file.array(f"/{group}/equivalent_{cell}") for cell in range(len(self.cells))]
         if group != "plastic":
             fields = [field[waypoint] for field in fields]
         return np.stack([_spread(field, self.n) for field in fields])
@@ -433,7 +434,7 @@ def _column(values: list[Any]) -> Any:
 
 def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:
     """Returns the configuration keys of the load, given in one of four ways; `said` starts the error message."""
-    found = {name: quantities(name, value, LOADS[name]) for name, value in drive.items() if value is not None}
+    found = {name: quantities(name, value) for name, value in drive.items() if value is not None}
     if len(found) != 1:
         given = ", ".join(found) or "none"
         raise InputError(f"{said} given by {given}; it must be given by one of pressure, p_star, force, approach")
@@ -485,14 +486,14 @@ def _lateral_keys(value: Any) -> dict[str, Any]:
     """
     parts = list(value) if _is_list(value) else []
     if not any(_is_list(part) for part in parts):
-        return {} if value is None else {"lateral": quantities("lateral", value, "length")}
+        return {} if value is None else {"lateral": quantities("lateral", value)}
     if len(parts) != 2:
         raise InputError(
             f"lateral has {len(parts)} entries with lists among them; it must have two, the values along the direction"
             " and those at a right angle to it"
         )
     named = zip(("lateral", "lateral_y"), parts)
-    return {name: quantities("lateral", part, "length") for name, part in named if part is not None}
+    return {name: quantities("lateral", part) for name, part in named if part is not None}
 
 
 def _check_distance(wear: Optional[Wear], distance: Any) -> None:
@@ -610,11 +611,11 @@ def path(
         unit=made.unit,
         **drive,
         **_lateral_keys(lateral),
-        time=None if time is None else quantities("time", time, "time"),
-        distance=None if distance is None else quantities("distance", distance, "length"),
+        time=None if time is None else quantities("time", time),
+        distance=None if distance is None else quantities("distance", distance),
         friction=None if friction is None else number("friction", friction),
-        shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength, "stress"),
-        cells=None if cells is None else cells if isinstance(cells, str) else quantities("cells", cells, "length"),
+        shear_strength=None if shear_strength is None else quantity("shear_strength", shear_strength),
+        cells=None if cells is None else cells if isinstance(cells, str) else quantities("cells", cells),
         **worn,
         **options,
     )

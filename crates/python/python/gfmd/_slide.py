@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
-from ._check import Array, quantities, quantity, shown
+from ._check import Array, kind_of, quantities, quantity, shown
 from ._errors import InputError
 from ._columns import StateFields, States
 from ._given import taking
@@ -120,8 +120,7 @@ def _thermal(heat: Any) -> list[Any]:
     entries = list(heat)
     if len(entries) not in (2, 4):
         raise InputError(f"heat has {len(entries)} numbers; it must have two, or four with the two of the surface")
-    kinds = ("stress*length^2/time*temperature", "length^2/time") * 2
-    return [quantity("heat", entry, kind) for entry, kind in zip(entries, kinds)]
+    return [quantity("heat", entry, kind_of("heat", place)) for place, entry in enumerate(entries)]
 
 
 @taking(SlideOptions)
@@ -179,7 +178,7 @@ def slide(
     problem: dict[str, Any] = dict(
         unit=made.unit,
         **drive_keys("the load is", {"pressure": pressure, "p_star": p_star, "force": force, "approach": approach}),
-        velocity=quantities("velocity", velocity, "length/time"),
+        velocity=quantities("velocity", velocity),
         heat=None if heat is None else _thermal(heat),
         size=list(made.size),
         **_command.body_keys(elastic),

@@ -246,7 +246,7 @@ def contact(
         [0.001, 0.0143]
     """
     control, given = _control({"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
-    loads = quantities(control, given, LOADS[control])
+    loads = quantities(control, given)
     several = not isinstance(given, str) and isinstance(given, Iterable) and getattr(given, "shape", None) != ()
     if several:
         return contacts(surface, body, **{control: given}, **options)
@@ -320,7 +320,7 @@ def contacts(
     """
     further: dict[str, Any] = dict(options)
     control, given = _control({"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
-    loads = quantities(control, given, LOADS[control])
+    loads = quantities(control, given)
     accuracy = further.pop("accuracy", None)
     if accuracy is not None:
         return Contacts(_accurate(accuracy, (surface, body), (control, loads), further))

@@ -929,7 +929,7 @@ def as_lower(value: Any, surface: Surface) -> Optional[Surface]:
 def as_hardness(value: Any, surface: Surface) -> Union[float, str, Array, None]:
     """Checks a hardness, a number or an array [x, y]."""
     if value is None or np.ndim(value) == 0:
-        return None if value is None else quantity("hardness", value, "stress")
+        return None if value is None else quantity("hardness", value)
     field = np.array(value, dtype=np.float64)
     if field.ndim == 1 and surface.n[1] == 1:
         field = field[:, np.newaxis]
@@ -1010,9 +1010,7 @@ def self_affine(
     heights, lengths, description, periodic = _gfmd.self_affine(
         n=points,
         size=(
-            []
-            if size is None
-            else [in_units("size", length, "length", unit, None) for length in quantities("size", size, "length")]
+            [] if size is None else [in_units("size", length, None, unit, None) for length in quantities("size", size)]
         ),
         shape=None if shape is None else word("shape", shape),
         unit=unit,
@@ -1021,11 +1019,11 @@ def self_affine(
         eps_f_inv=optional("eps_f_inv", eps_f_inv),
         eps_c_inv=optional("eps_c_inv", eps_c_inv),
         rms_gradient=optional("rms_gradient", rms_gradient),
-        rms_height=None if rms_height is None else in_units("rms_height", rms_height, "length", unit, None),
+        rms_height=None if rms_height is None else in_units("rms_height", rms_height, None, unit, None),
         seed=integer("seed", seed, 0, 2**63 - 1),
         dim=integer("dim", dim, 2, 3),
         method=word("method", method),
-        roll_off=None if roll_off is None else in_units("roll_off", roll_off, "length", unit, None),
+        roll_off=None if roll_off is None else in_units("roll_off", roll_off, None, unit, None),
         roll_off_shape=word("roll_off_shape", roll_off_shape),
         amplitudes=word("amplitudes", amplitudes),
         aspect=None if aspect is None else number("aspect", aspect),
