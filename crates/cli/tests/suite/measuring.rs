@@ -129,7 +129,7 @@ fn paths_with_histories_are_measured_and_checked() {
         }
         let text = gfmd(folder, &words.split_whitespace().collect::<Vec<_>>());
         let text = String::from_utf8(text.stdout).unwrap();
-        for head in ["patches", "largest", "contact conductance", "with --conductivity K1,K2"] {
+        for head in ["patches", "largest", "contact conductance: per area through the contacts"] {
             assert!(text.contains(head), "{name}: {head}: {text}");
         }
     }

@@ -120,8 +120,11 @@ fn a_filter_of_a_generated_surface_takes_power_as_it_says() {
 fn what_cannot_be_prepared_is_refused_in_one_line() {
     let folder = folder();
     for (flags, text) in [
-        ("--crop 5um:4um", "5000 to 4000 is no range"),
-        ("--crop 0:40um", "--crop: the crop along x is 0:40000; it must be START:END with 0 <= START < END <= 32000"),
+        ("--crop 5um:4um", "5um to 4um is no range"),
+        (
+            "--crop 0:40um",
+            "--crop: the crop along x is 0:40um = 40000; it must be START:END with 0 <= START < END <= 32000",
+        ),
         ("--crop 1:2:3", "is no number"),
         ("--crop 0:1um,0:1um,0:1um", "it must be X0:X1,Y0:Y1"),
         ("--crop 3kg:4kg", "is no unit"),
@@ -142,8 +145,11 @@ fn what_cannot_be_prepared_is_refused_in_one_line() {
         ("--detrend polynomial:9", "the degree is \"9\"; it must be 0 to 8"),
         ("--detrend bow", "it must be none, plane, slope, quadratic, cubic or polynomial:D"),
         ("--filter 2um", "is no part of a filter"),
-        ("--filter s:0.9um", "--filter: the nesting index is 900; it must be between 1000, two spacings, and 24000"),
-        ("--filter l:30um", "--filter: the nesting index is 30000"),
+        (
+            "--filter s:0.9um",
+            "--filter: the nesting index is 0.9um = 900; it must be between 1000, two spacings, and 24000",
+        ),
+        ("--filter l:30um", "--filter: the nesting index is 30um = 30000"),
         ("--filter s:4um,l:3um", "s must be smaller"),
         ("--filter s:4um,s:5um", "is given twice"),
         ("--filter s:nan", "must be finite"),

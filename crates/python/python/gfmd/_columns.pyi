@@ -861,29 +861,29 @@ class Steps(Record):
 
     @property
     def patches(self) -> npt.NDArray[Any]:
-        """Count [step]: number of connected patches of points in contact. With `statistics` only."""
+        """Count [step]: number of connected patches of points in contact. In some problems only."""
 
     @property
     def largest_patch_fraction(self) -> Array:
-        """Without unit [step]: share of points in the largest patch. With `statistics` only."""
+        """Without unit [step]: share of points in the largest patch. In some problems only."""
 
     @property
     def percolates_x(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if a patch winds around the cell along x or, with free boundaries, spans the surface.
-        With `statistics` only.
+        """Flag [step]: true if a patch winds around the cell along x or, with free boundaries, spans the surface. In
+        some problems only.
         """
 
     @property
     def percolates_y(self) -> npt.NDArray[Any]:
-        """Flag [step]: true if a patch winds around the cell along y or, with free boundaries, spans the surface.
-        With `statistics` only.
+        """Flag [step]: true if a patch winds around the cell along y or, with free boundaries, spans the surface. In
+        some problems only.
         """
 
     @property
     def conductance(self) -> Array:
         """Per length [step]: conductance per area of the points in contact between two conductors, times the sum of
         their resistivities: current density divided by the potential difference without the bulk drop (with free
-        boundaries, by the whole difference); no value if all points of a periodic surface touch. With `statistics`
+        boundaries, by the whole difference); no value if all points of a periodic surface touch. In some problems
         only.
         """
 
@@ -1070,47 +1070,47 @@ class Steps(Record):
 
     @property
     def patches_limit(self) -> Array:
-        """Without unit [step]: estimate of patches on an infinitely fine grid under the same mean pressure. With
-        `statistics` only.
+        """Without unit [step]: estimate of patches on an infinitely fine grid under the same mean pressure. In some
+        problems only.
         """
 
     @property
     def patches_limit_error(self) -> Array:
-        """Without unit [step]: error bound (95 %) of patches_limit. With `statistics` only."""
+        """Without unit [step]: error bound (95 %) of patches_limit. In some problems only."""
 
     @property
     def patches_grid_error(self) -> Array:
-        """Without unit [step]: grid error of patches: |patches - limit| + limit_error. With `statistics` only."""
+        """Without unit [step]: grid error of patches: |patches - limit| + limit_error. In some problems only."""
 
     @property
     def largest_patch_fraction_limit(self) -> Array:
         """Without unit [step]: estimate of largest_patch_fraction on an infinitely fine grid under the same mean
-        pressure. With `statistics` only.
+        pressure. In some problems only.
         """
 
     @property
     def largest_patch_fraction_limit_error(self) -> Array:
-        """Without unit [step]: error bound (95 %) of largest_patch_fraction_limit. With `statistics` only."""
+        """Without unit [step]: error bound (95 %) of largest_patch_fraction_limit. In some problems only."""
 
     @property
     def largest_patch_fraction_grid_error(self) -> Array:
         """Without unit [step]: grid error of largest_patch_fraction: |largest_patch_fraction - limit| + limit_error.
-        With `statistics` only.
+        In some problems only.
         """
 
     @property
     def conductance_limit(self) -> Array:
-        """Per length [step]: estimate of conductance on an infinitely fine grid under the same mean pressure. With
-        `statistics` only.
+        """Per length [step]: estimate of conductance on an infinitely fine grid under the same mean pressure. In
+        some problems only.
         """
 
     @property
     def conductance_limit_error(self) -> Array:
-        """Per length [step]: error bound (95 %) of conductance_limit. With `statistics` only."""
+        """Per length [step]: error bound (95 %) of conductance_limit. In some problems only."""
 
     @property
     def conductance_grid_error(self) -> Array:
-        """Per length [step]: grid error of conductance: |conductance - limit| + limit_error. With `statistics` only."""
+        """Per length [step]: grid error of conductance: |conductance - limit| + limit_error. In some problems only."""
 
     @property
     def contact_conductance_limit(self) -> Array:
@@ -1269,8 +1269,8 @@ class StepFields(Record):
 
     @property
     def repulsion(self) -> Array:
-        """Stress [waypoint, x, y]: repulsive pressure, without attraction; positive at the points in contact. With
-        `law` and `statistics` only. Read-only.
+        """Stress [waypoint, x, y]: repulsive pressure, without attraction; positive at the points in contact. In
+        some problems only. Read-only.
         """
 
 class Patches(Record):
