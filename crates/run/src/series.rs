@@ -18,13 +18,14 @@ use gfmd_contact::{Drive, Fields as _, Refusal, SolveError, Visit};
 use gfmd_files::{Output, contiguous};
 use gfmd_interface::{Path, Step};
 use gfmd_problem::{AnyState, Posed, Task, Words};
-use gfmd_record::{Record, StateContext};
+use gfmd_record::{Record, RecordError, StateContext};
 
 use crate::convergence::NotConverged;
 use crate::progress::Progress;
 use crate::resume::{FinishedStep, UnfinishedRun};
 use crate::trace::Tracer;
 use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::processes::texts;
 use gfmd_input::session::Session;
 
 pub use file::{Chosen, StateFile};
@@ -246,6 +247,7 @@ impl Series<'_> {
             }
             let record =
                 handler.record(SolvedState { index, state, step: &step, at, started, is_cut: stopped.is_some() })?;
+            let record = self.shared(record)?;
             progress.advance(1.0, &progress_line(&record));
             check_range(&place, &record)?;
             if let Some(why) = why {
@@ -277,6 +279,15 @@ impl Series<'_> {
             }
         }
         Ok(outcome)
+    }
+
+    /// Returns the record of the first process, which alone measures whole fields, on all processes.
+    fn shared(&self, record: Record) -> Result<Record, Failure> {
+        let facts = &self.prepared.facts;
+        let Some(ranks) = self.session.ranks().filter(|_| facts.statistics || facts.flow) else { return Ok(record) };
+        let unusable = |error: RecordError| Failure::computation(error.to_string());
+        let text = self.session.agree(record.to_line().map_err(unusable))?;
+        Record::from_line(facts, &texts(&**ranks, &text).swap_remove(0)).map_err(unusable)
     }
 
     /// Takes over the kept parts, and continues the path from the last one.
