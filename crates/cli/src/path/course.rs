@@ -307,18 +307,37 @@ impl StateHandler for Log<'_> {
 
     fn keep(&mut self, visitor: &mut dyn Visit) {
         self.visit_widest(visitor);
+        self.visit_unsettled(visitor);
         self.finer.iter_mut().for_each(|finer| finer.keep(visitor));
     }
 
     fn resume(&mut self, last: usize, visitor: &mut dyn Visit) -> Result<(), Refusal> {
         self.widest = Some((f64::NAN, SceneFields::zeros(self.prepared.surface.heights.len())));
         self.visit_widest(visitor);
+        self.visit_unsettled(visitor);
         let drive = self.drives[last];
         self.finer.iter_mut().try_for_each(|finer| finer.resume(drive, visitor))
     }
 }
 
 impl Log<'_> {
+    /// Visits what the warning says of the steps that further increments would change.
+    fn visit_unsettled(&mut self, visitor: &mut dyn Visit) {
+        let mut count = self.unsettled.len() as u64;
+        visitor.count(&mut count);
+        self.unsettled.resize(self.drives.len().min(count as usize), (0, Step::default()));
+        for (index, step) in &mut self.unsettled {
+            let (mut place, mut increments) = (*index as u64, step.increments);
+            let mut change = step.change.unwrap_or(f64::NAN);
+            visitor.count(&mut place);
+            visitor.count(&mut increments);
+            visitor.number(&mut change);
+            let change = (!change.is_nan()).then_some(change);
+            *step = Step { is_unsettled: true, increments, change, ..*step };
+            *index = place as usize;
+        }
+    }
+
     /// Visits the largest contact area and its fields; before the first step there are none.
     fn visit_widest(&mut self, visitor: &mut dyn Visit) {
         if let Some((area, shown)) = &mut self.widest {
