@@ -1,7 +1,7 @@
+use std::ops::Range;
+
 use gfmd_relax::OnConvexSet;
 use gfmd_vector::{Share, add, for_each};
-
-use std::ops::Range;
 
 use super::response::Transforms;
 use crate::numbers::higher;
