@@ -336,27 +336,30 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     /// # Errors
     /// Returns the errors of the solver. The state is then the last equilibrium state known to lie on the path.
     pub fn step(&mut self, drive: Drive, watch: &mut dyn Watch) -> Result<Step, SolveError<P::State>> {
-        let solves_per_step = self.refinement.map_or(0, |refinement| refinement.solves_per_step);
+        let Refinement { tolerance, solves_per_step } =
+            self.refinement.unwrap_or(Refinement { solves_per_step: 0, ..Refinement::default() });
         let mut search = Search {
             problem: self.problem,
             budget: self.budget,
             solver: self.solver,
             watch,
             step: Step::default(),
+            tolerance,
+            increments_to: self.budget.tolerance,
             allowance: self.allowance.saturating_add(solves_per_step),
         };
         let (state, reading) = search.rest(drive, self.state())?;
-        let Some(Refinement { tolerance, .. }) = self.refinement else {
+        if self.refinement.is_none() {
             self.last = Some((state, reading));
             return Ok(search.step);
-        };
+        }
         let step = &mut search.step;
         match (reading.loss, self.last.take()) {
             (Loss::Unknown, last) => self.last = last,
             (Loss::Known(_), last) => {
                 // An error leaves the path unchanged.
                 self.last = last;
-                let made = search.divide(self.last.as_ref(), (state, reading), drive, tolerance);
+                let made = search.divide(self.last.as_ref(), (state, reading), drive);
                 self.allowance = search.allowance;
                 self.last = Some(made?);
                 return Ok(search.step);
@@ -374,7 +377,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 let mut here = StepPoint { state: start, reading: begin, share: 0.0, origin: 0.0 };
                 let end = StepPoint { state, reading, share: 1.0, origin: 0.0 };
                 let is_halved = self.is_halved && matches!(reading.loss, Loss::Certified { .. });
-                let outcome = search.account(&mut here, end, drive, reference, tolerance).and_then(|()| {
+                let outcome = search.account(&mut here, end, drive, reference).and_then(|()| {
                     let coarse = is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
                     Ok(coarse.flatten())
                 });
@@ -387,7 +390,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
             (Loss::Certified { .. } | Loss::Balance(_), last) => {
                 self.last = last;
                 let start = self.last.as_ref();
-                let made = search.halve(start, (state, reading), drive, (tolerance, self.is_halved)).and_then(|made| {
+                let made = search.halve(start, (state, reading), drive, self.is_halved).and_then(|made| {
                     let coarse = self.is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
                     Ok((made, coarse.flatten()))
                 });
@@ -423,6 +426,9 @@ const OF_A_CHANGE: f64 = 0.5;
 /// Error of a certified loss divided by its change from half as many increments. Where a contact begins, the order in
 /// their length is about one, and the error is as large as the change.
 const OF_A_LOSS: f64 = 2.0;
+/// Residual of increments that only lead to the end of a step whose state depends on them, divided by the tolerance of
+/// the path.
+const OF_AN_INCREMENT: f64 = 0.1;
 /// Number of divisions of a step expected if its change is unknown (from the first loading of a sphere), and the
 /// largest number.
 const DIVISIONS: f64 = 4.0;
@@ -438,6 +444,10 @@ struct Search<'a, P: Quasistatic> {
     solver: Solver,
     watch: &'a mut dyn Watch,
     step: Step,
+    /// Largest error of the step ([`Refinement::tolerance`]).
+    tolerance: f64,
+    /// Residual to which increments are solved that only lead to the end of the step.
+    increments_to: f64,
     /// Remaining extra solves.
     allowance: u64,
 }
@@ -459,8 +469,8 @@ impl<P: Quasistatic> Search<'_, P> {
         start: Option<&SolvedState<P::State>>,
         end: SolvedState<P::State>,
         drive: Drive,
-        tolerance: f64,
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
+        let tolerance = self.tolerance;
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
         let mut made = Divided { before: None, losses: end.1.losses, imbalance: 0.0, end };
         self.step.increments = 1;
@@ -468,8 +478,9 @@ impl<P: Quasistatic> Search<'_, P> {
         let mut change_of_stick = if settles { 0.0 } else { f64::INFINITY };
         if !settles {
             self.step.change = Some(f64::NAN);
+            self.increments_to = self.budget.tolerance.max(OF_AN_INCREMENT * tolerance);
         }
-        while !settles && 2 * self.step.increments <= self.allowance {
+        while !settles && self.can_make(2 * self.step.increments) {
             let increments = 2 * self.step.increments;
             let finer = match self.in_increments(state, &begin, drive, increments) {
                 Ok(finer) => finer,
@@ -490,7 +501,7 @@ impl<P: Quasistatic> Search<'_, P> {
         // The sticking fraction only needs a short last increment.
         let mut last = 1.0 / self.step.increments as f64;
         let sticks = |change: f64| change <= tolerance.sqrt();
-        while settles && !sticks(change_of_stick) && self.allowance >= 2 {
+        while settles && !sticks(change_of_stick) && self.can_make(2) {
             last *= 0.5;
             let halved = match self.halve_last(&made, &begin, drive, last) {
                 Ok(halved) => halved,
@@ -500,8 +511,9 @@ impl<P: Quasistatic> Search<'_, P> {
             change_of_stick = self.problem.change_of_stick(&made.end.0, &halved.end.0);
             made = halved;
         }
-        (self.step.dissipated, self.step.losses) = (Some(made.losses.total()), made.losses);
         self.step.is_unsettled = !settles || !sticks(change_of_stick);
+        let made = self.finish(made, drive)?;
+        (self.step.dissipated, self.step.losses) = (Some(made.losses.total()), made.losses);
         Ok(made.end)
     }
 
@@ -513,8 +525,9 @@ impl<P: Quasistatic> Search<'_, P> {
         start: Option<&SolvedState<P::State>>,
         end: SolvedState<P::State>,
         drive: Drive,
-        (tolerance, is_halved): (f64, bool),
+        is_halved: bool,
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
+        let tolerance = self.tolerance;
         let (state, begin) = (start.map(|(state, _)| state), start.map_or(Reading::UNLOADED, |(_, reading)| *reading));
         let is_lossless = end.1.is_at_once(&begin) && !matches!(end.1.loss, Loss::Certified { flows: true, .. });
         let mut made = Divided { before: None, losses: end.1.losses, imbalance: end.1.imbalance(), end };
@@ -526,9 +539,10 @@ impl<P: Quasistatic> Search<'_, P> {
         let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
         if !settles {
             self.step.change = Some(f64::NAN);
+            self.increments_to = self.budget.tolerance.max(OF_AN_INCREMENT * tolerance);
         }
         let solves = if is_halved { 3 } else { 2 };
-        while !(settles && balances(&made, self.step.increments)) && solves * self.step.increments <= self.allowance {
+        while !(settles && balances(&made, self.step.increments)) && self.can_make(solves * self.step.increments) {
             let increments = 2 * self.step.increments;
             match self.in_increments(state, &begin, drive, increments) {
                 Ok(finer) => {
@@ -545,6 +559,7 @@ impl<P: Quasistatic> Search<'_, P> {
             }
         }
         self.step.is_unsettled = !settles;
+        let made = self.finish(made, drive)?;
         (self.step.dissipated, self.step.work_imbalance) = (Some(made.losses.total()), Some(made.imbalance));
         self.step.losses = made.losses;
         self.step.dissipated_error = is_lossless.then_some(0.0);
@@ -580,6 +595,25 @@ impl<P: Quasistatic> Search<'_, P> {
         }
     }
 
+    /// Returns true if increments are solved less exactly than the end of the step.
+    fn is_rough(&self) -> bool {
+        self.increments_to > self.budget.tolerance
+    }
+
+    /// Returns true if this number of increments can be made and the step be finished.
+    fn can_make(&self, increments: u64) -> bool {
+        increments + u64::from(self.is_rough()) <= self.allowance
+    }
+
+    /// Solves the last increment of a divided step to the tolerance of the path.
+    fn finish(&mut self, made: Divided<P::State>, drive: Drive) -> Result<Divided<P::State>, SolveError<P::State>> {
+        let Some(before) = made.before.as_ref().filter(|_| self.is_rough()) else { return Ok(made) };
+        let end = self.further(drive, Some(&before.0))?;
+        let losses = made.losses.without(made.end.1.losses).and(end.1.losses);
+        let imbalance = made.imbalance - made.end.1.imbalance() + end.1.imbalance();
+        Ok(Divided { end, losses, imbalance, ..made })
+    }
+
     /// Makes a step in `increments` equal increments.
     fn in_increments(
         &mut self,
@@ -592,12 +626,12 @@ impl<P: Quasistatic> Search<'_, P> {
         let (mut losses, mut imbalance) = (Losses::default(), 0.0);
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
-            let reached = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
+            let reached = self.increment(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
             losses = losses.and(reached.1.losses);
             imbalance += reached.1.imbalance();
             before = Some(reached);
         }
-        let end = self.further(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
+        let end = self.increment(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
         losses = losses.and(end.1.losses);
         imbalance += end.1.imbalance();
         Ok(Divided { before, end, losses, imbalance })
@@ -612,10 +646,22 @@ impl<P: Quasistatic> Search<'_, P> {
         last: f64,
     ) -> Result<Divided<P::State>, SolveError<P::State>> {
         let before = made.before.as_ref().map(|(state, _)| state);
-        let middle = self.further(begin.towards(drive, 1.0 - last), before)?;
-        let end = self.further(drive, Some(&middle.0))?;
+        let middle = self.increment(begin.towards(drive, 1.0 - last), before)?;
+        let end = self.increment(drive, Some(&middle.0))?;
         let losses = made.losses.without(made.end.1.losses).and(middle.1.losses).and(end.1.losses);
         Ok(Divided { before: Some(middle), end, losses, imbalance: made.imbalance })
+    }
+
+    /// Finds the equilibrium state under `drive` by an extra solve of an increment.
+    fn increment(
+        &mut self,
+        drive: Drive,
+        start: Option<&P::State>,
+    ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
+        let exact = std::mem::replace(&mut self.budget.tolerance, self.increments_to);
+        let reached = self.further(drive, start);
+        self.budget.tolerance = exact;
+        reached
     }
 
     /// Finds the equilibrium state under `drive` by an extra solve.
@@ -629,7 +675,7 @@ impl<P: Quasistatic> Search<'_, P> {
         self.rest(drive, start)
     }
 
-    /// Moves `here` to `end` piece by piece and sums the losses of the pieces, to `tolerance` times the `reference`
+    /// Moves `here` to `end` piece by piece and sums the losses of the pieces, to the tolerance times the `reference`
     /// work.
     fn account(
         &mut self,
@@ -637,12 +683,11 @@ impl<P: Quasistatic> Search<'_, P> {
         end: StepPoint<P::State>,
         drive: Drive,
         reference: f64,
-        tolerance: f64,
     ) -> Result<(), SolveError<P::State>> {
         let begin = here.reading;
         // Forces are known to the tolerance of the search: their work over a motion without resistance is no loss.
         let hidden = self.budget.tolerance * Balance::between(&begin, &end.reading).largest;
-        let allowed = (tolerance * reference).max(hidden);
+        let allowed = (self.tolerance * reference).max(hidden);
         let extra = |search: &mut Self, share: f64, start: &StepPoint<P::State>| {
             let (state, reading) = search.further(begin.towards(drive, share), Some(&start.state))?;
             Ok::<_, SolveError<P::State>>(StepPoint { state, reading, share, origin: start.share })

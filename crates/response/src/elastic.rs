@@ -264,7 +264,7 @@ impl NormalTransforms {
 /// Transforms of a [`FullResponse`], with their memory and a counter.
 ///
 /// # Panics
-/// Every method panics if a field does not have the size of the grid times the number of components.
+/// Every method panics if a field does not have the size of the grid times the number of its components.
 #[derive(Debug)]
 pub struct FullTransforms {
     response: Arc<FullResponse>,
@@ -289,6 +289,12 @@ impl FullTransforms {
     pub fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
         self.pairs += self.response.components().len() as u64;
         fits(self.response.compliance().apply(traction, displacement, &mut self.workspace));
+    }
+
+    /// Computes the lateral displacement caused by a lateral traction: u_x, u_y from t_x, t_y (x alone on a line).
+    pub fn lateral_compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
+        self.pairs += self.response.components().len() as u64 - 1;
+        fits(self.response.compliance().apply_laterally(traction, displacement, &mut self.workspace));
     }
 
     /// Returns the number of pairs of forward and inverse transforms of one component so far.

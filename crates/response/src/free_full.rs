@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Convolution, Grid};
+use gfmd_field::{Convolution, Grid, ShapeError};
 use gfmd_green::{Body, GreenError, PatchMatrix, patch_compliance, patch_matrix, stiffness_range};
 
 use crate::elastic::fits;
@@ -82,10 +82,13 @@ pub(crate) fn padded_compliance(times: usize, patch: &Grid, body: &Body) -> Resu
     Ok(Operator::of_matrices(table.transform, (0..xx.len()).map(of_mode).collect()))
 }
 
+/// [`Operator::apply`] of some components.
+type Apply = fn(&Operator, &[f64], &mut [f64], &mut Workspace) -> Result<(), ShapeError>;
+
 /// Transforms of a [`FreeFullCompliance`], with their memory and a counter.
 ///
 /// # Panics
-/// Every method panics if a field does not have the size of the patch times the number of components.
+/// Every method panics if a field does not have the size of the patch times the number of its components.
 #[derive(Debug)]
 pub struct FreeFullTransforms {
     response: Arc<FreeFullCompliance>,
@@ -106,15 +109,27 @@ impl FreeFullTransforms {
 
     /// Computes displacement = G traction, both on the patch.
     pub fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
+        let components = self.response.components().len();
+        self.apply(components, Operator::apply, traction, displacement);
+    }
+
+    /// Computes the lateral displacement caused by a lateral traction: u_x, u_y from t_x, t_y, both on the patch.
+    pub fn lateral_compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
+        let components = self.response.components().len() - 1;
+        self.apply(components, Operator::apply_laterally, traction, displacement);
+    }
+
+    fn apply(&mut self, components: usize, operator: Apply, traction: &[f64], displacement: &mut [f64]) {
         let Self { response, workspace, padded: [around, moved], pairs } = self;
         let FreeFullCompliance { patch, compliance, .. } = &**response;
-        *pairs += compliance.components().len() as u64;
+        *pairs += components as u64;
         let ([nx, ny], [_, wide], all) = (patch.points(), compliance.grid().points(), compliance.grid().len());
+        let [around, moved] = [around, moved].map(|padded| &mut padded[..components * all]);
         for (field, values) in around.chunks_exact_mut(all).zip(traction.chunks_exact(nx * ny)) {
             let rows = field.chunks_exact_mut(wide).zip(values.chunks_exact(ny));
             rows.for_each(|(row, values)| row[..ny].copy_from_slice(values));
         }
-        fits(compliance.apply(around, moved, workspace));
+        fits(operator(compliance, around, moved, workspace));
         for (field, values) in moved.chunks_exact(all).zip(displacement.chunks_exact_mut(nx * ny)) {
             let rows = field.chunks_exact(wide).zip(values.chunks_exact_mut(ny));
             rows.for_each(|(row, values)| values.copy_from_slice(&row[..ny]));

@@ -132,8 +132,9 @@ impl Operator {
     /// # Errors
     /// Returns an error if a slice or the workspace does not have the size of the grid.
     pub fn apply(&self, field: &[f64], out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
-        self.check("output", out)?;
-        self.analyse(field, ws)?;
+        let components = self.components.len();
+        self.check("output", out, components)?;
+        self.analyse(field, components, ws)?;
         let matrices = &self.matrices;
         let [x, y, z] = &mut ws.spectra;
         match self.components {
@@ -148,10 +149,27 @@ impl Operator {
                 );
             }),
         }
-        for (&axis, component) in self.components.axes().iter().zip(out.chunks_exact_mut(self.points())) {
-            self.transform.inverse(&ws.spectra[axis], component, &mut ws.transform)?;
+        self.synthesise(out, ws)
+    }
+
+    /// Computes the lateral part of [`apply`](Self::apply) for a lateral `field`: both are u_x, u_y (u_x on a line).
+    /// Costs one transform pair per lateral component.
+    ///
+    /// # Errors
+    /// Returns an error if a slice or the workspace does not have the size of the grid.
+    pub fn apply_laterally(&self, field: &[f64], out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
+        let components = self.components.len() - 1;
+        self.check("output", out, components)?;
+        self.analyse(field, components, ws)?;
+        let matrices = &self.matrices;
+        let [x, y, _] = &mut ws.spectra;
+        match self.components {
+            Components::Plane => (x, matrices).into_par_iter().with_min_len(CHUNK).for_each(|(x, m)| *x *= m.xx),
+            Components::Space => (x, y, matrices).into_par_iter().with_min_len(CHUNK).for_each(|(x, y, m)| {
+                (*x, *y) = (*x * m.xx + *y * m.xy, *x * m.xy + *y * m.yy);
+            }),
         }
-        Ok(())
+        self.synthesise(out, ws)
     }
 
     /// Returns (1/N) Σ_r f·(M f), summed over all modes and components: twice the elastic energy per area if M is a
@@ -160,7 +178,7 @@ impl Operator {
     /// # Errors
     /// Returns an error if a slice or the workspace does not have the size of the grid.
     pub fn quadratic_form(&self, field: &[f64], ws: &mut Workspace) -> Result<f64, ShapeError> {
-        self.analyse(field, ws)?;
+        self.analyse(field, self.components.len(), ws)?;
         let [x, y, z] = &ws.spectra;
         let of_mode = |index: usize| {
             let m = &self.matrices[index];
@@ -179,10 +197,17 @@ impl Operator {
         Ok(self.share.collect(&sums, &self.share.each(own)).iter().sum())
     }
 
-    fn analyse(&self, field: &[f64], ws: &mut Workspace) -> Result<(), ShapeError> {
-        self.check("field", field)?;
+    fn analyse(&self, field: &[f64], components: usize, ws: &mut Workspace) -> Result<(), ShapeError> {
+        self.check("field", field, components)?;
         for (&axis, component) in self.components.axes().iter().zip(field.chunks_exact(self.points())) {
             self.transform.forward(component, &mut ws.spectra[axis], &mut ws.transform)?;
+        }
+        Ok(())
+    }
+
+    fn synthesise(&self, out: &mut [f64], ws: &mut Workspace) -> Result<(), ShapeError> {
+        for (&axis, component) in self.components.axes().iter().zip(out.chunks_exact_mut(self.points())) {
+            self.transform.inverse(&ws.spectra[axis], component, &mut ws.transform)?;
         }
         Ok(())
     }
@@ -192,8 +217,8 @@ impl Operator {
         self.share.own().len()
     }
 
-    fn check(&self, what: &'static str, field: &[f64]) -> Result<(), ShapeError> {
-        let expected = self.components.len() * self.points();
+    fn check(&self, what: &'static str, field: &[f64], components: usize) -> Result<(), ShapeError> {
+        let expected = components * self.points();
         if field.len() == expected { Ok(()) } else { Err(ShapeError { what, found: field.len(), expected }) }
     }
 }

@@ -48,6 +48,14 @@ impl Transforms {
         }
     }
 
+    /// Computes the lateral displacement caused by a lateral traction.
+    pub(super) fn lateral_compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
+        match self {
+            Self::Periodic(transforms) => transforms.lateral_compliance(traction, displacement),
+            Self::Free(transforms) => transforms.lateral_compliance(traction, displacement),
+        }
+    }
+
     /// Computes `traction` = K `displacement`; false with free boundaries, whose stiffness is not known.
     pub(super) fn stiffness(&mut self, displacement: &[f64], traction: &mut [f64]) -> bool {
         match self {

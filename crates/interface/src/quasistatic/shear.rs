@@ -183,18 +183,14 @@ impl ShearStep {
         let (points, lateral) = (self.points(), self.stuck.len());
         let share = &self.share.clone();
         let limits = Limits::new(limits_of(&self.shear, self.factor, state), share, length);
-        let mut traction = Self::traction(&vec![0.0; lateral], state);
-        let mut displacement = vec![0.0; traction.len()];
-        self.transforms.compliance(&traction, &mut displacement);
-        let mut slip = self.slip(&displacement);
         limits.project(&mut self.traction[..lateral]);
-        self.transforms.compliance(&self.traction, &mut self.displacement);
-        slip.iter_mut().zip(&self.displacement).for_each(|(slip, u)| *slip += u);
+        let traction = Self::traction(&self.traction[..lateral], state);
+        self.transforms.compliance(&traction, &mut self.displacement);
+        let mut slip = self.slip(&self.displacement);
         let mut descended = Descended { steps: 0, ending: Ending::Converged };
         if limits.strongest > 0.0 {
-            traction[lateral..].fill(0.0);
-            let Self { transforms, displacement, traction: shear, stiffest, .. } = self;
-            let mut problem = TangentialProblem { transforms, limits: &limits, traction, displacement };
+            let Self { transforms, traction: shear, stiffest, .. } = self;
+            let mut problem = TangentialProblem { transforms, limits: &limits };
             // The first step is a stiffness: the stiffness of the shortest wave.
             let method = SpectralProjectedGradient { first_step: *stiffest };
             descended = method.minimise(&mut problem, &mut shear[..lateral], &mut slip, budget, watch);

@@ -13,21 +13,16 @@ const EDGE: f64 = 1e-12;
 pub(super) struct TangentialProblem<'a> {
     pub(super) transforms: &'a mut Transforms,
     pub(super) limits: &'a Limits<'a>,
-    /// Buffers for a traction and a displacement with all components; the normal component of the traction is 0.
-    pub(super) traction: Vec<f64>,
-    pub(super) displacement: &'a mut [f64],
 }
 
 impl OnConvexSet for TangentialProblem<'_> {
     fn apply(&mut self, direction: &[f64], out: &mut [f64]) {
-        let Self { transforms, limits: Limits { values, .. }, traction, displacement } = self;
-        traction[..direction.len()].copy_from_slice(direction);
-        transforms.compliance(traction, displacement);
-        let points = values.len();
-        for (out, image) in out.chunks_exact_mut(points).zip(displacement.chunks_exact(points)) {
+        let Self { transforms, limits: Limits { values, .. } } = self;
+        transforms.lateral_compliance(direction, out);
+        for out in out.chunks_exact_mut(values.len()) {
             let mask = |start: usize, [out]: [&mut [f64]; 1]| {
-                for ((out, image), limit) in out.iter_mut().zip(&image[start..]).zip(&values[start..]) {
-                    *out = if *limit > 0.0 { *image } else { 0.0 };
+                for (out, limit) in out.iter_mut().zip(&values[start..]) {
+                    *out = if *limit > 0.0 { *out } else { 0.0 };
                 }
             };
             for_each([out], &mask);

@@ -61,6 +61,12 @@ fn the_matrix_is_symmetric_and_a_line_is_refused() {
     for (i, j) in (0..size).flat_map(|i| (0..i).map(move |j| (i, j))) {
         assert!((matrix[i][j] - matrix[j][i]).abs() < 1e-14, "{i} {j}");
     }
+    let traction: Vec<f64> = (0..2 * grid.len()).map(|i| (0.7 * i as f64).sin()).collect();
+    let (mut lateral, mut all) = (vec![0.0; 2 * grid.len()], vec![0.0; size]);
+    let mut transforms = FreeFullTransforms::of(&response);
+    transforms.lateral_compliance(&traction, &mut lateral);
+    transforms.compliance(&[&traction[..], &vec![0.0; grid.len()]].concat(), &mut all);
+    assert_eq!(lateral, all[..2 * grid.len()]);
     // At the centre of a square cell, G_xx is (1 − ν/2)/(1 − ν) times G_zz.
     let square = FreeFullCompliance::new(Grid::square(3, 1.0).unwrap(), &body).unwrap().into();
     let [xx, zz] = [4, 2 * 9 + 4].map(|k| column_of(&square, k)[k]);

@@ -40,6 +40,25 @@ fn grids() -> [Grid; 5] {
     ]
 }
 
+#[test]
+fn lateral_tractions_have_the_lateral_displacement_of_all_components() {
+    for grid in grids() {
+        for body in bodies() {
+            let response = Arc::new(FullResponse::new(grid, &body));
+            let lateral = (response.components().len() - 1) * grid.len();
+            let mut traction = noise(lateral + grid.len(), 1);
+            traction[lateral..].fill(0.0);
+            let mut transforms = FullTransforms::of(&response);
+            let (mut all, mut found) = (traction.clone(), vec![0.0; lateral]);
+            transforms.compliance(&traction, &mut all);
+            let pairs = transforms.pairs();
+            transforms.lateral_compliance(&traction[..lateral], &mut found);
+            assert_eq!(found, all[..lateral], "{grid:?} {body:?}");
+            assert_eq!(transforms.pairs() - pairs, pairs - 1.0);
+        }
+    }
+}
+
 fn without_means(field: &mut [f64], points: usize) {
     for component in field.chunks_exact_mut(points) {
         let mean = component.iter().sum::<f64>() / points as f64;
