@@ -260,8 +260,8 @@ impl Creep {
             "<!-- Written by `cargo xtask bench-peers --creep --write-docs`; change xtask/src/bench_peers/creep.rs. \
              -->\n\
              # Creep beside Tamaas\n\n\
-             Time of a creep test of gfmd (`path --prony`) and of Tamaas's `MaxwellViscoelastic`: same surface, load, \
-             branches and\nsteps, tolerance {tolerance:e}.\n\n\
+             Creep test of gfmd (`path --prony`) and of Tamaas's `MaxwellViscoelastic`: same surface, load, branches \
+             and steps,\ntolerance {tolerance:e}.\n\n\
              {date}. {machine}. Commit {short}. Tamaas {tamaas}.\n\n\
              Half-space, self-affine surfaces with rms gradient 0.1; one branch with half of the instantaneous modulus \
              and\n\
@@ -271,11 +271,11 @@ impl Creep {
             page += &format!("> {note}\n\n");
         }
         page += &self.table().markdown();
-        page += "\n`held` checks the steps alone: pressure of a wave in full contact, whose displacement stays as it \
-                 is after the first\nstep, divided by its value with the long-term modulus, after the last step. \
-                 Backward Euler, the scheme of Tamaas, has the\nvalue in the last column, and falls to 1 in the long \
-                 run. Where Tamaas differs, its contact areas are wrong for the\nmaterial, too. The steps of gfmd are \
-                 exact for a displacement linear in time ([time](time.md)).\n";
+        page += "\n`held` checks the steps alone: pressure after the last step of a wave in full contact, whose \
+                 displacement is held from\nthe first step, divided by its value with the long-term modulus. Backward \
+                 Euler, the scheme of Tamaas, has the last\ncolumn and falls to 1 in the long run. Where Tamaas \
+                 differs, its contact areas are wrong for the material, too. The steps\nof gfmd are exact for a \
+                 displacement linear in time ([time](time.md)).\n";
         page
     }
 }

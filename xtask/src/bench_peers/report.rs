@@ -171,16 +171,17 @@ impl Report {
         self.cases.first().map_or_else(Vec::new, |case| case.timings.iter().map(|timing| timing.threads).collect())
     }
 
-    /// Returns a table with a row per case and a column per contestant.
-    fn by_case(&self, threads: usize, title: String, cell: impl Fn(&Entry) -> String) -> Table {
-        let head = ["n", "H", "p*", "pair, ms"].map(str::to_owned).into_iter().chain(self.contestants.iter().cloned());
+    /// Returns a table with a row per case and a column per contestant, with the time of a pair if `with_pair`.
+    fn by_case(&self, threads: usize, title: String, with_pair: bool, cell: impl Fn(&Entry) -> String) -> Table {
+        let first = ["n", "H", "p*"].map(str::to_owned).into_iter().chain(with_pair.then(|| "pair, ms".to_owned()));
+        let head = first.chain(self.contestants.iter().cloned());
         let row = |case: &Case| {
             let timing = case.timings.iter().find(|timing| timing.threads == threads)?;
-            let pair = format!("{:.3}", 1e3 * timing.yardstick_seconds);
-            let first = [case.n.to_string(), case.hurst.to_string(), case.p_star.to_string(), pair];
+            let pair = with_pair.then(|| format!("{:.3}", 1e3 * timing.yardstick_seconds));
+            let first = [case.n.to_string(), case.hurst.to_string(), case.p_star.to_string()];
             let entry = |name: &String| timing.entries.iter().find(|entry| entry.name == *name);
             let cells = self.contestants.iter().map(|name| entry(name).map_or_else(|| "-".into(), &cell));
-            Some(first.into_iter().chain(cells).collect())
+            Some(first.into_iter().chain(pair).chain(cells).collect())
         };
         Table { title, head: head.collect(), rows: self.cases.iter().filter_map(row).collect() }
     }
@@ -190,7 +191,7 @@ impl Report {
             "Cost in pairs of FFTW, {}; in brackets: ratio to the first; seconds are cost times pair",
             in_words(threads)
         );
-        self.by_case(threads, title, |entry| {
+        self.by_case(threads, title, true, |entry| {
             if entry.name == self.contestants[0] {
                 return format!("{:.0}", entry.cost);
             }
@@ -199,7 +200,7 @@ impl Report {
     }
 
     fn work(&self, threads: usize) -> Table {
-        self.by_case(threads, "Iterations / transform pairs computed".into(), |entry| {
+        self.by_case(threads, "Iterations / transform pairs computed".into(), false, |entry| {
             let pairs = entry.transform_pairs.map_or_else(|| "?".into(), |pairs| format!("{pairs:.0}"));
             let iterations = entry.iterations.map_or_else(|| "?".into(), |iterations| iterations.to_string());
             format!("{iterations} / {pairs}")

@@ -1,5 +1,6 @@
 //! Page about the figures.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use gfmd_input::failure::Failure;
@@ -9,8 +10,7 @@ use super::catalogue::{ALONG_X, ALONG_Y, FIGURES, Figure, PLANE, PREPARATION, SP
 use super::{Runs, dampings};
 
 const HEAD: &str = "# The figures of the thesis\n\n\
-Drawn by `cargo xtask reproduce`, which runs the commands below, with numbers to judge what the thesis shows as a \
-picture.\n\
+Drawn by `cargo xtask reproduce`, with numbers to judge what the thesis shows as a picture.\n\
 [Coverage](coverage.md) lists all equations, tables and figures of the thesis.\n\n\
 Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear bricks on the surface nodes of \
 the thesis, with the same\nheld nodes, without a Green's function \
@@ -24,21 +24,28 @@ and 0.23 with E = 1; this program takes a quarter of the limit (docs/solvers.md)
 - **Section 5.2** (E26): the preset `thesis` takes p/(E* ḡ).\n";
 
 /// Sentence on the location of the largest stress differences from finite elements.
-const AT_THE_SURFACE: &str = "Differences are largest on the surface, where the stress of elements is a one-sided \
-difference, and at the punch edge, where it is singular.";
+const AT_THE_SURFACE: &str = "Here and in figure 4.11 differences are largest on the surface, where the stress of \
+elements is a one-sided difference, and at the punch edge, where it is singular.";
 
 /// Returns the text of the page.
 pub(super) fn text(runs: &mut Runs) -> Result<String, Failure> {
     let mut text = String::from(HEAD);
     let _ = write!(text, "\nThe fields below the punch start from one run:\n\n```text\ngfmd {}\n```\n", PREPARATION[0]);
+    let mut told = BTreeMap::new();
     for figure in &FIGURES {
-        section(&mut text, figure, runs)?;
+        section(&mut text, figure, runs, &mut told)?;
     }
     text.push_str(ERRATA);
     Ok(text)
 }
 
-fn section(text: &mut String, figure: &Figure, runs: &mut Runs) -> Result<(), Failure> {
+/// Adds the section of a figure. `told` has the figure at which each command stands.
+fn section(
+    text: &mut String,
+    figure: &Figure,
+    runs: &mut Runs,
+    told: &mut BTreeMap<String, &'static str>,
+) -> Result<(), Failure> {
     let Figure { number, source, here, erratum, work } = figure;
     let _ = write!(text, "\n## Figure {number}\n\n**The thesis**: {source}\n\n**Here**: {here}");
     if let Some(found) = found(number, runs)? {
@@ -60,11 +67,21 @@ fn section(text: &mut String, figure: &Figure, runs: &mut Runs) -> Result<(), Fa
     if let (Work::Dampings, "4.1b") = (*work, *number) {
         commands[0] += " --history-point 0.3175,0.635,x";
     }
-    text.push_str("\n```text\n");
-    for command in commands {
-        let _ = writeln!(text, "gfmd {command}");
+    let (again, fresh): (Vec<String>, Vec<String>) =
+        commands.into_iter().partition(|command| told.contains_key(command));
+    let mut elsewhere: Vec<&str> = again.iter().map(|command| told[command]).collect();
+    elsewhere.dedup();
+    if !elsewhere.is_empty() {
+        let _ = writeln!(text, "\nBy the command of figure {}.", elsewhere.join(" and "));
     }
-    text.push_str("```\n");
+    if !fresh.is_empty() {
+        text.push_str("\n```text\n");
+        for command in fresh {
+            let _ = writeln!(text, "gfmd {command}");
+            told.insert(command, *number);
+        }
+        text.push_str("```\n");
+    }
     if let Work::Dampings = work {
         text.push_str("\n(and with the other factors");
         text.push_str(if *number == "4.1b" { " and points of the line)\n" } else { ")\n" });
@@ -87,7 +104,7 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
         ))
     };
     Ok(Some(match number {
-        "3.10" | "3.11" => {
+        "3.10" => {
             let largest = |command: &str, runs: &mut Runs| -> Result<f64, Failure> {
                 let levels = runs.run(command)?["levels"].clone();
                 let sum = levels.as_array().map_or(f64::NAN, |levels| {
@@ -136,7 +153,7 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
                 component.and_then(|component| component["largest_reference"].as_f64()).unwrap_or(f64::NAN)
             };
             let words = compared(ALONG_X, "sxz", " GPa", runs)?;
-            format!("{words} {AT_THE_SURFACE} On x = L/2 the elements have {:.1e} GPa, rounding.", zero("sxz"))
+            format!("{words} On x = L/2 the elements have {:.1e} GPa, rounding.", zero("sxz"))
         }
         _ => return Ok(None),
     }))

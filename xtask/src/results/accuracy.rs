@@ -50,7 +50,7 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
             let percent = |error: &f64| format!("{:.2} %", 100.0 * error);
             let _ = writeln!(
                 text,
-                "| {name} | {told} of {count} | {} | {} | {} | {} | {width:.1} |",
+                "| {name} | {told}/{count} | {} | {} | {} | {} | {width:.1} |",
                 percent(number_error),
                 if *limit_error < 1e-4 { format!("{limit_error:.0e}") } else { percent(limit_error) },
                 share(groups, |found| found.covered),

@@ -18,7 +18,7 @@ fn shown(summaries: &Summaries) -> Result<Vec<SurfaceKind>, Failure> {
     Ok(summaries.finite()?.kinds.into_iter().filter(|kind| HURST.contains(&kind.hurst)).collect())
 }
 
-/// Formats a value with its error, to the second digit of the error.
+/// Formats a value with its error in units of the last digit, to the second digit of the error.
 fn with_error(known: Option<Known>) -> String {
     known.map_or_else(
         || "–".into(),
@@ -28,7 +28,7 @@ fn with_error(known: Option<Known>) -> String {
                 return format!("{value:.3}");
             }
             let digits = (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize;
-            format!("{value:.digits$} ± {error:.digits$}")
+            format!("{value:.digits$}({:.0})", error * 10_f64.powi(digits as i32))
         },
     )
 }

@@ -147,20 +147,20 @@ impl Protocol {
 }
 
 impl Point {
-    /// Formats kappa ± its standard error.
+    /// Formats kappa with its standard error in units of the last digit.
     pub(super) fn shown(&self) -> String {
         match self.kappa_sem {
-            Some(error) => format!("{:.3} ± {error:.3}", self.kappa),
+            Some(error) => format!("{:.3}({:.0})", self.kappa, 1e3 * error),
             None => format!("{:.3}", self.kappa),
         }
     }
 }
 
 impl Point {
-    /// Formats kappa of the perimeter-corrected area ± its standard error.
+    /// Formats kappa of the perimeter-corrected area with its standard error in units of the last digit.
     pub(super) fn shown_corrected(&self) -> String {
         match (self.kappa_corrected, self.kappa_corrected_sem) {
-            (Some(kappa), Some(error)) => format!("{kappa:.3} ± {error:.3}"),
+            (Some(kappa), Some(error)) => format!("{kappa:.3}({:.0})", 1e3 * error),
             (Some(kappa), None) => format!("{kappa:.3}"),
             (None, _) => "–".into(),
         }

@@ -30,13 +30,13 @@ fn text(report: &Report) -> String {
         report.checks, report.failed
     );
     for topic in &report.topics {
-        let _ = write!(text, "\n## {}\n\n| check | against | found | must be |\n|---|---|---|---|\n", topic.title);
+        let _ = write!(text, "\n## {}\n\n| check | against | found, bound |\n|---|---|---|\n", topic.title);
         let mut above = None;
         for check in &topic.checks {
             let [value, bound] = check.words();
             let mark = if check.passed { "" } else { ", **failed**" };
             let source = if above == Some(check.source) { "″" } else { check.source };
-            let _ = writeln!(text, "| {} | {source} | {value}{mark} | {bound} |", check.name);
+            let _ = writeln!(text, "| {} | {source} | {value} {bound}{mark} |", check.name);
             above = Some(check.source);
         }
     }

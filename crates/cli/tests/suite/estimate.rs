@@ -166,8 +166,8 @@ fn the_page_has_the_measured_errors() {
             group["name"].as_str().unwrap()
         );
         table += &format!(
-            "| error, % | {} |\n|---|{}\n",
-            loads.iter().map(|load| format!("p\\* = {load}")).collect::<Vec<_>>().join(" | "),
+            "| error, %, at p\\* | {} |\n|---|{}\n",
+            loads.iter().map(f64::to_string).collect::<Vec<_>>().join(" | "),
             "---|".repeat(loads.len())
         );
         for (name, title) in [
