@@ -6,8 +6,8 @@ use gfmd_relax::{Budget, Watch};
 use crate::path::{Quasistatic, Reading};
 
 /// Follows a path from the undeformed surfaces, without an energy balance: each step leads to a drive in a number of
-/// equal increments, at least one. Returns the states at the ends of all increments, each to the tolerance of the budget.
-/// They are the states of a [`Path`](crate::Path) whose steps were divided into as many increments
+/// equal increments, at least one. Returns the states at the ends of all increments, each to the tolerance of the
+/// budget. They are the states of a [`Path`](crate::Path) whose steps were divided into as many increments
 /// ([`Step::increments`](crate::Step)), which solves them less exactly where they only lead to the end of a step.
 ///
 /// # Errors

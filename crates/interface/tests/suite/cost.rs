@@ -1,12 +1,14 @@
-//! Cost of contacts with a law in transform pairs, which do not depend on the machine, and the states reached. The
+//! Cost of contacts with a law or friction in transform pairs, which do not depend on the machine, and the states reached. The
 //! bounds are about a fifth above the numbers needed when they were set.
 
-use gfmd_contact::{Equilibrium, Load};
+use gfmd_contact::{Boundary, Budget, Drive, Equilibrium, Fields, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{Interface, State};
-use gfmd_law::{Exponential, Law, Morse};
+use gfmd_interface::{Interface, Path, Refinement, State};
+use gfmd_law::{Exponential, Law, Limit, Morse};
 use gfmd_surface::{Discretisation, SelfAffine};
+
+use crate::rubbing;
 
 const N: usize = 128;
 const WORK: f64 = 2e-5;
@@ -90,4 +92,33 @@ fn a_law_without_a_wall() {
     let law = Morse::new(WORK, shortest_range()).unwrap();
     let pairs = pairs(&interface(0.8, law), &[0.002, 0.01].map(Load::MeanPressure));
     assert_within(&[("Morse".into(), pairs, vec![193.0, 271.0])]);
+}
+
+/// A rough surface is pressed and then sheared in five steps, in single increments and with divided steps.
+#[test]
+fn steps_with_friction() {
+    let mut found = Vec::new();
+    for (poisson, bounds) in [(0.0, [400.0, 2450.0]), (0.3, [315.0, 1970.0])] {
+        let n = 64;
+        let grid = Grid::square(n, 1.0).unwrap();
+        let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
+        let spectrum = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) };
+        let heights = numbers.self_affine(1.0, spectrum).heights(&grid, 1).unwrap();
+        let body = Body::half_space(Material::from_young(1.0, poisson).unwrap());
+        let pressure = 0.05 * 0.1 * body.contact_modulus();
+        let contact = rubbing(Boundary::Periodic, &body, &grid, &heights, Limit::Coulomb(0.3));
+        for (solves_per_step, bound) in [0, 10].into_iter().zip(bounds) {
+            let mut path = Path::new(&contact, Budget::default(), Refinement { tolerance: 1e-3, solves_per_step });
+            let pairs = (0..6).map(|step| {
+                let lateral = [2e-4 * f64::from(step), 0.0];
+                let drive = Drive { lateral, ..Load::MeanPressure(pressure).into() };
+                let made = path.step(drive, &mut ()).unwrap();
+                assert!(path.state().unwrap().worst() <= 1e-8 && (solves_per_step == 0 || !made.is_unsettled));
+                made.effort.transform_pairs
+            });
+            let mean = pairs.sum::<f64>() / 6.0;
+            found.push((format!("poisson {poisson}, {solves_per_step} solves"), vec![mean], vec![bound]));
+        }
+    }
+    assert_within(&found);
 }
