@@ -1,8 +1,7 @@
 //! `report`: a result file as one page of HTML that needs no network and no program but a browser.
 
 use std::fmt;
-use std::fs::File;
-use std::io::{ErrorKind, Read as _, Write};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args as ClapArgs;
@@ -13,12 +12,13 @@ use serde::Serialize;
 
 use crate::check;
 use crate::checking::Check;
+use crate::kinds::kinds;
 use crate::session::list_files;
 use gfmd_check::result::ResultKind;
 use gfmd_input::failure::Failure;
 use gfmd_input::memory::check_file;
 use gfmd_input::session::Session;
-use gfmd_report::{Page, quoted};
+use gfmd_report::{Page, check_replaceable, quoted};
 
 /// Flags of `report`.
 #[derive(ClapArgs, Clone, Debug)]
@@ -97,10 +97,10 @@ fn opened(file: &Path, session: &Session) -> Result<(Reader, ResultKind, Option<
 /// Returns the contents of the page about a result.
 fn page_of(reader: &Reader, kind: ResultKind, session: &Session) -> Result<Page, Failure> {
     match kind {
-        ResultKind::Contact => gfmd_report::contact::page(reader),
-        ResultKind::Path => gfmd_report::path::page(reader),
+        ResultKind::Contact => gfmd_report::contact::page(reader, kinds()),
+        ResultKind::Path => gfmd_report::path::page(reader, kinds()),
         ResultKind::KappaSweep => gfmd_report::kappa::page(reader, session),
-        ResultKind::Slide => gfmd_report::slide::page(reader),
+        ResultKind::Slide => gfmd_report::slide::page(reader, kinds()),
         ResultKind::Punch => gfmd_report::punch::page(reader),
         ResultKind::Body => gfmd_report::body::page(reader),
         ResultKind::Study => gfmd_report::study::page(reader),
@@ -147,23 +147,6 @@ fn again(kind: ResultKind, reader: &Reader) -> Result<String, String> {
     let words: Vec<String> = config.words().iter().map(|word| quoted(word)).collect();
     Ok(format!("gfmd {} {} --out again.h5", kind.name(), words.join(" ")))
 }
-
-/// Refuses to replace a file that is not a page of this command: by default the page has the name of the result, and a
-/// user may have written another page under that name.
-pub(crate) fn check_replaceable(option: &str, path: &Path) -> Result<(), Failure> {
-    let mut start = Vec::new();
-    match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(Failure::input(key(option), format!("{}: {error}", path.display()))),
-        Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(gfmd_report::MARK) => return Ok(()),
-        Ok(_) => {}
-    }
-    let reason = "the file exists and is no page that gfmd report made, which alone is replaced";
-    Err(Failure::input(key(option), format!("{}: {reason}; it must be another name", path.display())))
-}
-
-/// Number of bytes at the start of a page that contain its mark.
-const MARK_WITHIN: u64 = 1024;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

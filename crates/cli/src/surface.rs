@@ -24,7 +24,6 @@ use gfmd_unit::Units;
 use ndarray::Array2;
 use serde::Serialize;
 
-use crate::report::check_replaceable;
 use crate::session::{list_files, wrapped};
 use gfmd_input::failure::Failure;
 use gfmd_input::session::Session;
@@ -35,6 +34,7 @@ use gfmd_problem::options::flags::toml_of;
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::options::parse_choice;
 use gfmd_problem::options::{Kinds, Options};
+use gfmd_report::check_replaceable;
 use gfmd_report::figures::parse_prefix;
 
 pub use curves::Curves;

@@ -90,25 +90,30 @@ impl<S> From<ToleranceError> for SolveError<S> {
     }
 }
 
-impl<S: Fields> fmt::Display for SolveError<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl<S: Fields> SolveError<S> {
+    /// Returns the error in words, with a mean pressure as `stress` writes it.
+    pub fn words(&self, stress: impl FnOnce(f64) -> String) -> String {
         match self {
-            Self::Refused(refusal) => refusal.fmt(f),
+            Self::Refused(refusal) => refusal.to_string(),
             Self::NotConverged { state, asked, why } => {
                 let iterations = state.effort().iterations;
                 let left = residuals(&**state);
-                write!(f, "did not converge to {asked:e} in {iterations} iterations ({why}): {left}")
+                format!("did not converge to {asked:e} in {iterations} iterations ({why}): {left}")
             }
             Self::Interrupted { state } => {
-                write!(f, "interrupted after {} iterations: {}", state.effort().iterations, residuals(&**state))
+                format!("interrupted after {} iterations: {}", state.effort().iterations, residuals(&**state))
             }
             Self::Detached { mean_pressure, .. } => {
-                write!(
-                    f,
-                    "the surfaces part under a mean pressure of {mean_pressure}: the attraction cannot balance the pull"
-                )
+                let pressure = stress(*mean_pressure);
+                format!("the surfaces part under a mean pressure of {pressure}: the attraction cannot balance the pull")
             }
         }
+    }
+}
+
+impl<S: Fields> fmt::Display for SolveError<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words(|stress| stress.to_string()))
     }
 }
 

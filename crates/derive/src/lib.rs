@@ -2,7 +2,7 @@
 //! that are arrays.
 //!
 //! A field is an option. Its clap attribute already has its flag and its default, and its doc comment is the help;
-//! `#[option(kinds = Kinds::each("stress"))]` adds the kind of its numbers, and
+//! `#[option(kinds = Kinds::STRESS)]` adds the kind of its numbers, and
 //! `#[option(array)]` says that it may be an array in memory:
 //!
 //! ```ignore
@@ -10,7 +10,7 @@
 //! struct BodyArgs {
 //!     /// Young's modulus
 //!     #[arg(long, value_name = "E", default_value_t = 1.0)]
-//!     #[option(kinds = Kinds::each("stress"))]
+//!     #[option(kinds = Kinds::STRESS)]
 //!     young: f64,
 //!     #[command(flatten)]
 //!     others: OtherArgs,

@@ -8,6 +8,7 @@ use gfmd_files::{FileError, JournalError};
 use gfmd_plot::PlotError;
 use gfmd_problem::{Clash, Spelling, Unusable, Words, Written, key, setting, words};
 use gfmd_sweep::SweepError;
+use gfmd_unit::Units;
 
 /// Reason why a command fails. Its message is one line, without characters that steer a terminal, also if it quotes a
 /// file. The message names options as flags; [`spelled`](Self::spelled) gives other spellings.
@@ -149,17 +150,17 @@ pub struct Outcome<R> {
     pub failure: Option<Failure>,
 }
 
-/// Returns the state that a solve has reached, and the failure if it did not converge.
+/// Returns the state that a solve has reached, and the failure, in these `units`, if it did not converge.
 ///
 /// # Errors
 /// Unusable input, for which there is no state.
-pub fn reached<S: Fields>(outcome: Result<S, SolveError<S>>) -> Result<(S, Option<Failure>), Failure> {
+pub fn reached<S: Fields>(outcome: Result<S, SolveError<S>>, units: &Units) -> Result<(S, Option<Failure>), Failure> {
     match outcome {
         Ok(state) => Ok((state, None)),
         Err(SolveError::Refused(refusal)) => Err(refusal.into()),
         Err(SolveError::Interrupted { state }) => Ok((*state, Some(Failure::interrupted("interrupted")))),
         Err(error) => {
-            let failure = Failure::NotConverged(error.to_string().into());
+            let failure = Failure::NotConverged(error.words(|stress| units.words(stress, "stress")).into());
             match error.into_state() {
                 Some(state) => Ok((state, Some(failure))),
                 None => Err(failure),

@@ -4,8 +4,8 @@
 use gfmd_files::{Reader, Reading, Topography, split_dataset};
 use gfmd_problem::options::KindsByKey;
 use gfmd_problem::options::given::{ArrayOption, Arrays};
-use gfmd_problem::options::quantities::{Sought, value_in_units};
-use gfmd_problem::{Written, flag};
+use gfmd_problem::options::quantities::{number_in_units, value_in_units};
+use gfmd_problem::{Unusable, Written, flag};
 use gfmd_unit::Units;
 use toml::{Table, Value};
 
@@ -59,7 +59,7 @@ struct Source {
 impl Source {
     /// Returns the units of the problem: the given ones, the units of a result, or the unit in the file of the surface,
     /// with the height map if that was read.
-    fn units(&self) -> Result<(Units, Option<NamedMap>), Failure> {
+    fn units(&self) -> Result<(Units, Option<NamedMap>), Unusable> {
         let stress = self.stress_unit.as_deref();
         let surface = match (&self.unit, &self.surface) {
             (None, Some(surface)) => surface,
@@ -73,7 +73,7 @@ impl Source {
             surface,
             Reading { channel: self.channel.as_deref(), image_heights: self.image_heights },
         );
-        let topography = topography.map_err(|error| Failure::refused(error.to_string()))?;
+        let topography = topography.map_err(|error| Unusable::of(error.to_string()))?;
         let units = Units::new(topography.unit.as_deref(), stress);
         Ok((units, Some(NamedMap { file: surface.clone(), channel: self.channel.clone(), topography })))
     }
@@ -184,18 +184,6 @@ fn resolve(
     kinds: &KindsByKey,
 ) -> Result<(Option<NamedMap>, Written), Failure> {
     put_values(given)?;
-    let mut sought = Sought::default();
-    for (key, value) in &*given {
-        let Some(kinds) = kinds.get(&**key) else { continue };
-        value_in_units((key, *kinds), &mut value.clone(), &mut sought)?;
-        if sought.any && without_units(command) {
-            let allowed = format!("a number without a unit, since the lengths of {command} have none");
-            return Err(Failure::value(gfmd_problem::key(key), text(value), allowed));
-        }
-    }
-    if !sought.any {
-        return Ok((None, Written::default()));
-    }
     let text_of = |key: &str| find(given, key).and_then(Value::as_str).map(str::to_owned);
     let mut source = Source {
         unit: text_of(UNIT),
@@ -228,16 +216,29 @@ fn resolve(
         added.push((UNIT, found.clone()));
         source.unit = Some(found);
     }
-    let (units, map) = source.units()?;
-    let mut take = (&units, Written::default());
+    // The units are found with the first quantity.
+    let (mut found, mut has_stress, mut written) = (None, false, Written::default());
     for (key, value) in given.iter_mut() {
-        if let Some(kinds) = kinds.get(&**key) {
-            value_in_units((key, *kinds), value, &mut take)?;
-        }
+        let Some(kinds) = kinds.get(&**key) else { continue };
+        let whole = value.clone();
+        value_in_units((key, *kinds), value, &mut |quantity, kind| {
+            if without_units(command) {
+                let allowed = format!("a number without a unit, since the lengths of {command} have none");
+                return Err(Unusable::value(gfmd_problem::key(key), text(&whole), allowed));
+            }
+            let (units, _) = match &found {
+                Some(found) => found,
+                None => found.insert(source.units()?),
+            };
+            let number = number_in_units(key, quantity, kind, units)?;
+            has_stress |= quantity.dimension().stress != 0;
+            written.add(key, quantity.text(), number);
+            Ok(number)
+        })?;
     }
-    let (_, written) = take;
+    let Some((units, map)) = found else { return Ok((None, written)) };
     // If a stress has a unit, stresses without one are in Pa, which is recorded.
-    if command != BODY && sought.stress && units.stress().is_none() {
+    if command != BODY && has_stress && units.stress().is_none() {
         added.push((STRESS_UNIT, Units::PASCAL.to_owned()));
     }
     given.extend(added.into_iter().map(|(key, value)| (key.to_owned(), value.into())));

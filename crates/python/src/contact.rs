@@ -265,7 +265,8 @@ impl Problem {
             };
             let started = Instant::now();
             let start = start.map(|state| &state.rest).or(first.as_ref());
-            let (state, failure) = reached(args.press(contact, drive).starting_from(start).watch(&mut watch).solve())?;
+            let solved = args.press(contact, drive).starting_from(start).watch(&mut watch).solve();
+            let (state, failure) = reached(solved, &prepared.surface.units())?;
             let stiffness = match &failure {
                 Some(_) => Err(NOT_SOLVED.into()),
                 None => args.stiffness.of(contact, &state, |text| tracing::warn!("{text}")),

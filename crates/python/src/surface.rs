@@ -103,7 +103,7 @@ fn with_units<T: FromStr<Err: Display>>(
     unit: Option<&str>,
 ) -> Result<T, String> {
     let units = Units::new(unit, None);
-    let bare = text_in_units((key, kinds), text, &mut &units);
+    let bare = text_in_units((key, kinds), text, &units);
     let bare = bare.map_err(|error| error.spelled(Spelling::Argument))?;
     bare.as_deref().unwrap_or(text).parse().map_err(|error| format!("{key}: {error}"))
 }

@@ -31,6 +31,15 @@ def test_arrays_give_the_series_they_are_made_of():
     assert sliding.young_instantaneous == pytest.approx(571.0, rel=1e-6)
 
 
+def test_a_body_takes_a_whole_fit():
+    fit = gfmd.prony(**curves(), stress_unit="MPa")
+    assert gfmd.Body(prony=fit, poisson=0.5) == gfmd.Body(young=fit.young, poisson=0.5, prony=fit.series)
+    assert gfmd.Body(e_star=2.0, prony=fit) == gfmd.Body(e_star=2.0, prony=fit.series)
+    assert gfmd.Body(young=3.0, prony=fit, moduli="instantaneous").prony == tuple(fit.series)
+    with pytest.raises(gfmd.InputError, match="young is missing; it is needed with moduli 'instantaneous'"):
+        gfmd.Body(prony=fit, moduli="instantaneous")
+
+
 def test_noise_stays_within_standard_errors():
     fit = gfmd.prony(**curves(0.02), branches=3)
     assert 0.015 < np.hypot(fit.storage_misfit, fit.loss_misfit) / np.sqrt(2) < 0.025

@@ -2,7 +2,7 @@
 
 use gfmd_files::Reader;
 use gfmd_plot::{Chart, Mark, Point, Series};
-use gfmd_problem::options::Kinds;
+use gfmd_problem::options::KindsByKey;
 use maud::html;
 
 use crate::figures::{area_chart, theories};
@@ -22,11 +22,11 @@ const CITED: [&str; 3] = [
      contact of random rough surfaces, Tribology International 114, 161–171 (2017): the perimeter correction.",
 ];
 
-/// Builds the page about the contact in a file.
+/// Builds the page about the contact in a file. `kinds` are the kinds of the options that the file records.
 ///
 /// # Errors
 /// Returns an error if the file has no loads.
-pub fn page(reader: &Reader) -> Result<Page, Failure> {
+pub fn page(reader: &Reader, kinds: &KindsByKey) -> Result<Page, Failure> {
     let loads = Stored::new(reader, "/loads", "mean_pressure")?;
     let table = config(reader);
     let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
@@ -98,7 +98,7 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
             page.asked.push(Fact::new("hardness", &format!("that of each point, {file}")))
         }
         Some(hardness) => {
-            page.asked.push(Fact(html! { "hardness" }, option(Kinds::HARDNESS, hardness, &loads.units())))
+            page.asked.push(Fact(html! { "hardness" }, option(("hardness", kinds), hardness, &loads.units())))
         }
         None => {}
     }

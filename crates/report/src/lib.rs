@@ -23,4 +23,4 @@ pub mod study;
 pub mod surface;
 pub mod wear;
 
-pub use page::{MARK, Page, quoted, warnings, whole_page};
+pub use page::{Page, check_replaceable, quoted, warnings, whole_page};

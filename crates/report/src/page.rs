@@ -7,8 +7,13 @@ mod sections;
 mod write;
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{ErrorKind, Read as _};
+use std::path::Path;
 
+use gfmd_input::failure::Failure;
 use gfmd_plot::{COLUMN, Chart, PlotError};
+use gfmd_problem::key;
 use gfmd_record::ROUGH;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -153,7 +158,27 @@ pub(super) struct Common {
 }
 
 /// HTML element that marks the pages of this program.
-pub const MARK: &str = r#"<meta name="generator" content="gfmd report">"#;
+const MARK: &str = r#"<meta name="generator" content="gfmd report">"#;
+
+/// Number of bytes at the start of a page that contain its mark.
+const MARK_WITHIN: u64 = 1024;
+
+/// Refuses to replace a file that is not a page of this program: by default the page has the name of the result, and a
+/// user may have written another page under that name.
+///
+/// # Errors
+/// Returns an error that names the `option` for a file that is another one, or cannot be read.
+pub fn check_replaceable(option: &str, path: &Path) -> Result<(), Failure> {
+    let mut start = Vec::new();
+    match File::open(path).and_then(|file| file.take(MARK_WITHIN).read_to_end(&mut start)) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(Failure::input(key(option), format!("{}: {error}", path.display()))),
+        Ok(_) if start.is_empty() || String::from_utf8_lossy(&start).contains(MARK) => return Ok(()),
+        Ok(_) => {}
+    }
+    let reason = "the file exists and is no page that gfmd report made, which alone is replaced";
+    Err(Failure::input(key(option), format!("{}: {reason}; it must be another name", path.display())))
+}
 
 /// Renders the page.
 pub(super) fn render(page: &Page, common: &Common) -> Markup {

@@ -4,7 +4,7 @@ mod course;
 
 use gfmd_files::Reader;
 use gfmd_plot::Chart;
-use gfmd_problem::options::Kinds;
+use gfmd_problem::options::KindsByKey;
 use maud::{Markup, html};
 
 use self::course::CAUSES;
@@ -31,11 +31,11 @@ const CITED: [&str; 2] = [
 const OF_WEAR: [&str; 1] =
     ["J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24, 981–988 (1953)."];
 
-/// Builds the page about the path in a file.
+/// Builds the page about the path in a file. `kinds` are the kinds of the options that the file records.
 ///
 /// # Errors
 /// Returns an error if the file has no steps.
-pub fn page(reader: &Reader) -> Result<Page, Failure> {
+pub fn page(reader: &Reader, kinds: &KindsByKey) -> Result<Page, Failure> {
     let stored = Stored::new(reader, "/path", "mean_pressure")?;
     let table = config(reader);
     let word = |name: &str| table.get(name).map(ToString::to_string).unwrap_or_default().replace('"', "");
@@ -145,35 +145,26 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let surface = StoredSurface::read(reader);
     page.asked(&surface, &table, &interface(&table));
-    let of_waypoints = [
-        ("pressure", Kinds::STRESS),
-        ("p_star", Kinds::NUMBER),
-        ("force", Kinds::FORCE),
-        ("approach", Kinds::LENGTH),
-        ("lateral", Kinds::LENGTH),
-        ("lateral_y", Kinds::LENGTH),
-        ("time", Kinds::TIME),
-        ("distance", Kinds::LENGTH),
-    ];
+    let of_waypoints = ["pressure", "p_star", "force", "approach", "lateral", "lateral_y", "time", "distance"];
     let others = [
-        ("prony", Kinds::PRONY),
-        ("moduli", Kinds::NUMBER),
-        ("relaxes", Kinds::NUMBER),
-        ("friction", Kinds::NUMBER),
-        ("shear_strength", Kinds::STRESS),
-        ("friction_of", Kinds::NUMBER),
-        ("hardness", Kinds::HARDNESS),
-        ("yield_stress", Kinds::STRESS),
-        ("hardening", Kinds::STRESS),
-        ("hardening_curve", Kinds::HARDENING_CURVE),
-        ("kinematic_hardening", Kinds::STRESS),
-        ("layer_yield", Kinds::STRESS),
-        ("coefficient", Kinds::WEAR),
-        ("wear_by", Kinds::NUMBER),
-        ("boundary", Kinds::NUMBER),
+        "prony",
+        "moduli",
+        "relaxes",
+        "friction",
+        "shear_strength",
+        "friction_of",
+        "hardness",
+        "yield_stress",
+        "hardening",
+        "hardening_curve",
+        "kinematic_hardening",
+        "layer_yield",
+        "coefficient",
+        "wear_by",
+        "boundary",
     ];
-    let of_waypoints = of_waypoints.map(|(name, kinds)| (name, kinds, "waypoints, "));
-    for (name, kinds, of) in of_waypoints.into_iter().chain(others.map(|(name, kinds)| (name, kinds, ""))) {
+    let of_waypoints = of_waypoints.map(|name| (name, "waypoints, "));
+    for (name, of) in of_waypoints.into_iter().chain(others.map(|name| (name, ""))) {
         let is_default = name == "boundary" && word(name) == "periodic";
         if let Some(value) = table.get(name).filter(|_| !is_default) {
             let term = match name {
@@ -183,10 +174,10 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
                 "lateral_y" => format!("{of}lateral, at a right angle"),
                 _ => format!("{of}{}", name.replace("p_star", "p*").replace('_', " ")),
             };
-            page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
+            page.asked.push(Fact(html! { (term) }, option((name, kinds), value, &units)));
         }
     }
-    let steps = table.get("steps").map_or_else(Default::default, |value| option(Kinds::NUMBER, value, &units));
+    let steps = table.get("steps").map_or_else(Default::default, |value| option(("steps", kinds), value, &units));
     page.asked.push(Fact(html! { "steps between waypoints" }, steps));
     page.asked.push(Fact(html! { "tolerance" }, given(of(&table, "tolerance"))));
 

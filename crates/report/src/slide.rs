@@ -3,7 +3,7 @@
 use gfmd_field::Grid;
 use gfmd_files::Reader;
 use gfmd_plot::{Axis, Chart, Mark, Panel, Point, Series};
-use gfmd_problem::options::Kinds;
+use gfmd_problem::options::KindsByKey;
 use gfmd_record::{Record, Sliding, SlidingFacts, with_limit};
 use gfmd_unit::Units;
 use maud::html;
@@ -93,11 +93,11 @@ pub fn temperature<'a>(grid: &Grid, values: &'a [f64], length: &str, units: &Uni
     field(grid, values, &format!("temperature *T* / {}", units.name("temperature")), length)
 }
 
-/// Builds the page about the sliding in a file.
+/// Builds the page about the sliding in a file. `kinds` are the kinds of the options that the file records.
 ///
 /// # Errors
 /// Returns an error if the file has no states.
-pub fn page(reader: &Reader) -> Result<Page, Failure> {
+pub fn page(reader: &Reader, kinds: &KindsByKey) -> Result<Page, Failure> {
     let stored = Stored::new(reader, "/states", "mean_pressure")?;
     let table = config(reader);
     let mut page = Page { title: "Steady sliding".into(), ..Page::default() };
@@ -158,21 +158,21 @@ pub fn page(reader: &Reader) -> Result<Page, Failure> {
     }
     let surface = StoredSurface::read(reader);
     page.asked(&surface, &table, &interface(&table));
-    for (term, key, kinds) in [
-        ("branches (relaxation time, fraction)", "prony", Kinds::PRONY),
-        ("modulus that the branches relax", "moduli", Kinds::NUMBER),
-        ("part that relaxes", "relaxes", Kinds::NUMBER),
-        ("velocities", "velocity", Kinds::VELOCITY),
-        ("pressures", "pressure", Kinds::STRESS),
-        ("reduced pressures", "p_star", Kinds::NUMBER),
-        ("forces", "force", Kinds::FORCE),
-        ("direction of sliding, degrees", "direction", Kinds::NUMBER),
-        ("conductivity and diffusivity", "heat", Kinds::HEAT),
-        ("friction of the interface", "friction", Kinds::NUMBER),
-        ("hardness", "hardness", Kinds::HARDNESS),
+    for (term, key) in [
+        ("branches (relaxation time, fraction)", "prony"),
+        ("modulus that the branches relax", "moduli"),
+        ("part that relaxes", "relaxes"),
+        ("velocities", "velocity"),
+        ("pressures", "pressure"),
+        ("reduced pressures", "p_star"),
+        ("forces", "force"),
+        ("direction of sliding, degrees", "direction"),
+        ("conductivity and diffusivity", "heat"),
+        ("friction of the interface", "friction"),
+        ("hardness", "hardness"),
     ] {
         if let Some(value) = table.get(key) {
-            page.asked.push(Fact(html! { (term) }, option(kinds, value, &units)));
+            page.asked.push(Fact(html! { (term) }, option((key, kinds), value, &units)));
         }
     }
     let tolerance = of(&table, "tolerance");

@@ -230,7 +230,7 @@ impl Series<'_> {
                     (Step::default(), Some(state), Some(Failure::interrupted("interrupted")))
                 }
                 Err(error) => {
-                    let text = error.to_string();
+                    let text = error.words(|stress| prepared.surface.units().words(stress, "stress"));
                     if let SolveError::NotConverged { why: found, .. } = &error {
                         why = Some(*found);
                     }

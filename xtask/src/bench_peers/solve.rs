@@ -98,7 +98,7 @@ pub fn run(args: &Args) -> Result<Solve, Failure> {
     let solved = contact.press(Load::MeanPressure(args.pressure)).solver(args.solver).budget(budget).solve();
     let seconds = started.elapsed().as_secs_f64();
     let peak_bytes = peak_bytes();
-    let (solution, failure) = reached(solved)?;
+    let (solution, failure) = reached(solved, &Default::default())?;
     if let Some(out) = &args.out {
         write_npy(out, &solution.pressure).map_err(|error| Failure::input("--out", error))?;
     }

@@ -241,7 +241,7 @@ impl Loads {
             let press = contact.press(load).solver(args.problem.solver.solver).budget(budget);
             // Under a law, contacts that grow and contacts that shrink differ: all loads are reached by growing ones.
             let start = last.as_ref().filter(|_| !facts.has_law());
-            let (state, stopped) = reached(press.starting_from(start).watch(watch).solve())?;
+            let (state, stopped) = reached(press.starting_from(start).watch(watch).solve(), &surface.units())?;
             if let Some(stopped) = stopped {
                 return Err(stopped);
             }

@@ -10,10 +10,10 @@ use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_input::units::of_table;
 use gfmd_problem::Written;
-use gfmd_problem::options::Options;
 use gfmd_problem::options::flags::{keys, leave_out_idle, of_keys};
 use gfmd_problem::options::given::Arrays;
 use gfmd_problem::options::values::{Entry, numbers};
+use gfmd_problem::options::{Kinds, Options};
 use gfmd_record::{Origin, Record, Subject, columns, reasons};
 use gfmd_unit::Units;
 use serde::de::DeserializeOwned;
@@ -192,14 +192,14 @@ impl Problem {
 
 /// Returns the axis of the loads that an option gives.
 fn loads(option: &str, values: Vec<f64>, units: &Units) -> StateAxis {
-    let (kind, long_name) = match option {
-        "pressure" => ("stress", "mean pressure"),
-        "p_star" => ("1", "reduced pressure p/(E* g)"),
-        "force" => ("stress*length^2", "force on the whole surface"),
-        _ => ("length", "rigid approach beyond first touch"),
+    let long_name = match option {
+        "pressure" => "mean pressure",
+        "p_star" => "reduced pressure p/(E* g)",
+        "force" => "force on the whole surface",
+        _ => "rigid approach beyond first touch",
     };
     let length = values.len();
-    let units = units.name(kind);
+    let units = units.name(Kinds::of(option, kinds()).in_turn()[0]);
     StateAxis { name: "load".into(), values: Some(values), length, units, long_name: long_name.into() }
 }
 

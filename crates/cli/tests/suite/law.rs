@@ -206,6 +206,11 @@ fn surfaces_that_part_are_a_failure_of_the_computation() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("load 1: the surfaces part"));
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["loads"][0]["converged"], true);
+    let units = "contact --n 32 --eps-f-inv 4 --size 1um --young 1GPa --law exponential --pressure -1GPa \
+                 --param gamma=0.01J/m^2,range=3nm -q";
+    let output = gfmd(folder.path(), &units.split_whitespace().collect::<Vec<_>>());
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(error.contains("load 0: the surfaces part under a mean pressure of -1 GPa:"), "{error}");
     // On a path, separation is not a failure but ends the path.
     let path = run(
         folder.path(),

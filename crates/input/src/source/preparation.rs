@@ -408,7 +408,7 @@ pub fn prepare_heights(
     is_periodic: bool,
 ) -> Result<PreparedHeights, Failure> {
     let kinds = Kinds::LENGTHS_AMONG_WORDS;
-    let converted = text_in_units((option, kinds), text, &mut &Units::new(unit, None)).map_err(Failure::from)?;
+    let converted = text_in_units((option, kinds), text, &Units::new(unit, None)).map_err(Failure::from)?;
     let text = converted.as_deref().unwrap_or(text);
     let mut args = PreparationArgs::default();
     let mut trend = Detrend::None;

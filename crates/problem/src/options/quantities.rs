@@ -11,7 +11,7 @@ use gfmd_surface::{Marginal, Shape};
 use gfmd_unit::{NoValue, Quantity, Units};
 use toml::Value;
 
-use crate::{Unusable, Words, Written, key, setting, words};
+use crate::{Unusable, Words, key, setting, words};
 
 /// Kinds of the numbers of an option, in the words of results: `stress`, `1/length`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,6 +100,11 @@ impl Kinds {
     /// Heights, and the fractions of the surface below them; or a distribution with a name.
     pub const MARGINAL: Self = Self { rows: &[&["length", "1"]], form: Form::Marginal };
 
+    /// Returns the kinds of the numbers of an option; numbers without a unit if it is not among `all`.
+    pub fn of(key: &str, all: &KindsByKey) -> Self {
+        all.get(key).copied().unwrap_or(Self::NUMBER)
+    }
+
     /// Returns the kinds of the numbers of an entry, in turn.
     pub fn in_turn(&self) -> &'static [&'static str] {
         self.rows[0]
@@ -152,47 +157,15 @@ fn kind_of_key(name: &str) -> &'static str {
     if Shape::is_length(key) { "length" } else { "1" }
 }
 
-/// Takes the quantities of options one by one, and gives the numbers that stand in their place.
-pub trait Take {
-    /// Returns the number for a quantity of an option, which must be of this kind.
-    ///
-    /// # Errors
-    /// Returns an error for a quantity of another kind, or without a value.
-    fn take(&mut self, option: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable>;
-}
-
-/// Finds out whether there is a quantity with a unit, and whether one of them has a part of stress.
-#[derive(Debug, Default)]
-pub struct Sought {
-    /// True if there is a quantity with a unit.
-    pub any: bool,
-    /// True if one has stress in it.
-    pub stress: bool,
-}
-
-impl Take for Sought {
-    fn take(&mut self, _: &str, quantity: &Quantity, _: &str) -> Result<f64, Unusable> {
-        self.any = true;
-        self.stress |= quantity.dimension().stress != 0;
-        Ok(1.0)
-    }
-}
-
-impl Take for &Units {
-    fn take(&mut self, option: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
-        self.value(quantity, kind).map_err(|error| {
-            let why = words![format!("{:?}: ", quantity.text()), without_value(&error)];
-            Unusable::of(why).at(key(option))
-        })
-    }
-}
-
-impl Take for (&Units, Written) {
-    fn take(&mut self, option: &str, quantity: &Quantity, kind: &str) -> Result<f64, Unusable> {
-        let number = self.0.take(option, quantity, kind)?;
-        self.1.add(option, quantity.text(), number);
-        Ok(number)
-    }
+/// Returns the number for a quantity of an option, which must be of this kind.
+///
+/// # Errors
+/// Returns an error for a quantity of another kind, or without a value.
+pub fn number_in_units(option: &str, quantity: &Quantity, kind: &str, units: &Units) -> Result<f64, Unusable> {
+    units.value(quantity, kind).map_err(|error| {
+        let why = words![format!("{:?}: ", quantity.text()), without_value(&error)];
+        Unusable::of(why).at(key(option))
+    })
 }
 
 /// Says why a quantity has no value in the units of a problem.
@@ -215,20 +188,18 @@ fn without_value(error: &NoValue) -> Words {
     }
 }
 
+/// Returns the number that stands in the place of a quantity of this kind.
+type Take<'a> = &'a mut dyn FnMut(&Quantity, &str) -> Result<f64, Unusable>;
+
 /// Replaces a number with a unit; `None` if the text stays as it is.
-fn number(
-    (option, kinds): (&str, Kinds),
-    text: &str,
-    kind: &str,
-    take: &mut impl Take,
-) -> Result<Option<f64>, Unusable> {
+fn number((option, kinds): (&str, Kinds), text: &str, kind: &str, take: Take) -> Result<Option<f64>, Unusable> {
     // It may be a file name.
     let may_be_file = matches!(kinds.form, Form::NumberOrFile | Form::Mixed);
     if may_be_file && [".npy", ".h5"].iter().any(|end| text.contains(end)) {
         return Ok(None);
     }
     match Quantity::parse(text) {
-        Ok(Some(quantity)) => take.take(option, &quantity, kind).map(Some),
+        Ok(Some(quantity)) => take(&quantity, kind).map(Some),
         Ok(None) => Ok(None),
         Err(error) => Err(Unusable::input(key(option), format!("{text:?}: {error}"))),
     }
@@ -238,11 +209,11 @@ fn number(
 ///
 /// # Errors
 /// Returns an error for an unknown unit, or a quantity that cannot be used.
-pub fn text_in_units(
-    (key, kinds): (&str, Kinds),
-    text: &str,
-    take: &mut impl Take,
-) -> Result<Option<String>, Unusable> {
+pub fn text_in_units(option: (&str, Kinds), text: &str, units: &Units) -> Result<Option<String>, Unusable> {
+    replaced(option, text, &mut |quantity, kind| number_in_units(option.0, quantity, kind, units))
+}
+
+fn replaced((key, kinds): (&str, Kinds), text: &str, take: Take) -> Result<Option<String>, Unusable> {
     let mut changed = false;
     let mut entries = Vec::new();
     for (index, entry) in text.split(',').enumerate() {
@@ -266,23 +237,23 @@ pub fn text_in_units(
     Ok(changed.then(|| entries.join(",")))
 }
 
-/// Replaces texts with a unit by bare numbers in the table value of an option.
+/// Replaces texts with a unit in the table value of an option by numbers, which `take` returns for a quantity and its
+/// kind.
 ///
 /// # Errors
 /// Fails like [`text_in_units`].
-pub fn value_in_units(option: (&str, Kinds), value: &mut Value, take: &mut impl Take) -> Result<(), Unusable> {
+pub fn value_in_units(option: (&str, Kinds), value: &mut Value, take: Take) -> Result<(), Unusable> {
     in_list(option, value, option.1.in_turn()[0], take)
 }
 
-fn in_list(option: (&str, Kinds), value: &mut Value, kind: &str, take: &mut impl Take) -> Result<(), Unusable> {
+fn in_list(option: (&str, Kinds), value: &mut Value, kind: &str, take: Take) -> Result<(), Unusable> {
     match value {
+        // A slice or a wave is a text; a list in one text has commas.
+        Value::String(text) if text.contains([',', '=', ':']) => {
+            replaced(option, text, take)?.into_iter().for_each(|text| *value = Value::String(text));
+        }
         Value::String(text) => {
-            // A slice or a wave is a text; a list in one text has commas.
-            if let Some(number) = number_alone(option, text, kind, take)? {
-                *value = Value::Float(number);
-            } else if let Some(text) = text_in_units(option, text, take)? {
-                *value = Value::String(text);
-            }
+            number(option, text, kind, take)?.into_iter().for_each(|number| *value = Value::Float(number));
         }
         Value::Array(entries) => {
             let length = entries.len();
@@ -299,10 +270,6 @@ fn in_list(option: (&str, Kinds), value: &mut Value, kind: &str, take: &mut impl
         _ => {}
     }
     Ok(())
-}
-
-fn number_alone(option: (&str, Kinds), text: &str, kind: &str, take: &mut impl Take) -> Result<Option<f64>, Unusable> {
-    if text.contains([',', '=', ':']) { Ok(None) } else { number(option, text, kind, take) }
 }
 
 #[cfg(test)]
@@ -330,7 +297,7 @@ mod tests {
 
     fn texts(key: &str, text: &str) -> Result<Option<String>, String> {
         let units = Units::new(Some("nm"), None);
-        text_in_units((key, kinds(key)), text, &mut &units).map_err(|error| error.to_string())
+        text_in_units((key, kinds(key)), text, &units).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -382,7 +349,7 @@ mod tests {
             let error = texts(key, text).unwrap_err();
             assert!(error.contains(words), "{error}");
         }
-        let error = text_in_units(("young", Kinds::STRESS), "1Pa", &mut &Units::default()).unwrap_err().to_string();
+        let error = text_in_units(("young", Kinds::STRESS), "1Pa", &Units::default()).unwrap_err().to_string();
         assert!(error.contains("--unit gives them one"), "{error}");
     }
 
@@ -397,7 +364,8 @@ mod tests {
         )
         .unwrap();
         for (key, value) in &mut table {
-            value_in_units((key, kinds(key)), value, &mut &units).unwrap();
+            value_in_units((key, kinds(key)), value, &mut |found, kind| number_in_units(key, found, kind, &units))
+                .unwrap();
         }
         let wanted: toml::Table = toml::from_str(
             "young = 70000.0\nlayer = [[2000.0, 0.3, 3000.0], [1.0, 0.2, 0.5]]\nheight = 'inf'\n\

@@ -15,6 +15,7 @@ from ._check import KINDS, Array, Quantity, array, in_units, integer, kind_of, n
 from ._errors import InputError
 from ._hints import hinted
 from ._record import Record
+from ._types import Fitted
 
 _Compliance = Union[
     Array,
@@ -112,7 +113,8 @@ class Body(Record):
             over both bodies.
         second_material: material name, in place of `second_body`, of a half-space.
         prony: Prony series of a viscoelastic body, for `gfmd.path` in time: (relaxation time, fraction of the
-            instantaneous modulus) of each branch.
+            instantaneous modulus) of each branch; or the fit of `gfmd.prony`, whose fully relaxed modulus is then the
+            default of `young`.
         moduli: kind of the given moduli, "long-term" (fully relaxed) or "instantaneous"; with `prony` only.
         relaxes: relaxing moduli, "both" or "shear" (with a constant bulk modulus); with `prony` only.
         yield_stress: von Mises yield stress of a body that yields below its surface, stress, for `gfmd.path`; of the
@@ -191,7 +193,7 @@ class Body(Record):
         base_poisson: Optional[float] = None,
         layers: Sequence[Sequence[Quantity]] = (),
         second_body: Optional[Sequence[Quantity]] = None,
-        prony: Sequence[Sequence[Quantity]] = (),
+        prony: Sequence[Sequence[Quantity]] | Fitted = (),
         moduli: Literal["long-term", "instantaneous"] | str = "long-term",
         relaxes: Literal["both", "shear"] | str = "both",
         yield_stress: Optional[Quantity] = None,
@@ -214,6 +216,14 @@ class Body(Record):
                     )
             young, poisson = chosen["young"], chosen["poisson"]
             material = chosen.recorded
+        if isinstance(prony, Fitted):
+            if young is None and e_star is None:
+                if moduli == "instantaneous":
+                    raise InputError(
+                        "young is missing; it is needed with moduli 'instantaneous': a fit has the fully relaxed one"
+                    )
+                young = prony.young
+            prony = prony.series
         if second_material is not None:
             other = Material.named(second_material, option="second_material")
             if second_body is not None:

@@ -74,8 +74,8 @@ class PronyFit(Measured):
 
         Example:
             >>> fit = gfmd.prony(frequency=[0.1, 1, 10], storage=[2.0, 2.5, 3.0], loss=[0.1, 0.5, 0.1], branches=1)
-            >>> gfmd.Body(young=fit.young, poisson=0.5, prony=fit.series).moduli
-            'long-term'
+            >>> gfmd.Body(prony=fit, poisson=0.5) == gfmd.Body(young=fit.young, poisson=0.5, prony=fit.series)
+            True
         """
         return [(time, fraction) for time, fraction in self.prony]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import ItemsView
-from typing import Any, Optional, Protocol, runtime_checkable
+from typing import Any, Optional, Protocol, Union, runtime_checkable
 
 from ._check import Array
 from ._units import Units
@@ -23,6 +23,17 @@ class Cell(Protocol):
 
     @property
     def unit(self) -> Optional[str]: ...
+
+
+@runtime_checkable
+class Fitted(Protocol):
+    """A fitted Prony series: a `PronyFit`."""
+
+    @property
+    def series(self) -> list[tuple[float, float]]: ...
+
+    @property
+    def young(self) -> Union[float, str]: ...
 
 
 class Pressed(Protocol):

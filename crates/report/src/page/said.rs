@@ -1,6 +1,6 @@
 //! Numbers of options and results in a page, with their units if known.
 
-use gfmd_problem::options::Kinds;
+use gfmd_problem::options::{Kinds, KindsByKey};
 use gfmd_unit::Units;
 use maud::{Markup, html};
 use toml::Value;
@@ -37,8 +37,12 @@ pub(crate) fn plain(unit: &str) -> String {
     unit.replace('*', "·").replace("^2", "²")
 }
 
-/// Formats the value of a configuration option with the units of its kinds.
-pub(crate) fn option(kinds: Kinds, value: &Value, units: &Units) -> Markup {
+/// Formats the value of the configuration option `key` with the units of its kinds.
+pub(crate) fn option((key, all): (&str, &KindsByKey), value: &Value, units: &Units) -> Markup {
+    numbers(Kinds::of(key, all), value, units)
+}
+
+fn numbers(kinds: Kinds, value: &Value, units: &Units) -> Markup {
     let kind = |column: usize, length: usize| kinds.in_row(column, length);
     match value {
         Value::String(words) => html! { (text(words)) },
@@ -63,7 +67,7 @@ pub(crate) fn option(kinds: Kinds, value: &Value, units: &Units) -> Markup {
 
 /// Formats a row of numbers of several kinds.
 fn row(kinds: Kinds, entry: &Value, units: &Units) -> Markup {
-    let Value::Array(entries) = entry else { return option(kinds, entry, units) };
+    let Value::Array(entries) = entry else { return numbers(kinds, entry, units) };
     let cell = |(column, entry): (usize, &Value)| match number(entry) {
         Some(value) => with_unit(value, kinds.in_row(column, entries.len()), units),
         None => html! { (text(entry.as_str().unwrap_or_default())) },
@@ -85,20 +89,19 @@ mod tests {
 
     #[test]
     fn options_have_their_units() {
+        let kinds = KindsByKey::from([
+            ("velocity", Kinds::VELOCITY),
+            ("pressure", Kinds::STRESS),
+            ("hardness", Kinds::HARDNESS),
+            ("prony", Kinds::PRONY),
+            ("coefficient", Kinds::WEAR),
+            ("lateral", Kinds::LENGTH),
+            ("second_body", Kinds::LAYER),
+            ("heat", Kinds::HEAT),
+        ]);
         let said = |units: &Units, line: &str| {
             let (key, value) = line.parse::<toml::Table>().unwrap().into_iter().next().unwrap();
-            let kinds = match &*key {
-                "velocity" => Kinds::VELOCITY,
-                "pressure" => Kinds::STRESS,
-                "hardness" => Kinds::HARDNESS,
-                "prony" => Kinds::PRONY,
-                "coefficient" => Kinds::WEAR,
-                "lateral" => Kinds::LENGTH,
-                "second_body" => Kinds::LAYER,
-                "heat" => Kinds::HEAT,
-                _ => Kinds::NUMBER,
-            };
-            option(kinds, &value, units).into_string()
+            option((&*key, &kinds), &value, units).into_string()
         };
         let (si, none) = (Units::new(Some("m"), Some("Pa")), Units::default());
         for (line, known, unknown) in [

@@ -149,8 +149,9 @@ impl Finer {
             None => self.args.after_longer_ranges(&self.prepared, drive, watch)?,
         };
         let start = self.last.as_ref().or(first.as_ref());
+        let units = self.prepared.surface.units();
         let (state, failure) =
-            reached(self.args.press(&self.contact, drive).starting_from(start).watch(watch).solve())?;
+            reached(self.args.press(&self.contact, drive).starting_from(start).watch(watch).solve(), &units)?;
         match failure {
             Some(failure) => Err(failure.at(format!("the grid of {nx} x {ny} points"))),
             None => {

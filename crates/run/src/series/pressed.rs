@@ -193,12 +193,12 @@ impl ContactArgs {
         drive: Drive,
         watch: &mut dyn Watch,
     ) -> Result<Option<AnyState>, Failure> {
-        let mut last: Option<AnyState> = None;
+        let (units, mut last) = (prepared.surface.units(), None::<AnyState>);
         for factor in RANGES.into_iter().filter(|_| self.range_continuation) {
             let Some(law) = self.law.with_range(factor)? else { break };
             let longer = prepared.pose(&self.source, &law.into())?;
             let (state, failure) =
-                reached(self.press(&longer, drive).starting_from(last.as_ref()).watch(watch).solve())?;
+                reached(self.press(&longer, drive).starting_from(last.as_ref()).watch(watch).solve(), &units)?;
             if let Some(failure) = failure {
                 return Err(failure.at(format!("range times {factor}")));
             }
