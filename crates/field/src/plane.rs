@@ -113,7 +113,7 @@ impl<T: Real> Plane<T> {
         spectrum: &mut [Complex<T>],
         memory: &mut Memory<T>,
     ) {
-        self.rows_ahead((), &|i, (), row| source(i, row), self.points, memory);
+        self.rows_ahead((), &|i, (), row| source(i, row), self.corner[1], memory);
         let Memory { blocks, workers, .. } = memory;
         let scale = self.scale();
         distribute(
@@ -121,6 +121,7 @@ impl<T: Real> Plane<T> {
             self.panels().zip(spectrum.chunks_mut(self.width * self.rows)),
             |(panel, columns), worker| {
                 self.load(blocks, &panel, columns, self.rows, &mut worker.tile);
+                columns.chunks_exact_mut(self.rows).for_each(|column| column[self.corner[0]..].fill(Complex::ZERO));
                 self.ahead.process_with_scratch(columns, &mut worker.scratch);
                 columns.iter_mut().for_each(|mode| *mode *= scale);
             },

@@ -22,6 +22,13 @@ impl<T: Real> Transform<T> {
         Self { grid, plan: Plan::new(&grid, grid.points()) }
     }
 
+    /// Plans the transforms of fields on a `corner` of `grid`, which begins at the first point and has at most as many
+    /// points along each axis. A field has the values in the corner: it is zero outside, and the inverse transform
+    /// returns no other values. The zeros are neither stored nor transformed along y.
+    pub fn in_corner(grid: Grid, corner: &Grid) -> Self {
+        Self { grid, plan: Plan::new(corner, grid.points()) }
+    }
+
     /// Plans the transforms of the rows in the `share` of this process. A field has these rows, and a spectrum or a
     /// kernel has the [`lanes`](Self::lanes) of this process; every process makes the same calls. The results have the
     /// same bits as with one process. Message buffers take about 0.4 fields in addition to the memory of

@@ -35,10 +35,10 @@ impl MemoryNeed {
     pub const PATH: Self = Self(41);
     /// Path with a law, on a patch.
     pub const PATH_FREE: Self = Self(141);
-    /// Path that moves all components.
-    pub const ALL_COMPONENTS: Self = Self(95);
-    /// Path with friction, on a patch.
-    pub const ALL_COMPONENTS_FREE: Self = Self(158);
+    /// Path that moves all components, with the states of steps that are divided (111 fields measured).
+    pub const ALL_COMPONENTS: Self = Self(122);
+    /// Path with friction, on a patch (133 fields measured).
+    pub const ALL_COMPONENTS_FREE: Self = Self(146);
     /// Path with a law that moves all components, on a patch, which is solved in a cell with four times its points. A
     /// Poisson's ratio well below 0 takes a cell of nine times the points, and about twice the memory.
     pub const LAW_ALL_COMPONENTS_FREE: Self = Self(320);
@@ -53,7 +53,7 @@ impl MemoryNeed {
     /// Lateral displacement by the pressure.
     const SIDEWAYS: u64 = 24;
     /// Lateral displacement by the pressure on a patch.
-    const SIDEWAYS_FREE: u64 = 66;
+    const SIDEWAYS_FREE: u64 = 44;
     /// Law beside friction on a path.
     const LAW_BESIDE_FRICTION: u64 = 41;
     /// Cell of a body that yields, on the grid of the surface.

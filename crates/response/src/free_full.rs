@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Convolution, Grid, ShapeError};
+use gfmd_field::{Convolution, Grid};
 use gfmd_green::{Body, GreenError, PatchMatrix, patch_compliance, patch_matrix, stiffness_range};
 
 use crate::elastic::fits;
@@ -14,7 +14,7 @@ use crate::{Components, Hermitian, Operator, Workspace};
 #[derive(Debug)]
 pub struct FreeFullCompliance {
     patch: Grid,
-    /// Compliance on the padded grid.
+    /// Compliance on the padded grid, of tractions on the patch.
     compliance: Operator,
     normal: Arc<Convolution>,
     stiffness_range: [f64; 2],
@@ -27,7 +27,7 @@ impl FreeFullCompliance {
     /// # Errors
     /// Returns an error of [`patch_matrix`], or if the doubled patch has more points than memory can address.
     pub fn new(patch: Grid, body: &Body) -> Result<Self, GreenError> {
-        let compliance = padded_compliance(2, &patch, body)?;
+        let compliance = padded_compliance(2, &patch, body)?.in_corner(&patch);
         let range = stiffness_range(body, &patch).map_or([0.0; 2], |range| [range.softest, range.stiffest]);
         let normal = Convolution::new(patch, patch_compliance(body, &patch)?).into();
         Ok(Self { patch, compliance, normal, stiffness_range: range, contact_modulus: body.contact_modulus() })
@@ -82,9 +82,6 @@ pub(crate) fn padded_compliance(times: usize, patch: &Grid, body: &Body) -> Resu
     Ok(Operator::of_matrices(table.transform, (0..xx.len()).map(of_mode).collect()))
 }
 
-/// [`Operator::apply`] of some components.
-type Apply = fn(&Operator, &[f64], &mut [f64], &mut Workspace) -> Result<(), ShapeError>;
-
 /// Transforms of a [`FreeFullCompliance`], with their memory and a counter.
 ///
 /// # Panics
@@ -93,47 +90,25 @@ type Apply = fn(&Operator, &[f64], &mut [f64], &mut Workspace) -> Result<(), Sha
 pub struct FreeFullTransforms {
     response: Arc<FreeFullCompliance>,
     workspace: Workspace,
-    /// Traction and displacement on the padded grid.
-    padded: [Vec<f64>; 2],
     pairs: u64,
 }
 
 impl FreeFullTransforms {
     /// Allocates memory for transforms on the grid of `response`, with the counter at zero.
     pub fn of(response: &Arc<FreeFullCompliance>) -> Self {
-        let FreeFullCompliance { compliance, .. } = &**response;
-        let size = compliance.components().len() * compliance.grid().len();
-        let padded = [vec![0.0; size], vec![0.0; size]];
-        Self { response: Arc::clone(response), workspace: compliance.workspace(), padded, pairs: 0 }
+        Self { response: Arc::clone(response), workspace: response.compliance.workspace(), pairs: 0 }
     }
 
     /// Computes displacement = G traction, both on the patch.
     pub fn compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
-        let components = self.response.components().len();
-        self.apply(components, Operator::apply, traction, displacement);
+        self.pairs += self.response.components().len() as u64;
+        fits(self.response.compliance.apply(traction, displacement, &mut self.workspace));
     }
 
     /// Computes the lateral displacement caused by a lateral traction: u_x, u_y from t_x, t_y, both on the patch.
     pub fn lateral_compliance(&mut self, traction: &[f64], displacement: &mut [f64]) {
-        let components = self.response.components().len() - 1;
-        self.apply(components, Operator::apply_laterally, traction, displacement);
-    }
-
-    fn apply(&mut self, components: usize, operator: Apply, traction: &[f64], displacement: &mut [f64]) {
-        let Self { response, workspace, padded: [around, moved], pairs } = self;
-        let FreeFullCompliance { patch, compliance, .. } = &**response;
-        *pairs += components as u64;
-        let ([nx, ny], [_, wide], all) = (patch.points(), compliance.grid().points(), compliance.grid().len());
-        let [around, moved] = [around, moved].map(|padded| &mut padded[..components * all]);
-        for (field, values) in around.chunks_exact_mut(all).zip(traction.chunks_exact(nx * ny)) {
-            let rows = field.chunks_exact_mut(wide).zip(values.chunks_exact(ny));
-            rows.for_each(|(row, values)| row[..ny].copy_from_slice(values));
-        }
-        fits(operator(compliance, around, moved, workspace));
-        for (field, values) in moved.chunks_exact(all).zip(displacement.chunks_exact_mut(nx * ny)) {
-            let rows = field.chunks_exact(wide).zip(values.chunks_exact_mut(ny));
-            rows.for_each(|(row, values)| values.copy_from_slice(&row[..ny]));
-        }
+        self.pairs += self.response.components().len() as u64 - 1;
+        fits(self.response.compliance.apply_laterally(traction, displacement, &mut self.workspace));
     }
 
     /// Returns the number of pairs of forward and inverse transforms of one padded component so far.

@@ -71,6 +71,12 @@ impl Operator {
         Self { share: grid.whole(), components: Components::of(grid), transform: transform.into(), matrices }
     }
 
+    /// Creates the operator for fields that vanish outside a `corner` of the grid, and have its points alone.
+    pub(crate) fn in_corner(self, corner: &Grid) -> Self {
+        let transform = Transform::in_corner(*self.grid(), corner);
+        Self { transform: transform.into(), share: corner.whole(), ..self }
+    }
+
     fn on(transform: Arc<Transform>, share: &Share, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {
         let (grid, lanes) = (*transform.grid(), transform.lanes());
         let [_, positions] = grid.spectrum_shape();
