@@ -338,9 +338,9 @@ impl Loads {
             session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
         }
         let law = self.law.as_ref().filter(|_| failure.is_none()).map(|law| law.write(&report, prepared)).transpose();
-        let failure = match law {
+        let failure = match session.agree(law) {
             Ok(written) => {
-                report.export_law = written;
+                report.export_law = written.flatten();
                 failure
             }
             Err(without_law) => Some(without_law),

@@ -13,6 +13,7 @@ use gfmd_problem::options::Options;
 use gfmd_problem::{key, setting, words};
 use gfmd_report::contact_law::{ContactLaw, LawFormat, Realisation};
 use gfmd_run::series::Prepared;
+use gfmd_vector::contiguous;
 
 use super::{Args, Report};
 
@@ -30,7 +31,8 @@ pub(super) struct LawFileArgs {
 
 /// Law file to write.
 pub(super) struct LawFile {
-    output: Output,
+    /// File of the first process.
+    output: Option<Output>,
     format: LawFormat,
 }
 
@@ -63,9 +65,6 @@ impl LawFile {
         if prepared.lower.is_some() {
             return refused("left out between two surfaces, which have two interfaces".into());
         }
-        if session.ranks().is_some() {
-            return refused("left out with several processes".into());
-        }
         if loads < 2 {
             return refused(format!("given with two or more loads (there is {loads})").into());
         }
@@ -74,24 +73,26 @@ impl LawFile {
             let [unit, young] = example;
             return refused(words!["given with units, such as ", unit, " and ", young]);
         }
-        let output = Output::claim(path).map_err(|error| Failure::input(key(OPTION), error))?;
-        Ok(Some(Self { output, format }))
+        let output = session.is_first().then(|| Output::claim(path)).transpose();
+        Ok(Some(Self { output: output.map_err(|error| Failure::input(key(OPTION), error))?, format }))
     }
 
-    /// Writes the law of the solved loads.
+    /// Writes the law of the solved loads; the first of several processes does. Returns the file.
     ///
     /// # Errors
     /// Returns an error if the loads have no law, or if the file cannot be written.
-    pub(super) fn write(&self, report: &Report, prepared: &Prepared) -> Result<PathBuf, Failure> {
-        let heights = MovedBase::under(prepared.base.as_ref(), &prepared.surface.heights);
-        let first_gap = prepared.highest() - heights.mean().unwrap_or(f64::NAN);
+    pub(super) fn write(&self, report: &Report, prepared: &Prepared) -> Result<Option<PathBuf>, Failure> {
+        let (heights, share) =
+            (MovedBase::under(prepared.base.as_ref(), &prepared.surface.heights), &prepared.surface.share);
+        let first_gap = prepared.highest() - share.total_of(&contiguous(&heights)) / share.total() as f64;
+        let Some(output) = &self.output else { return Ok(None) };
         let realisation = Realisation::of(&report.loads, first_gap);
         let law = ContactLaw::new(&[realisation], &prepared.surface.units());
         let law = law.map_err(|reason| Failure::input(key(OPTION), reason))?;
         let heading = format!("gfmd {}: {}", env!("CARGO_PKG_VERSION"), prepared.surface.description);
         let text = law.text(self.format, &heading);
-        self.output.write(|file| std::io::Write::write_all(file, text.as_bytes()))?;
-        Ok(self.output.path().to_owned())
+        output.write(|file| std::io::Write::write_all(file, text.as_bytes()))?;
+        Ok(Some(output.path().to_owned()))
     }
 }
 

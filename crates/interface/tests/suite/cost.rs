@@ -1,5 +1,5 @@
-//! Cost of contacts with a law or friction in transform pairs, which do not depend on the machine, and the states reached. The
-//! bounds are about a fifth above the numbers needed when they were set.
+//! Cost of contacts with a law or friction in transform pairs, which do not depend on the machine, and the states
+//! reached. The bounds are about a fifth above the numbers needed when they were set.
 
 use gfmd_contact::{Boundary, Budget, Drive, Equilibrium, Fields, Load};
 use gfmd_field::Grid;
