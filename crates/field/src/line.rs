@@ -63,7 +63,7 @@ impl<T: Real> Line<T> {
     pub(crate) fn inverse(&self, spectrum: &[Complex<T>], field: &mut [T], memory: &mut Memory<T>) {
         memory.half.copy_from_slice(spectrum);
         self.back(memory);
-        field.copy_from_slice(&memory.field);
+        field.copy_from_slice(&memory.field[..self.shown]);
     }
 
     /// Computes the half spectrum of K f for the row f that `source` fills from `input`.

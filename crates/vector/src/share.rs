@@ -73,6 +73,14 @@ impl Share {
         Ok(Self { ranks, columns, rows })
     }
 
+    /// Returns the rows of this rank of another field, of `rows` × `columns` values, shared by the same ranks.
+    ///
+    /// # Errors
+    /// Returns an error as [`among`](Self::among).
+    pub fn of_another(&self, shape: [usize; 2]) -> Result<Self, TooManyRanks> {
+        Self::among(Arc::clone(&self.ranks), shape, 0)
+    }
+
     /// Returns the largest number of processes that can share a field of `rows` × `columns` values.
     pub fn most([rows, columns]: [usize; 2], levels: u32) -> usize {
         rows.div_ceil(unit(columns, levels)).max(1)
