@@ -134,7 +134,7 @@ impl QuasistaticContact {
             (None, _) if *boundary == Boundary::Periodic => {
                 Normal::Wall(Contact::distributed(share, body, grid, &heights)?)
             }
-            (None, _) => Normal::Wall(Contact::with_boundary(*boundary, body, grid, &heights)?),
+            (None, _) => Normal::Wall(Contact::with_boundary_over(share, *boundary, body, grid, &heights)?),
             (Some(law), _) if *all_components => Normal::Law(match boundary {
                 Boundary::Periodic => Interface::in_all_components_over(share, body, grid, &heights, law)?,
                 Boundary::Free => Interface::in_all_components_with_boundary(*boundary, body, grid, &heights, law)?,

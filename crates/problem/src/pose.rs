@@ -70,7 +70,7 @@ impl<'a> Given<'a> {
         let contact = match (facts.unknown, facts.boundary) {
             (Unknown::Held, _) => Contact::held_sideways_over(share, body, grid, heights),
             (_, Boundary::Periodic) => Contact::distributed(share, body, grid, heights),
-            (_, Boundary::Free) => Contact::with_boundary(Boundary::Free, body, grid, heights),
+            (_, Boundary::Free) => Contact::with_boundary_over(share, Boundary::Free, body, grid, heights),
         };
         let contact = contact?.with_dynamics(self.dynamics);
         match &self.hardness {
