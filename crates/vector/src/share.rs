@@ -235,6 +235,31 @@ impl Share {
         T::joined(all, rows.iter().map(|rows| rows.len() * columns))
     }
 
+    /// Moves the rows of a field from one division among the ranks to another. Both have the rows of each rank, one
+    /// range after another; `own` holds the rows of this rank in the first one, of `columns` values each.
+    pub fn moved<T: Word>(&self, own: &[T], columns: usize, [from, to]: [&[Range<usize>]; 2]) -> Vec<T> {
+        let rank = self.ranks.rank();
+        let common = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start)..a.end.min(b.end);
+        let values = |rows: &Range<usize>| rows.len() * columns;
+        let sent: Vec<Range<usize>> = to.iter().map(|rows| common(&from[rank], rows)).collect();
+        let got: Vec<Range<usize>> = from.iter().map(|rows| common(rows, &to[rank])).collect();
+        let lengths = |parts: &[Range<usize>]| parts.iter().map(|rows| T::words(values(rows))).collect::<Vec<_>>();
+        let (out_lengths, into_lengths) = (lengths(&sent), lengths(&got));
+        let mut out = vec![0; out_lengths.iter().sum()];
+        let mut rest = &mut out[..];
+        for (rows, length) in sent.iter().zip(&out_lengths) {
+            let (words, after) = rest.split_at_mut(*length);
+            rest = after;
+            if !rows.is_empty() {
+                T::pack(&own[(rows.start - from[rank].start) * columns..][..values(rows)], words);
+            }
+        }
+        let into = vec![0; into_lengths.iter().sum()];
+        let messages = Messages { out, out_lengths, into, into_lengths };
+        let Messages { into, .. } = self.ranks.post(messages).wait();
+        T::joined(into, got.iter().map(values))
+    }
+
     /// Exchanges border rows around the cell: each rank sends its `first` and its `last` row, and gets the last row of
     /// the rank before and the first row of the rank after.
     pub fn beside<T: Word>(&self, first: &[T], last: &[T]) -> [Vec<T>; 2] {
