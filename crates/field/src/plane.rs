@@ -250,7 +250,8 @@ impl<T: Real> Plane<T> {
         kernel
     }
 
-    /// Transforms the rows of a kernel that is even along each row; `source` fills their values at the distances 0, 1, ….
+    /// Transforms the rows of a kernel that is even along each row; `source` fills their values at the distances 0, 1,
+    /// ….
     pub(crate) fn even_rows(&self, source: &(impl Fn(usize, &mut [T]) + Sync), memory: &mut Memory<T>) {
         let [_, shown] = self.corner;
         let both_sides = |i: usize, (): (), row: &mut [T]| {

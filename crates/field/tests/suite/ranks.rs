@@ -64,7 +64,8 @@ fn transforms_over_ranks_have_the_bits_of_one_process() {
     }
 }
 
-/// Compares convolutions, cosine operators and transforms of a patch over several ranks with the results of one process.
+/// Compares convolutions, cosine operators and transforms of a patch over several ranks with the results of one
+/// process.
 fn assert_patch_has_bits_of_one<T: Real>(points: [usize; 2], size: usize) {
     let grid = Grid::new(points, [1.0, 2.0]).unwrap();
     let kernel = |[i, j]: [usize; 2]| 1.0 / (1.0 + (i as f64).hypot(1.3 * j as f64));
