@@ -138,10 +138,25 @@ impl Contact {
         grid: &Grid,
         heights: &ArrayRef2<f64>,
     ) -> Result<Self, Refusal> {
-        let mut contact = Self::new(body, grid, heights)?;
+        Self::with_boundary_over(&grid.whole(), boundary, body, grid, heights)
+    }
+
+    /// Makes the contact as [`with_boundary`](Self::with_boundary), solved by several processes as
+    /// [`distributed`](Self::distributed).
+    ///
+    /// # Errors
+    /// As [`with_boundary`](Self::with_boundary), on all processes.
+    pub fn with_boundary_over(
+        share: &Share,
+        boundary: Boundary,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+    ) -> Result<Self, Refusal> {
+        let mut contact = Self::distributed(share, body, grid, heights)?;
         if boundary == Boundary::Free {
             let Self { units, surface, scaled, free, .. } = &mut contact;
-            *free = Some(FreeCompliance::new(units.grid(grid), &units.body(body))?.into());
+            *free = Some(FreeCompliance::distributed(units.grid(grid), &units.body(body), share)?.into());
             *surface = Arc::new(RigidSurface::clone(surface).alone());
             *scaled = units.surface(surface);
         }

@@ -157,7 +157,7 @@ impl PullPush {
     }
 
     /// Restricts the map to the points of one of several processes, which make the same calls. The rows of its first
-    /// [`shared_levels`](Self::shared_levels) levels are shared. Edges are joined.
+    /// [`shared_levels`](Self::shared_levels) levels are shared.
     pub(crate) fn distributed(mut self, share: &Share) -> Self {
         if share.is_whole() {
             return self;

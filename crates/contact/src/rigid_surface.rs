@@ -114,7 +114,12 @@ impl RigidSurface {
     /// Returns the surface as a patch that does not repeat, without the step from its last to its first points.
     #[must_use]
     pub fn alone(self) -> Self {
-        Self { boundary: Boundary::Free, rms_gradient: OnceLock::new(), ..self }
+        let patch = Self { boundary: Boundary::Free, rms_gradient: OnceLock::new(), ..self };
+        if !patch.share.is_whole() {
+            // All processes take part in its sums, but not all may ask for it later.
+            patch.rms_gradient();
+        }
+        patch
     }
 
     /// Returns two surfaces on equal grids as one, with the rows of `lower` after the rows of `upper`: the surfaces
@@ -297,8 +302,9 @@ impl RigidSurface {
             let gradient = if self.boundary == Boundary::Periodic {
                 Moments::distributed(&clearance, &grid, &self.share).map(|moments| moments.rms_gradient())
             } else {
-                let Ok(clearance) = Array2::from_shape_vec(self.grid.points(), clearance) else { return f64::NAN };
-                Statistics::of(&clearance, &grid).map(|statistics| statistics.rms_gradient_inside)
+                let Ok(clearance) = Array2::from_shape_vec(self.shape(), clearance) else { return f64::NAN };
+                let statistics = Statistics::distributed(&clearance, &grid, &self.share);
+                statistics.map(|statistics| statistics.rms_gradient_inside)
             };
             gradient.unwrap_or(f64::NAN) * units.gradient()
         })

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use gfmd_vector::Split;
+use gfmd_vector::{Share, Split};
 
 use crate::plan::Plan;
 use crate::{Grid, GridError, Real, ShapeError, Workspace};
@@ -25,6 +25,7 @@ use crate::{Grid, GridError, Real, ShapeError, Workspace};
 /// ```
 pub struct Convolution<T = f64> {
     grid: Grid,
+    share: Share,
     plan: Plan<T>,
     kernel: Vec<T>,
 }
@@ -33,20 +34,31 @@ impl<T: Real> Convolution<T> {
     /// Plans the convolution on `grid` with the kernel `kernel([i, j])` at a distance of i points along x and j along
     /// y.
     pub fn new(grid: Grid, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
+        Self::distributed(grid, &grid.whole(), kernel)
+    }
+
+    /// Plans the convolution as [`new`](Self::new), for the rows in the `share` of this process; every process makes
+    /// the same calls. The results have the same bits as with one process.
+    pub fn distributed(grid: Grid, share: &Share, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
         let points = grid.points().map(|points| if points == 1 { 1 } else { padded_length(2 * points) });
-        let plan = Plan::new(&grid, points);
+        let plan = Plan::new(&grid, points, share);
         let is_line = grid.is_line();
         let kernel = plan.even(|i, row| {
             for (j, value) in row.iter_mut().enumerate() {
                 *value = T::nearest(kernel(if is_line { [j, i] } else { [i, j] }));
             }
         });
-        Self { grid, plan, kernel }
+        Self { grid, share: share.clone(), plan, kernel }
     }
 
     /// Returns the grid of the fields.
     pub fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    /// Returns the rows of this process; a single process has all rows.
+    pub fn share(&self) -> &Share {
+        &self.share
     }
 
     /// Allocates all memory for calls, for the number of threads of the current rayon pool.
@@ -102,20 +114,24 @@ impl<T: Real> Convolution<T> {
 impl Convolution {
     /// Returns the largest magnitude in the spectrum of the kernel, the largest amplification of a wave.
     pub fn largest(&self) -> f64 {
-        self.kernel.iter().fold(0.0, |largest, k| k.abs().max(largest))
+        let own = self.kernel.iter().fold(0.0, |largest: f64, k| k.abs().max(largest));
+        self.share.each(own).into_iter().fold(0.0, f64::max)
     }
 
     /// Adds `part` to the kernel at zero distance, which adds `part` times the field to the result.
     #[must_use]
     pub fn with_own(&self, part: f64) -> Self {
-        let plan = Plan::new(&self.grid, self.plan.points());
-        Self { grid: self.grid, plan, kernel: self.kernel.iter().map(|k| k + part).collect() }
+        self.with_kernel(self.kernel.iter().map(|k| k + part).collect())
     }
 
     /// Returns the convolution with `factor` times the kernel, in single precision.
     pub fn rounded(&self, factor: f64) -> Convolution<f32> {
-        let plan = Plan::new(&self.grid, self.plan.points());
-        Convolution { grid: self.grid, plan, kernel: self.kernel.iter().map(|k| (k * factor) as f32).collect() }
+        self.with_kernel(self.kernel.iter().map(|k| (k * factor) as f32).collect())
+    }
+
+    fn with_kernel<T: Real>(&self, kernel: Vec<T>) -> Convolution<T> {
+        let plan = Plan::new(&self.grid, self.plan.points(), &self.share);
+        Convolution { grid: self.grid, share: self.share.clone(), plan, kernel }
     }
 }
 

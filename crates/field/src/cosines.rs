@@ -1,7 +1,8 @@
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
-use gfmd_vector::Split;
+use gfmd_vector::{Messages, Share, Split};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use rustdct::TransformType2And3;
@@ -39,14 +40,18 @@ pub struct Cosines<T = f64> {
     grid: Grid,
     /// Number of rows, and of points in each row.
     shape: [usize; 2],
+    share: Share,
+    /// Columns of each process.
+    columns: Vec<Range<usize>>,
     along_x: Arc<dyn TransformType2And3<T>>,
     along_y: Arc<dyn TransformType2And3<T>>,
 }
 
-/// Working memory of one caller of [`Cosines`]: two fields.
+/// Working memory of one caller of [`Cosines`]: two fields, and as much for messages between several processes.
 pub struct CosineWorkspace<T = f64> {
     rows: Vec<T>,
     columns: Vec<T>,
+    messages: Messages,
 }
 
 /// Smallest number of values in the rows that a thread takes at a time.
@@ -57,14 +62,32 @@ const TILE: usize = 32;
 impl<T: Real> Cosines<T> {
     /// Plans the transforms of `grid`.
     pub fn new(grid: Grid) -> Self {
+        Self::distributed(grid, &grid.whole())
+    }
+
+    /// Plans the transforms of the rows in the `share` of this process. A kernel has its [`columns`](Self::columns);
+    /// every process makes the same calls. The results have the same bits as with one process.
+    pub fn distributed(grid: Grid, share: &Share) -> Self {
         let shape = grid.rows();
         let [along_x, along_y] = T::cosines(shape);
-        Self { grid, shape, along_x, along_y }
+        let ([_, ny], size) = (shape, share.all_rows().len());
+        let columns = (0..size).map(|rank| ny * rank / size..ny * (rank + 1) / size).collect();
+        Self { grid, shape, share: share.clone(), columns, along_x, along_y }
+    }
+
+    /// Returns the columns, the numbers n of the waves, of the kernel of this process.
+    pub fn columns(&self) -> Range<usize> {
+        self.columns[self.share.ranks().rank()].clone()
     }
 
     /// Allocates the memory for a call.
     pub fn workspace(&self) -> CosineWorkspace<T> {
-        CosineWorkspace { rows: vec![T::ZERO; self.grid.len()], columns: vec![T::ZERO; self.grid.len()] }
+        let ([nx, ny], rows) = (self.shape, self.share.rows().len());
+        CosineWorkspace {
+            rows: vec![T::ZERO; rows * ny],
+            columns: vec![T::ZERO; self.columns().len() * nx],
+            messages: Messages::default(),
+        }
     }
 
     /// Multiplies every wave of a field by its value of the `kernel`. `source(i, input, row)` fills the rows of the
@@ -82,17 +105,17 @@ impl<T: Real> Cosines<T> {
         sink: impl Fn(usize, &mut [T], O) + Sync,
         ws: &mut CosineWorkspace<T>,
     ) -> Result<(), ShapeError> {
-        check("kernel", kernel.len(), self.grid.len())?;
-        check("workspace", ws.rows.len(), self.grid.len())?;
-        let [nx, ny] = self.shape;
-        check_rows(&input, nx)?;
-        check_rows(&output, nx)?;
-        let CosineWorkspace { rows, columns } = ws;
+        let ([nx, ny], own) = (self.shape, self.share.rows().len());
+        check("kernel", kernel.len(), self.columns().len() * nx)?;
+        check("workspace", ws.rows.len(), own * ny)?;
+        check_rows(&input, own)?;
+        check_rows(&output, own)?;
+        let CosineWorkspace { rows, columns, messages } = ws;
         each_row(rows, input, &*self.along_y, |i, row, input, plan, scratch| {
             source(i, input, row);
             plan.process_dct2_with_scratch(row, scratch);
         });
-        transpose(rows, ny, columns);
+        self.to_columns(rows, columns, messages);
         // A pair of transforms multiplies by half the number of points.
         let scale = T::nearest(4.0 / (nx * ny) as f64);
         each_row(columns, (), &*self.along_x, |n, column, (), plan, scratch| {
@@ -100,12 +123,17 @@ impl<T: Real> Cosines<T> {
             column.iter_mut().zip(&kernel[n * nx..]).for_each(|(wave, k)| *wave *= *k * scale);
             plan.process_dct3_with_scratch(column, scratch);
         });
-        transpose(columns, nx, rows);
+        turn(&self.share, columns, [&self.columns, self.share.all_rows()], rows, messages);
         each_row(rows, output, &*self.along_y, |i, row, output, plan, scratch| {
             plan.process_dct3_with_scratch(row, scratch);
             sink(i, row, output);
         });
         Ok(())
+    }
+
+    /// Transposes the rows of this process, together with the others, to its columns.
+    fn to_columns(&self, rows: &[T], columns: &mut [T], messages: &mut Messages) {
+        turn(&self.share, rows, [self.share.all_rows(), &self.columns], columns, messages);
     }
 }
 
@@ -115,14 +143,14 @@ impl Cosines {
     /// diagonal in the cosines that is nearest to K; it is positive definite if K is (Chan, Chan and Wong 1999).
     pub fn quotients(&self, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Vec<f64> {
         let [nx, ny] = self.shape;
-        let is_line = self.grid.is_line();
-        let mut rows = vec![0.0; nx * ny];
-        let mut columns = vec![0.0; nx * ny];
+        let (is_line, first) = (self.grid.is_line(), self.share.rows().start);
+        let CosineWorkspace { mut rows, mut columns, mut messages } = self.workspace();
         rows.par_chunks_mut(ny).enumerate().with_min_len(portion(ny)).for_each(|(i, row)| {
+            let i = first + i;
             row.iter_mut().enumerate().for_each(|(j, k)| *k = kernel(if is_line { [j, i] } else { [i, j] }));
         });
         quotients_along(&mut rows, ny);
-        transpose(&rows, ny, &mut columns);
+        self.to_columns(&rows, &mut columns, &mut messages);
         quotients_along(&mut columns, nx);
         columns
     }
@@ -174,6 +202,59 @@ fn each_row<T: Real, V: Split>(
 /// Returns the smallest number of rows that a thread takes at a time.
 fn portion(length: usize) -> usize {
     1 + PORTION / length
+}
+
+/// Transposes a field with lines shared by processes into `out`. Each process gives the lines of its part of the first
+/// division, and gets the lines across them of its part of the second one.
+fn turn<T: Real>(
+    share: &Share,
+    field: &[T],
+    [given, taken]: [&[Range<usize>]; 2],
+    out: &mut [T],
+    messages: &mut Messages,
+) {
+    let [across, length] = [given, taken].map(|parts| parts.last().map_or(0, |part| part.end));
+    if share.is_whole() {
+        return transpose(field, length, out);
+    }
+    let (own, wanted) = (given[share.ranks().rank()].len(), taken[share.ranks().rank()].len());
+    let mut buffers = std::mem::take(messages);
+    let words = |lines: usize, values: usize| T::words(lines * values);
+    buffers.out_lengths = taken.iter().map(|part| words(own, part.len())).collect();
+    buffers.into_lengths = given.iter().map(|part| words(part.len(), wanted)).collect();
+    buffers.out.resize(buffers.out_lengths.iter().sum(), 0);
+    buffers.into.resize(buffers.into_lengths.iter().sum(), 0);
+    let mut rest = &mut buffers.out[..];
+    let mut pieces = Vec::new();
+    for (part, length) in taken.iter().zip(&buffers.out_lengths) {
+        let (piece, after) = rest.split_at_mut(*length);
+        pieces.push((part, piece));
+        rest = after;
+    }
+    // Each piece has the columns of one process, one after another.
+    pieces.into_par_iter().for_each_init(Vec::new, |block, (part, piece)| {
+        block.resize(own * part.len(), T::ZERO);
+        for (line, values) in field.chunks_exact(length).enumerate() {
+            let values = &values[part.clone()];
+            values.iter().enumerate().for_each(|(column, value)| block[column * own + line] = *value);
+        }
+        T::pack(block, piece);
+    });
+    let arrived = share.ranks().post(buffers).wait();
+    let mut rest = &arrived.into[..];
+    let mut block = Vec::new();
+    for (part, words) in given.iter().zip(&arrived.into_lengths) {
+        let (piece, after) = rest.split_at(*words);
+        rest = after;
+        block.resize(part.len() * wanted, T::ZERO);
+        T::unpack(piece, &mut block);
+        // A process may have no lines.
+        if !part.is_empty() {
+            let lines = out.par_chunks_mut(across).zip(block.par_chunks(part.len())).with_min_len(portion(across));
+            lines.for_each(|(line, values)| line[part.clone()].copy_from_slice(values));
+        }
+    }
+    *messages = arrived;
 }
 
 /// Transposes `field`, which has rows of `length` values, into `out`.

@@ -51,24 +51,17 @@ pub struct ShapeError {
 }
 
 impl<T: Real> Plan<T> {
-    /// Plans the transforms, with at least as many `points` as the grid.
-    pub(crate) fn new(grid: &Grid, points: [usize; 2]) -> Self {
-        let rows = grid.rows();
-        let kind = match rows {
-            [1, shown] => Kind::Line(Line::new(points[0] * points[1], shown)),
-            corner => Kind::Plane(Plane::new(points, corner)),
-        };
-        Self { rows, points, kind }
-    }
-
-    /// Plans the transforms of the rows in the `share` of this process.
-    pub(crate) fn distributed(grid: &Grid, share: &Share) -> Self {
-        let points = grid.points();
-        if share.is_whole() || grid.rows()[0] == 1 {
-            return Self::new(grid, points);
+    /// Plans the transforms of the rows of the grid in the `share` of this process, with at least as many `points` as
+    /// the grid.
+    pub(crate) fn new(grid: &Grid, points: [usize; 2], share: &Share) -> Self {
+        match grid.rows() {
+            [1, shown] => Self { rows: [1, shown], points, kind: Kind::Line(Line::new(points[0] * points[1], shown)) },
+            corner if share.is_whole() => Self { rows: corner, points, kind: Kind::Plane(Plane::new(points, corner)) },
+            [_, shown] => {
+                let kind = Kind::Shared(Shared::new(points, shown, share));
+                Self { rows: [share.rows().len(), shown], points, kind }
+            }
         }
-        let kind = Kind::Shared(Shared::new(points, share));
-        Self { rows: [share.rows().len(), points[1]], points, kind }
     }
 
     /// Returns the lanes of the half spectrum that belong to this process.
@@ -203,13 +196,14 @@ impl<T: Real> Plan<T> {
         })
     }
 
-    /// Computes the stored part of the spectrum of an even kernel from rows of its values at the distances 0, 1, ….
+    /// Computes the stored part of the spectrum of an even kernel from rows of its values at the distances 0, 1, …; of
+    /// the lanes of this process.
     pub(crate) fn even(&self, source: impl Fn(usize, &mut [T]) + Sync) -> Vec<T> {
         let mut ws = self.workspace();
         match &self.kind {
             Kind::Line(line) => line.even(&source, &mut ws.line),
             Kind::Plane(plane) => plane.even(&source, &mut ws.plane),
-            Kind::Shared(_) => Vec::new(),
+            Kind::Shared(shared) => shared.even(&source, &mut ws.shared),
         }
     }
 

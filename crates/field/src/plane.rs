@@ -121,7 +121,8 @@ impl<T: Real> Plane<T> {
             self.panels().zip(spectrum.chunks_mut(self.width * self.rows)),
             |(panel, columns), worker| {
                 self.load(blocks, &panel, columns, self.rows, &mut worker.tile);
-                columns.chunks_exact_mut(self.rows).for_each(|column| column[self.corner[0]..].fill(Complex::ZERO));
+                let lines = columns.chunks_exact_mut(self.rows);
+                lines.for_each(|column| column[self.corner[0]..].fill(Complex::ZERO));
                 self.ahead.process_with_scratch(columns, &mut worker.scratch);
                 columns.iter_mut().for_each(|mode| *mode *= scale);
             },
@@ -235,14 +236,7 @@ impl<T: Real> Plane<T> {
     /// it. `source(i, row)` fills the values at the distances 0, 1, … along a row; beyond the corner the kernel is
     /// zero.
     pub(crate) fn even(&self, source: &(impl Fn(usize, &mut [T]) + Sync), memory: &mut Memory<T>) -> Vec<T> {
-        let [held, shown] = self.corner;
-        let both_sides = |i: usize, (): (), row: &mut [T]| {
-            row[shown..].fill(T::ZERO);
-            source(i, &mut row[..shown]);
-            let (near, far) = row.split_at_mut(shown);
-            far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
-        };
-        self.rows_ahead((), &both_sides, self.points, memory);
+        self.even_rows(source, memory);
         let Memory { blocks, workers, .. } = memory;
         let line = self.line();
         let mut kernel = vec![T::ZERO; self.half() * line];
@@ -250,15 +244,38 @@ impl<T: Real> Plane<T> {
             let Worker { tile, columns, scratch, .. } = worker;
             self.load(blocks, &panel, columns, self.column(), tile);
             for (column, kernel) in columns.chunks_exact_mut(self.column()).zip(kernels.chunks_exact_mut(line)) {
-                let column = &mut column[..self.rows];
-                let (near, far) = column.split_at_mut(held);
-                far.fill(Complex::ZERO);
-                far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
-                self.ahead.process_with_scratch(column, scratch);
-                kernel.iter_mut().zip(column).for_each(|(k, mode)| *k = mode.re);
+                self.even_column(self.corner[0], &mut column[..self.rows], kernel, scratch);
             }
         });
         kernel
+    }
+
+    /// Transforms the rows of a kernel that is even along each row; `source` fills their values at the distances 0, 1,
+    /// ….
+    pub(crate) fn even_rows(&self, source: &(impl Fn(usize, &mut [T]) + Sync), memory: &mut Memory<T>) {
+        let [_, shown] = self.corner;
+        let both_sides = |i: usize, (): (), row: &mut [T]| {
+            row[shown..].fill(T::ZERO);
+            source(i, &mut row[..shown]);
+            let (near, far) = row.split_at_mut(shown);
+            far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
+        };
+        self.rows_ahead((), &both_sides, self.points, memory);
+    }
+
+    /// Computes the stored half of a column of the spectrum of an even kernel from its first `held` values.
+    pub(crate) fn even_column(
+        &self,
+        held: usize,
+        column: &mut [Complex<T>],
+        kernel: &mut [T],
+        scratch: &mut [Complex<T>],
+    ) {
+        let (near, far) = column.split_at_mut(held);
+        far.fill(Complex::ZERO);
+        far.iter_mut().rev().zip(&near[1..]).for_each(|(far, near)| *far = *near);
+        self.ahead.process_with_scratch(column, scratch);
+        kernel.iter_mut().zip(column).for_each(|(k, mode)| *k = mode.re);
     }
 
     /// Transforms the rows of the field into half spectra; `source` fills their first `filled` points.
@@ -360,9 +377,9 @@ impl<T: Real> Plane<T> {
         self.rows
     }
 
-    /// Returns the number of points of the transform of a row.
-    pub(crate) fn points(&self) -> usize {
-        self.points
+    /// Returns the number of points of a row that a field may fill.
+    pub(crate) fn shown(&self) -> usize {
+        self.corner[1]
     }
 
     /// Returns the number of modes in the half spectrum of a row, which is the number of columns.

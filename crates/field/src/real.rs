@@ -1,13 +1,13 @@
 use std::iter::Sum;
 
 use gfmd_plan::Plans;
-use gfmd_vector::Rows;
+use gfmd_vector::{Rows, Word};
 use num_complex::Complex;
 use rustdct::DctNum;
 use rustfft::num_traits::{ConstZero, NumAssign};
 
 /// Number type of a field: `f64`, or `f32` at half the memory and time, with seven digits.
-pub trait Real: DctNum + ConstZero + NumAssign + Default + Sum + Wire + Plans {
+pub trait Real: DctNum + ConstZero + NumAssign + Default + Sum + Word + Wire + Plans {
     /// Returns the nearest number of this type.
     fn nearest(x: f64) -> Self;
 

@@ -48,13 +48,13 @@ struct Direction {
 }
 
 impl<T: Real> Shared<T> {
-    /// Creates plans for the rows of `share`, with points along y as columns.
-    pub(crate) fn new([rows, points]: [usize; 2], share: &Share) -> Self {
+    /// Creates plans for the rows of `share`, which fill the first `shown` points of the first rows of a plane.
+    pub(crate) fn new([rows, points]: [usize; 2], shown: usize, share: &Share) -> Self {
         let (half, size) = (points / 2 + 1, share.all_rows().len());
         let columns: Vec<Range<usize>> = (0..size).map(|rank| half * rank / size..half * (rank + 1) / size).collect();
         let most = columns.iter().map(Range::len).max().unwrap_or(0);
         Self {
-            plane: Plane::new([rows, points], [share.rows().len(), points]),
+            plane: Plane::new([rows, points], [share.rows().len(), shown]),
             share: share.clone(),
             columns,
             width: most.div_ceil(ROUNDS).max(1),
@@ -77,7 +77,7 @@ impl<T: Real> Shared<T> {
         spectrum: &mut [Complex<T>],
         memory: &mut Memory<T>,
     ) {
-        self.plane.rows_ahead((), &|i, (), row| source(i, row), self.plane.points(), &mut memory.plane);
+        self.plane.rows_ahead((), &|i, (), row| source(i, row), self.plane.shown(), &mut memory.plane);
         let output = Rows(spectrum, self.plane.rows());
         let take = |_: usize, Rows(to, _): Rows<&mut [Complex<T>]>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
             self.plane.ahead(column, scratch);
@@ -95,7 +95,7 @@ impl<T: Real> Shared<T> {
             self.plane.back(column, scratch);
         };
         self.rounds(Direction { there: false, back: true }, input, &give, memory);
-        self.plane.rows_back(Rows(field, self.plane.points()), &copy, &mut memory.plane);
+        self.plane.rows_back(Rows(field, self.plane.shown()), &copy, &mut memory.plane);
     }
 
     /// Computes the half spectra of this rank's rows of K f; `source` fills the rows of f from the rows of `input`. The
@@ -107,7 +107,7 @@ impl<T: Real> Shared<T> {
         source: &(impl Fn(usize, I, &mut [T]) + Sync),
         memory: &mut Memory<T>,
     ) {
-        self.plane.rows_ahead(input, source, self.plane.points(), &mut memory.plane);
+        self.plane.rows_ahead(input, source, self.plane.shown(), &mut memory.plane);
         let kernel = Rows(kernel, self.line(kernel));
         let filter = |_: usize, Rows(kernel, _): Rows<&[T]>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
             self.plane.filter(column, kernel, scratch);
@@ -132,7 +132,7 @@ impl<T: Real> Shared<T> {
         source: &(impl Fn(usize, &mut [T]) + Sync),
         memory: &mut Memory<T>,
     ) -> f64 {
-        self.plane.rows_ahead((), &|i, (), row| source(i, row), self.plane.points(), &mut memory.plane);
+        self.plane.rows_ahead((), &|i, (), row| source(i, row), self.plane.shown(), &mut memory.plane);
         let first = self.columns().start;
         let mut sums = vec![0.0; self.columns().len()];
         let output = (&mut sums[..], Rows(kernel, self.line(kernel)));
@@ -143,6 +143,25 @@ impl<T: Real> Shared<T> {
         self.rounds(Direction { there: true, back: false }, output, &add, memory);
         let lengths: Vec<usize> = self.columns.iter().map(Range::len).collect();
         self.plane.whole_form(&self.share.collect(&sums, &lengths))
+    }
+
+    /// Computes this rank's columns of the spectrum of a kernel that is even in both directions: half of each. `source`
+    /// fills the values at the distances 0, 1, … along a row, for the distances of all rows.
+    pub(crate) fn even(&self, source: &(impl Fn(usize, &mut [T]) + Sync), memory: &mut Memory<T>) -> Vec<T> {
+        let first = self.share.rows().start;
+        self.plane.even_rows(&|i: usize, row: &mut [T]| source(first + i, row), &mut memory.plane);
+        let line = self.plane.rows() / 2 + 1;
+        let mut kernel = vec![T::ZERO; self.columns().len() * line];
+        let take = |_: usize, Rows(to, _): Rows<&mut [T]>, column: &mut [Complex<T>], scratch: &mut Vec<_>| {
+            self.plane.even_column(self.held(), column, to, scratch);
+        };
+        self.rounds(Direction { there: true, back: false }, Rows(&mut kernel[..], line), &take, memory);
+        kernel
+    }
+
+    /// Returns the number of rows of all ranks; a plane may have more, in which fields are zero.
+    fn held(&self) -> usize {
+        self.share.all_rows().last().map_or(0, |rows| rows.end)
     }
 
     /// Returns the number of kernel values in a column.
@@ -276,7 +295,7 @@ impl<T: Real> Shared<T> {
             }
             items.push((panel, parts));
         }
-        let (rows, stride) = (self.plane.rows(), self.plane.column());
+        let (rows, held, stride) = (self.plane.rows(), self.held(), self.plane.column());
         let items = items.into_iter().zip(output.parts(Plane::<T>::GAP));
         distribute(
             &mut memory.plane.workers,
@@ -290,7 +309,10 @@ impl<T: Real> Shared<T> {
                     }
                 }
                 let all = panel.zip(columns.chunks_exact_mut(stride)).zip(output.parts(1));
-                all.for_each(|((number, column), output)| work(number - first, output, &mut column[..rows], scratch));
+                all.for_each(|((number, column), output)| {
+                    column[held..rows].fill(Complex::ZERO);
+                    work(number - first, output, &mut column[..rows], scratch);
+                });
                 for (rows, part) in parts.iter_mut().filter(|_| direction.back) {
                     for (i, line) in rows.clone().zip(part.chunks_exact_mut(width * T::WORDS)) {
                         let line = line.chunks_exact_mut(T::WORDS).enumerate();

@@ -5,7 +5,7 @@ use gfmd_vector::{Share, Split};
 use num_complex::Complex;
 
 use crate::plan::Plan;
-use crate::{Grid, Real, ShapeError, Workspace};
+use crate::{Grid, GridError, Real, ShapeError, Workspace};
 
 /// Planned Fourier transforms of one grid, built once and shared between threads.
 ///
@@ -19,14 +19,7 @@ pub struct Transform<T = f64> {
 impl<T: Real> Transform<T> {
     /// Plans the transforms of `grid`. Any number of points is allowed; products of small primes are fast.
     pub fn new(grid: Grid) -> Self {
-        Self { grid, plan: Plan::new(&grid, grid.points()) }
-    }
-
-    /// Plans the transforms of fields on a `corner` of `grid`, which begins at the first point and has at most as many
-    /// points along each axis. A field has the values in the corner: it is zero outside, and the inverse transform
-    /// returns no other values. The zeros are neither stored nor transformed along y.
-    pub fn in_corner(grid: Grid, corner: &Grid) -> Self {
-        Self { grid, plan: Plan::new(corner, grid.points()) }
+        Self::distributed(grid, &grid.whole())
     }
 
     /// Plans the transforms of the rows in the `share` of this process. A field has these rows, and a spectrum or a
@@ -34,7 +27,18 @@ impl<T: Real> Transform<T> {
     /// same bits as with one process. Message buffers take about 0.4 fields in addition to the memory of
     /// [`new`](Self::new) for these rows.
     pub fn distributed(grid: Grid, share: &Share) -> Self {
-        Self { grid, plan: Plan::distributed(&grid, share) }
+        Self { grid, plan: Plan::new(&grid, grid.points(), share) }
+    }
+
+    /// Plans the transforms of fields on a `patch`, in its [padded](Grid::padded_to) cell with at least `times` the
+    /// points of each axis. A field has the rows of the patch in the `share` of this process, and is zero elsewhere; a
+    /// spectrum has the modes of the cell, as for [`distributed`](Self::distributed). The zeros are not stored.
+    ///
+    /// # Errors
+    /// Returns an error if the cell has more points than memory can address.
+    pub fn padded(times: usize, patch: &Grid, share: &Share) -> Result<Self, GridError> {
+        let grid = patch.padded_to(times)?;
+        Ok(Self { grid, plan: Plan::new(patch, grid.points(), share) })
     }
 
     /// Returns the lanes of the half spectrum ([`Grid::spectrum_shape`]) of this process; one process has all lanes.

@@ -1,4 +1,5 @@
 use gfmd_field::GridError;
+use gfmd_vector::TooManyRanks;
 
 use crate::BaseKind;
 
@@ -103,6 +104,9 @@ pub enum GreenError {
     /// Patch that cannot be doubled.
     #[error(transparent)]
     Grid(#[from] GridError),
+    /// Cell of a patch with rows that several processes cannot share.
+    #[error(transparent)]
+    Share(#[from] TooManyRanks),
     /// Shear of a profile with free boundaries.
     #[error(
         "the grid is a profile; shear with free boundaries needs a surface, since the lateral displacement of a \

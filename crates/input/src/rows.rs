@@ -28,10 +28,11 @@ pub fn handed_out(share: &Share, whole: Option<&Array2<f64>>, columns: usize) ->
 /// Gathers the whole field at the first process; returns `None` at the others.
 pub fn gathered(share: &Share, own: ArrayView2<f64>) -> Option<Array2<f64>> {
     let (columns, own) = (own.ncols(), contiguous(&own));
-    let mut whole = Vec::new();
+    let is_first = share.ranks().rank() == 0;
+    let mut whole = Vec::with_capacity(if is_first { share.total() } else { 0 });
     share.to_first(&own, columns, height(columns), |_, values| whole.extend_from_slice(values));
     let shape = (whole.len() / columns, columns);
-    if share.ranks().rank() == 0 { Array2::from_shape_vec(shape, whole).ok() } else { None }
+    if is_first { Array2::from_shape_vec(shape, whole).ok() } else { None }
 }
 
 /// Returns the SHA-256 of a field, row by row, from the rows of each process; only the first process gets it.

@@ -509,7 +509,10 @@ impl SourceArgs {
         let Some(ranks) = session.ranks() else { return self.whole(boundary, session) };
         let shared = |grid: &Grid| session.share(grid).map_err(|error| Failure::input(self.name(), error));
         let is_filtered = self.preparation.filter.is_some();
-        if self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared() && !is_filtered {
+        // Points of a finer patch lie between the points where waves begin.
+        let is_centred = boundary == Boundary::Free && self.finer.is_some();
+        let is_made = self.surface.is_none() && self.second_surface.is_none() && self.generator.is_shared();
+        if is_made && !is_filtered && !is_centred {
             // Another machine may have less memory.
             let grid = session.agree(generated_grid(&self.generator, &self.size, session.processes()))?;
             self.generator.check_shape(&grid, boundary == Boundary::Periodic)?;

@@ -6,7 +6,7 @@ use ndarray::{Array2, Array3, ArrayRef2};
 
 use crate::frame::Frame;
 use crate::kinks::Kinks;
-use crate::numbers::{dot, higher, higher_each, lower, reduce, sum, total};
+use crate::numbers::{dot, higher, higher_each, lower, reduce, total};
 use crate::{Interface, Residual, State};
 
 /// Computes the state at `position`, the displacement in the frame of the drive, from new transforms and the law. At a
@@ -56,15 +56,15 @@ pub(crate) fn certify_level(
     let traction = frame.values_inside(traction);
     let mut mean_shear = [0.0; 2];
     for (mean_shear, shear) in mean_shear.iter_mut().zip(traction.chunks_exact(nx * ny).take(z)) {
-        *mean_shear = frame.mean(shear);
+        *mean_shear = frame.mean_inside(shear);
     }
     let traction = Array3::from_shape_vec((z + 1, nx, ny), traction).expect(FITS);
     let depth = |kinks: &Kinks| (0..points).map(|i| kinks.pressed_in(i, depth_of(inset, i))).collect();
     let pressed_in = interface.hardness.as_ref().and(kinks).map(|kinks| field(depth(kinks)));
     let (gap, wall_pressure) = (field(gap), field(wall_pressure));
     let pressures = contiguous(&wall_pressure);
-    let closed = dot(frame.share, &pressures, &contiguous(&gap));
-    let pressed = total(frame.share, &pressures);
+    let closed = dot(frame.share_inside(), &pressures, &contiguous(&gap));
+    let pressed = total(frame.share_inside(), &pressures);
     let residual = Residual {
         complementarity: if pressed > 0.0 { (closed / (pressed * interface.length_scale())).abs() } else { 0.0 },
         equilibrium: worst(|balance| balance.unbalanced) / stress,
@@ -157,11 +157,10 @@ impl Interface {
             return Ok(certify(self, &frame, &frame.position(&self.elastic, inside, pressure), &[]));
         };
         let depth: Vec<f64> = pressed_in.map_or_else(|| vec![0.0; expected], |depth| depth.iter().copied().collect());
-        let fields: Vec<[f64; 2]> = pressure.iter().zip(gap).map(|(p, gap)| [*p, *gap]).collect();
-        let insets = kinks.insets(&frame, |i, at| {
-            let [pressure, gap] = fields[i];
-            let pressure = if depth[i] > 0.0 { f64::INFINITY } else { pressure };
-            (gap <= 0.0).then(|| [pressure, kinks.limit(at) + depth[i]])
+        let depth = frame.placed(depth.into_iter(), 0.0);
+        let insets = kinks.insets(&frame, [pressure, gap], |at, pressure| {
+            let pressure = if depth[at] > 0.0 { f64::INFINITY } else { pressure };
+            [pressure, kinks.limit(at) + depth[at]]
         });
         let added = frame.values_inside(insets.clone());
         inside.iter_mut().zip(&added).for_each(|(w, inset)| *w += inset);
@@ -178,8 +177,9 @@ impl Interface {
 impl Interface {
     /// Returns the mean of a field over all processes.
     pub(crate) fn mean_of(&self, field: &ArrayRef2<f64>) -> f64 {
-        let points = if self.share.is_whole() { field.len() } else { self.share.total() };
-        total(&self.share, &contiguous(field)) / points as f64
+        let share = self.surface.share();
+        let points = if share.is_whole() { field.len() } else { share.total() };
+        total(share, &contiguous(field)) / points as f64
     }
 }
 
@@ -321,12 +321,11 @@ impl Certificate<'_> {
     /// Returns the energy of the law per area.
     fn interface_energy(&self) -> f64 {
         let Self { interface, frame, position, inset, .. } = self;
-        let of = |i: usize| {
-            let at = frame.place_of(i);
+        let of = |at: usize| {
             let (normal, sliding) = frame.separation(position, at);
             interface.energy((if depth_of(inset, at) > 0.0 { 0.0 } else { normal }, sliding))
         };
-        sum(frame.share, frame.inside(), &|range| range.map(of).sum()) / frame.all_inside() as f64
+        frame.sum_inside(of) / frame.all_inside() as f64
     }
 
     /// Returns the fraction of points pressed by the wall; without a wall, the fraction of points repelled by the law.
@@ -334,12 +333,10 @@ impl Certificate<'_> {
         let Self { interface, frame, position, wall_pressure, .. } = self;
         let wall = interface.law.has_wall();
         let in_contact = |i: usize| {
-            let i = frame.place_of(i);
             let (normal, sliding) = frame.separation(position, i);
             if wall { wall_pressure[i] > 0.0 } else { interface.law.traction(normal, sliding)[2] < 0.0 }
         };
-        let count = sum(frame.share, frame.inside(), &|range| range.map(|i| f64::from(in_contact(i))).sum());
-        count / frame.all_inside() as f64
+        frame.sum_inside(|i| f64::from(in_contact(i))) / frame.all_inside() as f64
     }
 
     /// Returns the displacement of the elastic surface and the approach of the rigid one. In the frame of a load, the
@@ -349,7 +346,7 @@ impl Certificate<'_> {
         let mut displacement = position.to_vec();
         let Load::MeanPressure(_) = frame.drive.load else { return (displacement, frame.approach) };
         let normal = &mut displacement[frame.z() * frame.points()..];
-        let inside = frame.inside() as f64 / frame.points() as f64;
+        let inside = frame.all_inside() as f64 / frame.all_points() as f64;
         let mean = total(frame.share, normal) / frame.all_points() as f64;
         let approach = mean + interface.elastic.uniform_compliance()[frame.z()] * mean_pressure * inside;
         normal.iter_mut().for_each(|u| *u -= approach);

@@ -3,7 +3,7 @@ use gfmd_response::Elastic;
 use gfmd_vector::Share;
 use ndarray::ArrayRef2;
 
-use crate::numbers::total;
+use crate::numbers::{sum, total};
 use crate::patch::Patch;
 use crate::{Interface, State};
 
@@ -44,7 +44,10 @@ impl Interface {
             uniform_stiffness.push(0.0);
         }
         let clearance = self.patch.as_ref().map_or_else(|| self.surface.clearance(), Patch::clearance);
-        let inside = self.surface.clearance().len() as f64 / clearance.len() as f64;
+        let inside = match self.share.is_whole() {
+            true => self.surface.clearance().len() as f64 / clearance.len() as f64,
+            false => self.surface.share().total() as f64 / self.share.total() as f64,
+        };
         let (push, approach) = match drive.load {
             Load::MeanPressure(mean) => {
                 (uniform_stiffness[z], held[z]) = (0.0, false);
@@ -81,12 +84,28 @@ impl Frame<'_> {
 
     /// Returns the number of points below the rigid surface of all processes.
     pub(crate) fn all_inside(&self) -> usize {
-        if self.share.is_whole() { self.inside() } else { self.share.total() }
+        if self.share.is_whole() { self.inside() } else { self.share_inside().total() }
     }
 
-    /// Returns the index of point `i` of the points [inside](Self::inside).
-    pub(crate) fn place_of(&self, i: usize) -> usize {
-        self.patch.map_or(i, |patch| patch.place_of(i))
+    /// Returns the points below the rigid surface of this process.
+    pub(crate) fn share_inside(&self) -> &Share {
+        self.patch.map_or(self.share, Patch::share)
+    }
+
+    /// Returns the field of given values at the inside points, with the value `outside` elsewhere.
+    pub(crate) fn placed(&self, inside: impl Iterator<Item = f64>, outside: f64) -> Vec<f64> {
+        let Some(patch) = self.patch else { return inside.collect() };
+        let mut field = vec![outside; self.points()];
+        patch.place(inside, &mut field);
+        field
+    }
+
+    /// Returns the sum of a function of the points over the inside points.
+    pub(crate) fn sum_inside(&self, of: impl Fn(usize) -> f64 + Sync) -> f64 {
+        match self.patch {
+            Some(patch) => total(patch.share(), &patch.values(of)),
+            None => sum(self.share, self.points(), &|range| range.map(&of).sum()),
+        }
     }
 
     /// Returns the values at the inside points, field by field.
@@ -100,6 +119,11 @@ impl Frame<'_> {
     /// Returns the mean over the inside points of a field that is zero elsewhere.
     pub(crate) fn mean(&self, field: &[f64]) -> f64 {
         total(self.share, field) / self.all_inside() as f64
+    }
+
+    /// Returns the mean of values at the inside points.
+    pub(crate) fn mean_inside(&self, values: &[f64]) -> f64 {
+        total(self.share_inside(), values) / self.all_inside() as f64
     }
 
     /// Returns the number of components.
@@ -147,7 +171,8 @@ impl Frame<'_> {
         if let Load::MeanPressure(_) = self.drive.load {
             // In the frame of a load the body moves as a whole.
             let (normal, inside) = (&mut position[self.z() * self.points()..], &inside[self.z() * patch.len()..]);
-            let rise = (total(self.share, inside) - total(self.share, &patch.inside(normal))) / patch.len() as f64;
+            let sum = |values: &[f64]| total(patch.share(), values);
+            let rise = (sum(inside) - sum(&patch.inside(normal))) / self.all_inside() as f64;
             normal.iter_mut().for_each(|w| *w += rise);
         }
         patch.place(inside, &mut position);
@@ -168,8 +193,8 @@ impl Frame<'_> {
             position[self.z() * self.inside()..].iter_mut().for_each(|w| *w += state.approach);
         }
         let mut position = self.position_of(elastic, position, state.traction.iter().copied());
-        for (i, _) in state.wall_pressure.iter().enumerate().filter(|(_, pressure)| **pressure > 0.0) {
-            let at = self.place_of(i);
+        let pressures = self.placed(state.wall_pressure.iter().copied(), 0.0);
+        for (at, _) in pressures.iter().enumerate().filter(|(_, pressure)| **pressure > 0.0) {
             position[z + at] = self.clearance[at] - self.approach;
         }
         position

@@ -164,7 +164,7 @@ impl Interface {
             false => level - elastic[i] - mean,
         });
         let by_clearance = frame.values_inside(by_clearance.collect());
-        let moved = total(share, &by_clearance);
+        let moved = total(frame.share_inside(), &by_clearance);
         let part = all / frame.all_points() as f64;
         let sinks = self.elastic.uniform_compliance()[0] * part;
         let by_load = match is_driven {

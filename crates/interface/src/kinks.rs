@@ -10,6 +10,7 @@ use gfmd_contact::Load;
 use gfmd_law::Opening;
 use gfmd_relax::Upper;
 use gfmd_vector::{Share, for_each};
+use ndarray::{ArrayRef2, Axis};
 
 use crate::State;
 use crate::frame::Frame;
@@ -73,16 +74,22 @@ impl Kinks {
         touch: Opening,
         [softest, stiffest]: [f64; 2],
     ) -> Self {
-        let (mut most, mut springs) = (vec![f64::INFINITY; frame.points()], vec![0.0; frame.points()]);
-        for i in 0..frame.inside() {
-            let at = frame.place_of(i);
-            if let Some(hardness) = hardness {
-                most[at] = (hardness.ceiling().at(i) + touch.traction).max(0.0);
-            }
-            if let Some(given) = given {
-                springs[at] = if is_rigid(given[i], stiffest) { 0.0 } else { given[i] };
-            }
-        }
+        let inside = 0..frame.inside();
+        let most = hardness.map_or_else(
+            || vec![f64::INFINITY; frame.points()],
+            |hardness| {
+                let ceiling = hardness.ceiling();
+                let most = |i: usize| (ceiling.at(i) + touch.traction).max(0.0);
+                frame.placed(inside.map(most), f64::INFINITY)
+            },
+        );
+        let springs = given.map_or_else(
+            || vec![0.0; frame.points()],
+            |given| {
+                let soft = given.iter().map(|k| if is_rigid(*k, stiffest) { 0.0 } else { *k });
+                frame.placed(soft, 0.0)
+            },
+        );
         let (bound, share, stiffness) = (frame.wall().collect(), frame.share.clone(), (softest * stiffest).sqrt());
         Self { bound, most, springs, touch, stiffness, share }
     }
@@ -271,14 +278,20 @@ impl Kinks {
         }
     }
 
-    /// Returns the insets of given fields: `of` returns the pressure −t_z and the geometric inset of the inside point
-    /// `i` at the place `at` of the cell if it is in contact. Where the repulsion has its largest value, the geometric
-    /// inset counts, elsewhere the spring under the pressure.
-    pub(crate) fn insets(&self, frame: &Frame, of: impl Fn(usize, usize) -> Option<[f64; 2]>) -> Vec<f64> {
+    /// Returns the insets of given fields, from the pressure −t_z and the gap at the inside points: `of` returns the
+    /// pressure and the geometric inset of a point in contact with this pressure. Where the repulsion has its largest
+    /// value, the geometric inset counts, elsewhere the spring under the pressure.
+    pub(crate) fn insets(
+        &self,
+        frame: &Frame,
+        [pressure, gap]: [&ArrayRef2<f64>; 2],
+        of: impl Fn(usize, f64) -> [f64; 2],
+    ) -> Vec<f64> {
         let mut insets = vec![0.0; frame.points()];
-        for i in 0..frame.inside() {
-            let at = frame.place_of(i);
-            let Some([pressure, depth]) = of(i, at) else { continue };
+        let pressure = frame.placed(pressure.iter().copied(), 0.0);
+        let gap = frame.placed(gap.iter().copied(), f64::INFINITY);
+        for at in (0..frame.points()).filter(|at| gap[*at] <= 0.0) {
+            let [pressure, depth] = of(at, pressure[at]);
             let (repulsion, most) = (pressure + self.touch.traction, self.most[at]);
             insets[at] = if repulsion >= most * (1.0 - NEAR) {
                 depth.max(self.limit(at))
@@ -295,12 +308,9 @@ impl Kinks {
             None => vec![0.0; frame.points()],
             Some(state) => {
                 let rise = if let Load::MeanPressure(_) = frame.drive.load { state.approach } else { 0.0 };
-                let fields = state.displacement.iter().zip(&state.traction).zip(&state.gap);
-                let fields: Vec<_> = fields.map(|((u, t), gap)| (u + rise, -t, *gap)).collect();
-                self.insets(frame, |i, at| {
-                    let (w, pressure, gap) = fields[i];
-                    (gap <= 0.0).then(|| [pressure, w - self.bound[at]])
-                })
+                let w = frame.placed(state.displacement.iter().map(|u| u + rise), 0.0);
+                let pressure = state.traction.index_axis(Axis(0), 0).mapv(|t| -t);
+                self.insets(frame, [&pressure, &state.gap], |at, pressure| [pressure, w[at] - self.bound[at]])
             }
         };
         let place = |start: usize, [w, inset]: [&mut [f64]; 2]| {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use gfmd_vector::{Serialise, Share, add};
 
 /// Reduces a vector with `length` values on this process, as [`gfmd_vector::reduce`]: its components one after another,
-/// each with the points of the share. Other vectors, such as the values inside a patch, belong to a single process.
+/// each with the points of the share. Vectors of other lengths belong to a single process.
 pub(crate) fn reduce<R: Serialise>(
     share: &Share,
     length: usize,

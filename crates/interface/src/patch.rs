@@ -1,16 +1,24 @@
+use std::ops::Range;
 use std::sync::Arc;
 
 use gfmd_contact::RigidSurface;
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
+use gfmd_vector::for_each;
 
 /// Periodic cell for a patch with free boundaries: the patch and empty surface beside it, with twice the points along
 /// each axis. There the rigid surface is so [far](FAR) away that neither law nor wall acts (theory.md, section 8.1).
-/// The patch is the first part of the first rows.
+/// The patch is the first part of the first rows. Several processes share the rows of the patch, and otherwise the rows
+/// of the cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
-    points: [usize; 2],
-    cell: [usize; 2],
-    /// Clearance of the whole cell.
+    /// Numbers of points of a row of the patch and of the cell.
+    columns: [usize; 2],
+    /// Points of the cell of this process.
+    cell: usize,
+    /// Rows of the patch of each process, and rows of the patch in the part of the cell of each process.
+    rows: [Arc<[Range<usize>]>; 2],
+    share: Share,
+    /// Clearance of the cell.
     clearance: Arc<[f64]>,
 }
 
@@ -19,11 +27,18 @@ pub(crate) struct Patch {
 const FAR: f64 = 1e30;
 
 impl Patch {
-    /// Creates the patch of `surface` in its cell.
-    pub(crate) fn of(surface: &RigidSurface, cell: &Grid) -> Self {
-        let points = surface.grid().points();
-        let patch = Self { points, cell: cell.points(), clearance: Arc::default() };
-        let mut clearance = vec![FAR; cell.len()];
+    /// Creates the patch of `surface` in its cell, with the rows of the cell of this process.
+    pub(crate) fn of(surface: &RigidSurface, cell: &Grid, of_cell: &Share) -> Self {
+        let (share, [nx, ny]) = (surface.share().clone(), surface.grid().points());
+        let [_, wide] = cell.points();
+        let inside = |rows: &Range<usize>| rows.start.min(nx)..rows.end.min(nx);
+        let rows = match share.is_whole() {
+            true => [std::iter::once(0..nx).collect(), std::iter::once(0..nx).collect()],
+            false => [share.all_rows().iter().cloned().collect(), of_cell.all_rows().iter().map(inside).collect()],
+        };
+        let cell = of_cell.own().len();
+        let patch = Self { columns: [ny, wide], cell, rows, share, clearance: Arc::default() };
+        let mut clearance = vec![FAR; cell];
         patch.place(surface.clearance().iter().copied(), &mut clearance);
         Self { clearance: clearance.into(), ..patch }
     }
@@ -32,29 +47,46 @@ impl Patch {
         &self.clearance
     }
 
-    /// Returns the number of points of the patch.
+    /// Returns the number of points of the patch of this process.
     pub(crate) fn len(&self) -> usize {
-        self.points[0] * self.points[1]
+        self.rows[0][self.rank()].len() * self.columns[0]
     }
 
-    /// Returns the index in the cell of point `i` of the patch.
-    pub(crate) fn place_of(&self, i: usize) -> usize {
-        i / self.points[1] * self.cell[1] + i % self.points[1]
+    /// Returns the points of the patch of this process.
+    pub(crate) fn share(&self) -> &Share {
+        &self.share
     }
 
     /// Writes the values on the patch into the fields of the cell, field by field.
     pub(crate) fn place(&self, values: impl IntoIterator<Item = f64>, fields: &mut [f64]) {
-        let (patch, cell) = (self.len(), self.cell[0] * self.cell[1]);
-        for (i, value) in values.into_iter().enumerate() {
-            fields[i / patch * cell + self.place_of(i % patch)] = value;
+        let values: Vec<f64> = values.into_iter().collect();
+        let ([ny, wide], [patch, cell]) = (self.columns, &self.rows);
+        for (values, field) in values.chunks_exact(self.len()).zip(fields.chunks_exact_mut(self.cell)) {
+            let moved = (!self.share.is_whole()).then(|| self.share.moved(values, ny, [patch, cell]));
+            let rows = moved.as_deref().unwrap_or(values).chunks_exact(ny);
+            field.chunks_exact_mut(wide).zip(rows).for_each(|(row, values)| row[..ny].copy_from_slice(values));
         }
     }
 
     /// Returns the values on the patch from the fields of the cell, field by field.
     pub(crate) fn inside(&self, fields: &[f64]) -> Vec<f64> {
-        let [nx, ny] = self.points;
-        let rows =
-            fields.chunks_exact(self.cell[0] * self.cell[1]).flat_map(|field| field.chunks(self.cell[1]).take(nx));
-        rows.flat_map(|row| &row[..ny]).copied().collect()
+        fields.chunks_exact(self.cell).flat_map(|field| self.values(|at| field[at])).collect()
+    }
+
+    /// Returns the values of a function of the points of the cell on the patch.
+    pub(crate) fn values(&self, of: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
+        let ([ny, wide], [patch, cell]) = (self.columns, &self.rows);
+        let mut values = vec![0.0; cell[self.rank()].len() * ny];
+        for_each([&mut values[..]], &|start, [values]| {
+            values.iter_mut().enumerate().for_each(|(k, value)| {
+                let i = start + k;
+                *value = of(i / ny * wide + i % ny);
+            });
+        });
+        if self.share.is_whole() { values } else { self.share.moved(&values, ny, [cell, patch]) }
+    }
+
+    fn rank(&self) -> usize {
+        self.share.ranks().rank()
     }
 }

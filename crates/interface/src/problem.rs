@@ -104,10 +104,26 @@ impl Interface {
         heights: &ArrayRef2<f64>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        if boundary == Boundary::Periodic {
-            return Self::new(body, grid, heights, law);
+        Self::with_boundary_over(&grid.whole(), boundary, body, grid, heights, law)
+    }
+
+    /// Creates an interface as [`with_boundary`](Self::with_boundary), solved by several processes as
+    /// [`distributed`](Self::distributed).
+    ///
+    /// # Errors
+    /// Returns an error as [`with_boundary`](Self::with_boundary), on all processes.
+    pub fn with_boundary_over(
+        share: &Share,
+        boundary: Boundary,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        match boundary {
+            Boundary::Periodic => Self::distributed(share, body, grid, heights, law),
+            Boundary::Free => Self::on_patch(share, body, grid, heights, law, NormalResponse::of_patch_over),
         }
-        Self::on_patch(body, grid, heights, law, NormalResponse::of_patch)
     }
 
     /// Creates an interface as [`new`](Self::new), in all components: with lateral displacement and shear.
@@ -152,9 +168,26 @@ impl Interface {
         heights: &ArrayRef2<f64>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
+        Self::in_all_components_with_boundary_over(&grid.whole(), boundary, body, grid, heights, law)
+    }
+
+    /// Creates an interface as [`in_all_components_with_boundary`](Self::in_all_components_with_boundary), solved by
+    /// several processes as [`distributed`](Self::distributed).
+    ///
+    /// # Errors
+    /// Returns an error as [`in_all_components_with_boundary`](Self::in_all_components_with_boundary), on all
+    /// processes.
+    pub fn in_all_components_with_boundary_over(
+        share: &Share,
+        boundary: Boundary,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
         match boundary {
-            Boundary::Periodic => Self::in_all_components(body, grid, heights, law),
-            Boundary::Free => Self::on_patch(body, grid, heights, law, FullResponse::of_patch),
+            Boundary::Periodic => Self::in_all_components_over(share, body, grid, heights, law),
+            Boundary::Free => Self::on_patch(share, body, grid, heights, law, FullResponse::of_patch_over),
         }
     }
 
@@ -218,7 +251,7 @@ impl Interface {
     pub fn with_indentation(&self, depth: &ArrayRef2<f64>) -> Result<Self, Refusal> {
         let given = Arc::new(self.given.with_indentation(depth)?);
         let surface = self.units.surface(&given);
-        let patch = self.patch.as_ref().map(|_| Patch::of(&surface, self.elastic.grid()));
+        let patch = self.patch.as_ref().map(|_| Patch::of(&surface, self.elastic.grid(), &self.share));
         Ok(Self { surface, given, patch, ..self.clone() })
     }
 
@@ -235,7 +268,7 @@ impl Interface {
         let values = displacement.iter().map(|u| u / self.units.length());
         let sideways: Vec<f64> = match &self.patch {
             Some(patch) => {
-                let mut cell = vec![0.0; (self.elastic.components() - 1) * self.elastic.grid().len()];
+                let mut cell = vec![0.0; (self.elastic.components() - 1) * self.share.own().len()];
                 patch.place(values, &mut cell);
                 cell
             }
@@ -271,16 +304,17 @@ impl Interface {
 
     /// Creates the interface of a patch with the `response` of its cell.
     fn on_patch<E: Into<Elastic>>(
+        share: &Share,
         body: &Body,
         grid: &Grid,
         heights: &ArrayRef2<f64>,
         law: impl Law + 'static,
-        response: impl FnOnce(&Grid, &Body) -> Result<E, GreenError>,
+        response: impl FnOnce(&Share, &Grid, &Body) -> Result<E, GreenError>,
     ) -> Result<Self, Refusal> {
-        let given = RigidSurface::new(grid, heights)?.alone();
+        let given = RigidSurface::distributed(share, grid, heights)?.alone();
         let of_cell = |surface: &RigidSurface, body: &Body| {
-            let elastic: Elastic = response(surface.grid(), body)?.into();
-            let patch = Patch::of(surface, elastic.grid());
+            let elastic: Elastic = response(share, surface.grid(), body)?.into();
+            let patch = Patch::of(surface, elastic.grid(), &elastic.share());
             Ok((elastic, Some(patch)))
         };
         Self::with_surface(body, given.into(), law, of_cell)

@@ -95,7 +95,6 @@ impl QuasistaticContact {
         let Parts { body, grid, heights, boundary, law, all_components, held, .. } = parts;
         let Parts { hardness, shear, wear, sideways, .. } = parts;
         let share = &parts.share.cloned().unwrap_or_else(|| grid.whole());
-        parts.check_shared(share)?;
         let surface = RigidSurface::distributed(share, grid, heights)?;
         let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
         let units = Units::of(body, &given)?;
@@ -124,29 +123,24 @@ impl QuasistaticContact {
             (Some(_), Boundary::Periodic) => {
                 Some(Response::Periodic(FullResponse::distributed(*grid, body, share).into()))
             }
-            (Some(_), Boundary::Free) => Some(Response::Free(FreeFullCompliance::new(*grid, body)?.into())),
+            (Some(_), Boundary::Free) => {
+                Some(Response::Free(FreeFullCompliance::distributed(*grid, body, share)?.into()))
+            }
         };
         let normal = match (law, &response) {
             (None, Some(Response::Periodic(full))) => {
                 Normal::Wall(Contact::with_response(NormalResponse::of_all_components(full), &heights)?)
             }
             (None, _) if *held => Normal::Wall(Contact::held_sideways_over(share, body, grid, &heights)?),
-            (None, _) if *boundary == Boundary::Periodic => {
-                Normal::Wall(Contact::distributed(share, body, grid, &heights)?)
-            }
-            (None, _) => Normal::Wall(Contact::with_boundary(*boundary, body, grid, &heights)?),
-            (Some(law), _) if *all_components => Normal::Law(match boundary {
-                Boundary::Periodic => Interface::in_all_components_over(share, body, grid, &heights, law)?,
-                Boundary::Free => Interface::in_all_components_with_boundary(*boundary, body, grid, &heights, law)?,
-            }),
+            (None, _) => Normal::Wall(Contact::with_boundary_over(share, *boundary, body, grid, &heights)?),
+            (Some(law), _) if *all_components => Normal::Law(Interface::in_all_components_with_boundary_over(
+                share, *boundary, body, grid, &heights, law,
+            )?),
             (Some(law), _) if *held => Normal::Law(Interface::held_sideways_over(share, body, grid, &heights, law)?),
             (Some(law), Some(Response::Periodic(full))) => {
                 Normal::Law(Interface::with_response(NormalResponse::of_all_components(full), &heights, law)?)
             }
-            (Some(law), _) if *boundary == Boundary::Periodic => {
-                Normal::Law(Interface::distributed(share, body, grid, &heights, law)?)
-            }
-            (Some(law), _) => Normal::Law(Interface::with_boundary(*boundary, body, grid, &heights, law)?),
+            (Some(law), _) => Normal::Law(Interface::with_boundary_over(share, *boundary, body, grid, &heights, law)?),
         };
         let normal = match (normal, &hardness) {
             (normal, None) => normal,

@@ -4,7 +4,6 @@ use gfmd_contact::{Drive, Load, Refusal};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::certify::certify;
-use crate::numbers::total;
 use crate::{Interface, State};
 
 /// Fields of a state of u_z alone, as stored in a file. They determine the state.
@@ -44,10 +43,7 @@ impl Interface {
         if self.elastic.components() != 1 {
             return Err(Refusal::Start { found: expected, expected: expected * self.elastic.components() });
         }
-        let pressures: Vec<f64> = pressure.iter().copied().collect();
-        let n = if self.share.is_whole() { expected } else { self.share.total() } as f64;
-        let mean = total(&self.share, &pressures) / n;
-        let frame = self.frame(Load::MeanPressure(mean).into())?;
+        let frame = self.frame(Load::MeanPressure(self.mean_of(pressure)).into())?;
         // In the frame of a load, the elastic surface moves instead of the rigid one.
         let inside: Vec<f64> = displacement_z.iter().map(|u| u + approach).collect();
         if let Some(found) = self.share.first(inside.iter().copied().find(|w| !w.is_finite())) {
@@ -55,11 +51,8 @@ impl Interface {
         }
         let kinks = self.kinks(&frame);
         let insets = kinks.as_ref().map_or_else(Vec::new, |kinks| {
-            let fields: Vec<_> = pressure.iter().zip(gap).zip(&inside).map(|((p, gap), w)| (*p, *gap, *w)).collect();
-            kinks.insets(&frame, |i, at| {
-                let (pressure, gap, w) = fields[i];
-                (gap <= 0.0).then(|| [pressure, w - kinks.bound(at)])
-            })
+            let w = frame.placed(inside.iter().copied(), 0.0);
+            kinks.insets(&frame, [pressure, gap], |at, pressure| [pressure, w[at] - kinks.bound(at)])
         });
         let position = frame.position(&self.elastic, inside, pressure);
         let state = certify(self, &frame, &position, &insets);

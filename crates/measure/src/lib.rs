@@ -26,7 +26,7 @@ pub use grid_error::{GridLimit, GridLimits, NoLimit, Refined};
 pub use long_waves::{LEAST_LARGEST_LOAD, LongWaves};
 pub use ndarray;
 pub use patches::{Patch, Patches};
-pub use peak::{Peak, top, top_inside, top_of_shared};
+pub use peak::{Peak, top, top_inside, top_inside_of_shared, top_of_shared};
 pub use pressure::{PressureStatistics, QUANTILE_LEVELS, ShapesDiffer, elastic_energy_density, pressure_statistics};
 pub use quantile::quantile;
 pub use self_affine::SelfAffineArea;

@@ -189,15 +189,22 @@ fn reached(share: &Share, field: ArrayView2<f64>, maxima: &[Candidate]) -> Optio
 /// largest maximum of the quadratics through the inner points and their neighbours, or the largest value of a point.
 /// NaN without points.
 pub fn top_inside(field: ArrayView2<f64>) -> f64 {
-    let highest = field.fold(f64::NEG_INFINITY, |most, value| most.max(*value));
+    top_inside_of_shared(&whole(&field), field)
+}
+
+/// Returns the [`top_inside`] of a field from the rows of each process, on all processes.
+pub fn top_inside_of_shared(share: &Share, field: ArrayView2<f64>) -> f64 {
+    let highest_of = |own: f64| share.each(own).into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let highest = highest_of(field.fold(f64::NEG_INFINITY, |most, value| most.max(*value)));
     if !highest.is_finite() {
         return f64::NAN;
     }
-    let (nx, ny) = field.dim();
+    let ny = field.ncols();
+    let (first, nx) = if share.is_whole() { (0, field.nrows()) } else { (share.rows().start, share.total() / ny) };
     let is_inner = |at: usize, points: usize| points == 1 || at > 0 && at + 1 < points;
-    let rows = Rows::of(&whole(&field), field, 1);
-    let inner = rows.maxima(f64::NEG_INFINITY).filter(|([i, j], _)| is_inner(*i, nx) && is_inner(*j, ny));
-    inner.fold(highest, |top, ([i, j], around)| top.max(field[[i, j]] + rise(&around)))
+    let rows = Rows::of(share, field, 1);
+    let inner = rows.maxima(f64::NEG_INFINITY).filter(|([i, j], _)| is_inner(first + i, nx) && is_inner(*j, ny));
+    highest_of(inner.fold(highest, |top, ([i, j], around)| top.max(field[[i, j]] + rise(&around))))
 }
 
 /// Points of the finer grid along each side around a point.
@@ -306,12 +313,13 @@ mod tests {
                     let ([x, y], phase) = ([i as f64, j as f64], f64::from(seed));
                     2.0 + wave(x, y, 1.0, phase) + wave(y, x, 2.0, phase * phase) + 0.1 * wave(x, 3.0 * y, 1.0, 0.7)
                 });
-                let alone = (Peak::of(field.view()), top(field.view()).to_bits());
+                let alone = (Peak::of(field.view()), top(field.view()).to_bits(), top_inside(field.view()).to_bits());
                 for size in 2..=Share::most(points, 0).min(6) {
                     let each = ThreadRanks::of(size, |ranks| {
                         let share = Share::among(ranks, points, 0).unwrap();
                         let own = field.slice(s![share.rows(), ..]);
-                        (Peak::distributed(&share, own), top_of_shared(&share, own).to_bits())
+                        let tops = [top_of_shared(&share, own), top_inside_of_shared(&share, own)].map(f64::to_bits);
+                        (Peak::distributed(&share, own), tops[0], tops[1])
                     });
                     assert!(each.iter().all(|found| *found == alone), "{points:?} on {size}: {each:?} {alone:?}");
                 }

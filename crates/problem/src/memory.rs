@@ -30,7 +30,7 @@ impl MemoryNeed {
     /// Contact with a law that acts across the gap.
     pub const LAW: Self = Self(29);
     /// Contact with a law on a patch, which is solved in a cell with four times its points.
-    pub const LAW_FREE: Self = Self(98);
+    pub const LAW_FREE: Self = Self(110);
     /// Path of u_z alone, with the states before and after a jump.
     pub const PATH: Self = Self(41);
     /// Path with a law, on a patch.

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Contact, Dynamics, FullContact, Hardness, Refusal, SqueezedContact, SteepContact};
+use gfmd_contact::{Contact, Dynamics, FullContact, Hardness, Refusal, SqueezedContact, SteepContact};
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_interface::{Interface, Parts, QuasistaticContact, Squeezed};
@@ -67,10 +67,9 @@ impl<'a> Given<'a> {
     /// Builds the contact with a hard wall.
     fn wall(&self) -> Result<Contact, Refusal> {
         let Self { facts, body, grid, share, heights, .. } = self;
-        let contact = match (facts.unknown, facts.boundary) {
-            (Unknown::Held, _) => Contact::held_sideways_over(share, body, grid, heights),
-            (_, Boundary::Periodic) => Contact::distributed(share, body, grid, heights),
-            (_, Boundary::Free) => Contact::with_boundary(Boundary::Free, body, grid, heights),
+        let contact = match facts.unknown {
+            Unknown::Held => Contact::held_sideways_over(share, body, grid, heights),
+            _ => Contact::with_boundary_over(share, facts.boundary, body, grid, heights),
         };
         let contact = contact?.with_dynamics(self.dynamics);
         match &self.hardness {
@@ -173,8 +172,7 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         let law = Arc::clone(law);
         let interface = match facts.unknown {
             Unknown::Held => Interface::held_sideways_over(share, body, grid, heights, law)?,
-            _ if facts.boundary == Boundary::Periodic => Interface::distributed(share, body, grid, heights, law)?,
-            _ => Interface::with_boundary(facts.boundary, body, grid, heights, law)?,
+            _ => Interface::with_boundary_over(share, facts.boundary, body, grid, heights, law)?,
         };
         return Ok(Posed::new(match hardness {
             Some(hardness) => interface.with_hardness(hardness.clone())?,

@@ -446,7 +446,6 @@ pub const RULES: &[Rule] = {
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Flowing, Line, "left out", "a profile has no flow"),
         rule(History, Resume, "left out", "it records a search from its beginning"),
-        rule(Free, Several, "periodic", "several processes share the rows of periodic surfaces only"),
         rule(FiniteSlope, Several, "left out", "points move sideways, also to rows of other processes"),
         rule(Unlike, Several, "left out", "several processes do not share waves with a relaxation of their own"),
         rule(Yield, Several, "left out", "several processes do not share the strain below the surface"),

@@ -22,7 +22,7 @@ impl Sideways {
     pub(crate) fn new(boundary: Boundary, share: &Share, grid: &Grid, body: &Body) -> Result<Self, Refusal> {
         Ok(match boundary {
             Boundary::Periodic => Self::Cell(FullResponse::distributed(*grid, body, share).into()),
-            Boundary::Free => Self::Patch(FreeFullCompliance::new(*grid, body)?.into()),
+            Boundary::Free => Self::Patch(FreeFullCompliance::distributed(*grid, body, share)?.into()),
         })
     }
 

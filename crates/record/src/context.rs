@@ -44,6 +44,8 @@ pub struct StateContext<'a> {
     pub finer: Vec<Result<OnFinerGrid, String>>,
     /// Peak of the pressure, computed on first use.
     pub peak: OnceCell<Option<Peak>>,
+    /// True if a point at the rim is pressed, found on first use.
+    pub rim: OnceCell<Option<bool>>,
     /// Scales of reduced quantities.
     pub scales: Scales,
     /// Summary in these scales.
@@ -141,6 +143,7 @@ impl<'a> StateContext<'a> {
             process_zone: None,
             finer: Vec::new(),
             peak: OnceCell::new(),
+            rim: OnceCell::new(),
             scales: Scales { contact_modulus: f64::NAN, rms_gradient: f64::NAN },
             summary,
             approach: f64::NAN,
@@ -170,11 +173,18 @@ impl<'a> StateContext<'a> {
 
     /// Returns true if a point at the rim of the grid is pressed; `None` without the whole field.
     pub(crate) fn reaches_rim(&self) -> Option<bool> {
-        let pressure = self.rest?.pressure();
-        let (nx, ny) = pressure.dim();
-        let is_rim = |(i, j): (usize, usize)| i == 0 || j == 0 || i + 1 == nx || j + 1 == ny;
-        let mut points = pressure.indexed_iter();
-        (pressure.len() == self.points).then(|| points.any(|(place, pressure)| is_rim(place) && *pressure > 0.0))
+        *self.rim.get_or_init(|| {
+            let pressure = self.rest?.pressure();
+            let shared = self.share.as_ref().filter(|share| !share.is_whole());
+            let (first, nx) = shared.map_or((0, pressure.nrows()), |share| {
+                (share.rows().start, share.all_rows().last().map_or(0, |rows| rows.end))
+            });
+            let ny = pressure.ncols();
+            let is_rim = |(i, j): (usize, usize)| first + i == 0 || j == 0 || first + i + 1 == nx || j + 1 == ny;
+            let is_pressed = pressure.indexed_iter().any(|(place, pressure)| is_rim(place) && *pressure > 0.0);
+            let is_pressed = shared.map_or(is_pressed, |share| share.any(is_pressed));
+            (nx * ny == self.points).then_some(is_pressed)
+        })
     }
 
     /// Returns the largest residual; NaN if one is NaN.

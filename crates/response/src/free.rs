@@ -1,8 +1,8 @@
 use std::sync::Arc;
 
-use gfmd_field::{Convolution, CosineWorkspace, Cosines, Grid, Rows, Split};
+use gfmd_field::{Convolution, CosineWorkspace, Cosines, Grid, Rows, Share, Split};
 use gfmd_green::{Body, Conductor, GreenError, has_level, patch_compliance, patch_resistance};
-use gfmd_vector::{for_each, total};
+use gfmd_vector::for_each;
 
 use crate::elastic::fits;
 use crate::units::power_of_two;
@@ -10,7 +10,7 @@ use crate::units::power_of_two;
 /// Compliance of a non-periodic patch. The pressure is constant on the cell around every grid point and zero outside
 /// the patch. The displacement refers to the grid points. It is zero far away, or for a profile on a half-space one
 /// patch length away ([`patch_compliance`]; theory.md, section 3.1). Built once and shared between problems and
-/// threads.
+/// threads. Each process convolves its own rows.
 ///
 /// The inverse, a stiffness, is approximated: it is diagonal in cosine waves, with the inverse of the mean compliance
 /// of each wave on the patch, multiplied on both sides by weights that increase towards the edges, where the pressure
@@ -45,7 +45,15 @@ impl FreeCompliance {
     /// # Errors
     /// Returns an error if the body has no level far away, or if layers are too thin ([`patch_compliance`]).
     pub fn new(grid: Grid, body: &Body) -> Result<Self, GreenError> {
-        Ok(Self::tabulated(grid, patch_compliance(body, &grid)?, true))
+        Self::distributed(grid, body, &grid.whole())
+    }
+
+    /// Tabulates the compliance of `body` on `grid` for the `share` of rows of this process.
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new).
+    pub fn distributed(grid: Grid, body: &Body, share: &Share) -> Result<Self, GreenError> {
+        Ok(Self::tabulated(grid, share, patch_compliance(body, &grid)?, true))
     }
 
     /// Tabulates the resistance of a conductor on `grid`: potential for displacement, current density for pressure.
@@ -53,27 +61,28 @@ impl FreeCompliance {
     /// # Errors
     /// Returns an error if an electrode is not deep enough ([`patch_resistance`]).
     pub fn of_conductor(grid: Grid, conductor: &Conductor) -> Result<Self, GreenError> {
-        Ok(Self::tabulated(grid, patch_resistance(conductor, &grid)?, has_level(conductor.body(), &grid)))
+        let has_level = has_level(conductor.body(), &grid);
+        Ok(Self::tabulated(grid, &grid.whole(), patch_resistance(conductor, &grid)?, has_level))
     }
 
-    fn tabulated(grid: Grid, compliance: impl Fn([usize; 2]) -> f64 + Sync, has_level: bool) -> Self {
-        let quotients = Cosines::<f64>::new(grid).quotients(&compliance);
-        Self::of(Convolution::new(grid, &compliance), &quotients, has_level)
+    fn tabulated(grid: Grid, share: &Share, compliance: impl Fn([usize; 2]) -> f64 + Sync, has_level: bool) -> Self {
+        let quotients = Cosines::<f64>::distributed(grid, share).quotients(&compliance);
+        Self::of(Convolution::distributed(grid, share, &compliance), &quotients, has_level)
     }
 
     /// Builds the compliance from the convolution and the mean compliance of each cosine wave on the patch.
     fn of(convolution: Convolution, quotients: &[f64], has_level: bool) -> Self {
-        let grid = *convolution.grid();
+        let (grid, share) = (*convolution.grid(), convolution.share().clone());
         let unit = power_of_two(convolution.largest());
         let rounded = convolution.rounded(1.0 / unit);
         let stiffness = quotients.iter().map(|quotient| (FACTOR * unit / quotient) as f32).collect();
-        let cosines = Cosines::new(grid);
+        let cosines = Cosines::distributed(grid, &share);
         let weights = grid.points().map(|points| (0..points).map(|i| weight(i, points) as f32).collect());
         let weights = if grid.is_line() { swapped(weights) } else { weights };
-        let mut uniform = vec![0.0; grid.len()];
+        let mut uniform = vec![0.0; share.own().len()];
         let free = Self { convolution, rounded, unit, cosines, stiffness, weights, uniform: Vec::new(), has_level };
         free.weighted(|_, row| row.fill(1.0), &mut uniform, &mut free.cosines.workspace());
-        let sum = total(&uniform);
+        let sum = share.total_of(&uniform);
         uniform.iter_mut().for_each(|p| *p = (f64::from(*p) / sum) as f32);
         Self { uniform, ..free }
     }
@@ -99,9 +108,9 @@ impl FreeCompliance {
 
     /// Computes the approximate stiffness, times the unit, of a displacement; `source(i, row)` fills its rows.
     fn weighted(&self, source: impl Fn(usize, &mut [f32]) + Sync, out: &mut [f32], ws: &mut CosineWorkspace<f32>) {
-        let [along_x, along_y] = &self.weights;
+        let ([along_x, along_y], first) = (&self.weights, self.convolution.share().rows().start);
         let weigh = |i: usize, row: &mut [f32]| {
-            row.iter_mut().zip(along_y).for_each(|(value, weight)| *value *= along_x[i] * weight);
+            row.iter_mut().zip(along_y).for_each(|(value, weight)| *value *= along_x[first + i] * weight);
         };
         let source = |i: usize, (): (), row: &mut [f32]| {
             source(i, row);
@@ -166,7 +175,7 @@ impl FreeTransforms {
         fits(compliance.convolution.apply_back(output, sink, workspace));
     }
 
-    /// Returns ⟨p, G p⟩, summed over the points, from one transform.
+    /// Returns ⟨p, G p⟩, summed over the points of all processes, from one transform.
     pub fn quadratic_form(&mut self, pressure: &[f64]) -> f64 {
         self.singles += 1;
         fits(self.compliance.convolution.quadratic_form(pressure, &mut self.workspace))
@@ -229,7 +238,7 @@ impl FreeRounded {
         let Self { compliance, cosines, .. } = self;
         compliance.weighted(source, out, cosines);
         if floating {
-            let sum = total(out) as f32;
+            let sum = compliance.convolution.share().total_of(out) as f32;
             for_each((out, &compliance.uniform[..]), &|_, (out, uniform)| {
                 out.iter_mut().zip(uniform).for_each(|(p, uniform)| *p -= sum * uniform);
             });

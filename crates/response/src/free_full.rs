@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Convolution, Grid};
+use gfmd_field::{Convolution, Grid, Share, Transform};
 use gfmd_green::{Body, GreenError, PatchMatrix, patch_compliance, patch_matrix, stiffness_range};
 
 use crate::elastic::fits;
@@ -10,11 +10,11 @@ use crate::{Components, Hermitian, Operator, Workspace};
 
 /// Compliance of a non-periodic patch for all components of its surface; the counterpart of
 /// [`FreeCompliance`](crate::FreeCompliance) (theory.md, section 3.1). Built once and shared between problems and
-/// threads.
+/// threads. Each process has its own rows of all fields.
 #[derive(Debug)]
 pub struct FreeFullCompliance {
     patch: Grid,
-    /// Compliance on the padded grid, of tractions on the patch.
+    /// Compliance on the padded grid, for fields on the patch.
     compliance: Operator,
     normal: Arc<Convolution>,
     stiffness_range: [f64; 2],
@@ -27,9 +27,18 @@ impl FreeFullCompliance {
     /// # Errors
     /// Returns an error of [`patch_matrix`], or if the doubled patch has more points than memory can address.
     pub fn new(patch: Grid, body: &Body) -> Result<Self, GreenError> {
-        let compliance = padded_compliance(2, &patch, body)?.in_corner(&patch);
+        Self::distributed(patch, body, &patch.whole())
+    }
+
+    /// Tabulates the compliance of `body` on the grid of the `patch` for the `share` of rows of this process.
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new), and if the processes cannot share the doubled patch.
+    pub fn distributed(patch: Grid, body: &Body, share: &Share) -> Result<Self, GreenError> {
+        let (.., matrices) = padded_compliance(2, share, &patch, body)?;
+        let compliance = Operator::of_matrices(Transform::padded(2, &patch, share)?, share, matrices);
         let range = stiffness_range(body, &patch).map_or([0.0; 2], |range| [range.softest, range.stiffest]);
-        let normal = Convolution::new(patch, patch_compliance(body, &patch)?).into();
+        let normal = Convolution::distributed(patch, share, patch_compliance(body, &patch)?).into();
         Ok(Self { patch, compliance, normal, stiffness_range: range, contact_modulus: body.contact_modulus() })
     }
 
@@ -59,13 +68,19 @@ impl FreeFullCompliance {
     }
 }
 
-/// Tabulates the compliance of `body` on a padded grid with `times` the points of a `patch`: exact between points of
-/// the patch.
+/// Tabulates the compliance of `body` on a padded grid with `times` the points of a `patch`, exact between points of
+/// the patch, for the modes of this process. Returns the transforms of the padded grid and its rows of this process,
+/// too.
 ///
 /// # Errors
 /// Returns an error as [`FreeFullCompliance::new`].
-pub(crate) fn padded_compliance(times: usize, patch: &Grid, body: &Body) -> Result<Operator, GreenError> {
-    let table = PatchTable::padded_to(times, patch, patch_matrix(body, patch)?)?;
+pub(crate) fn padded_compliance(
+    times: usize,
+    share: &Share,
+    patch: &Grid,
+    body: &Body,
+) -> Result<(Transform, Share, Vec<Hermitian>), GreenError> {
+    let table = PatchTable::padded_to(times, patch, share, patch_matrix(body, patch)?)?;
     let [xx, yy, zz] = [|m: &PatchMatrix| m.xx, |m: &PatchMatrix| m.yy, |m: &PatchMatrix| m.zz]
         .map(|of| table.spectrum(of, [Even, Even]));
     let xy = table.spectrum(|m| m.xy, [Odd, Odd]);
@@ -79,7 +94,8 @@ pub(crate) fn padded_compliance(times: usize, patch: &Grid, body: &Body) -> Resu
         xz: xz[at].im,
         yz: yz[at].im,
     };
-    Ok(Operator::of_matrices(table.transform, (0..xx.len()).map(of_mode).collect()))
+    let matrices = (0..xx.len()).map(of_mode).collect();
+    Ok((table.transform, table.share, matrices))
 }
 
 /// Transforms of a [`FreeFullCompliance`], with their memory and a counter.

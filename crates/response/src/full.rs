@@ -1,5 +1,6 @@
 use gfmd_field::{Grid, Mode, Share};
 use gfmd_green::{Body, GreenError, Matrix3, stiffness_range};
+use gfmd_vector::add;
 
 use crate::free_full::padded_compliance;
 use crate::normal::LEAST_COMPLIANCE;
@@ -67,33 +68,50 @@ impl FullResponse {
     /// Returns an error for a profile, a plate or a body that slides on its base ([`gfmd_green::patch_matrix`]), if the
     /// patch cannot be padded, or if a mode is not positive definite.
     pub fn of_patch(patch: &Grid, body: &Body) -> Result<Self, GreenError> {
-        match Self::of_padded(2, patch, body) {
-            Err(GreenError::PatchStiffness { .. }) => Self::of_padded(3, patch, body),
+        Self::of_patch_over(&patch.whole(), patch, body)
+    }
+
+    /// Tabulates the response as [`of_patch`](Self::of_patch) for the processes of a `share`, which also share the rows
+    /// of the padded grid.
+    ///
+    /// # Errors
+    /// Returns an error as [`of_patch`](Self::of_patch), and if the processes cannot share the padded grid.
+    pub fn of_patch_over(share: &Share, patch: &Grid, body: &Body) -> Result<Self, GreenError> {
+        match Self::of_padded(2, share, patch, body) {
+            Err(GreenError::PatchStiffness { .. }) => Self::of_padded(3, share, patch, body),
             found => found,
         }
     }
 
-    fn of_padded(times: usize, patch: &Grid, body: &Body) -> Result<Self, GreenError> {
-        let compliance = padded_compliance(times, patch, body)?.map(|mode, matrix| {
+    fn of_padded(times: usize, share: &Share, patch: &Grid, body: &Body) -> Result<Self, GreenError> {
+        let (transform, share, matrices) = padded_compliance(times, share, patch, body)?;
+        let compliance = Operator::of_matrices(transform, &share, matrices).map(|mode, matrix| {
             let even = |is_odd: bool, entry: f64| if is_odd || mode.is_uniform() { 0.0 } else { entry };
             let ([x, y], Hermitian { xy, xz, yz, .. }) = (mode.nyquist, matrix);
             Hermitian { xy: even(x || y, xy), xz: even(x, xz), yz: even(y, yz), ..matrix }
         });
         let eigenvalues = compliance.matrices().iter().flat_map(|matrix| matrix.modes().map(|(value, _)| value));
-        let [stiffest, softest] = eigenvalues.fold([f64::INFINITY, 0.0], |[least, most], value| {
-            [if value >= least { least } else { value }, f64::max(most, value)]
-        });
+        let wider = |[least, most]: [f64; 2], [low, high]: [f64; 2]| {
+            [if low >= least { least } else { low }, f64::max(most, high)]
+        };
+        let none = [f64::INFINITY, 0.0];
+        let own = eigenvalues.fold(none, |range, value| wider(range, [value; 2]));
+        let [stiffest, softest] = share.each(own).into_iter().fold(none, wider);
         // A smaller eigenvalue would be a rounding error of the largest.
         let is_resolved = stiffest > LEAST_COMPLIANCE * softest;
         if !is_resolved {
             return Err(GreenError::PatchStiffness { least: stiffest, largest: softest });
         }
         // The uniform mode is identified by its index, the first, never by a small wavenumber.
-        let Hermitian { xx, yy, zz, .. } = compliance.matrices()[0];
+        let uniform = match compliance.matrices().first() {
+            Some(matrix) if compliance.first() == 0 => [matrix.xx, matrix.yy, matrix.zz],
+            _ => [0.0; 3],
+        };
+        let uniform_compliance = share.each(uniform).into_iter().fold([0.0; 3], add);
         Ok(Self {
             stiffness: compliance.map(|_, matrix| matrix.inverse()),
             compliance,
-            uniform_compliance: [xx, yy, zz],
+            uniform_compliance,
             stiffness_range: [1.0 / softest, 1.0 / stiffest],
             body: body.clone(),
         })

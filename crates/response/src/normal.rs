@@ -181,23 +181,39 @@ impl NormalResponse {
     /// # Errors
     /// Returns an error if the body has no level far away, the patch cannot be doubled, or an entry is not positive.
     pub fn of_patch(patch: &Grid, body: &Body) -> Result<Self, GreenError> {
-        let table = PatchTable::new(patch, patch_compliance(body, patch)?)?;
+        Self::of_patch_over(&patch.whole(), patch, body)
+    }
+
+    /// Tabulates the response as [`of_patch`](Self::of_patch) for the processes of a `share`, which also share the rows
+    /// of the padded grid.
+    ///
+    /// # Errors
+    /// Returns an error as [`of_patch`](Self::of_patch), and if the processes cannot share the padded grid.
+    pub fn of_patch_over(share: &Share, patch: &Grid, body: &Body) -> Result<Self, GreenError> {
+        let table = PatchTable::padded_to(2, patch, share, patch_compliance(body, patch)?)?;
+        let share = table.share.clone();
         let spectrum = table.spectrum(|compliance| *compliance, [Parity::Even; 2]);
         let mut compliance: Vec<f64> = spectrum.iter().map(|mode| mode.re).collect();
+        let own = [f64::max, f64::min].map(|pick| compliance.iter().copied().reduce(pick));
+        let of_all = share.each([own[0].unwrap_or(0.0), own[1].unwrap_or(f64::INFINITY)]);
         let [softest, stiffest] =
-            [f64::max, f64::min].map(|pick| compliance.iter().copied().reduce(pick).unwrap_or(0.0));
+            of_all.into_iter().fold([0.0, f64::INFINITY], |[softest, stiffest], [most, least]| {
+                [f64::max(softest, most), f64::min(stiffest, least)]
+            });
         // A smaller entry would be a rounding error of the largest.
         let is_resolved = stiffest > LEAST_COMPLIANCE * softest;
         if !is_resolved {
             return Err(GreenError::PatchStiffness { least: stiffest, largest: softest });
         }
-        let stiffness = compliance.iter().map(|g| 1.0 / g).collect();
-        let uniform_compliance = std::mem::take(&mut compliance[0]);
+        let stiffness: Vec<f64> = compliance.iter().map(|g| 1.0 / g).collect();
+        let has_uniform = table.transform.lanes().contains(&0);
+        let uniform = if has_uniform { std::mem::take(&mut compliance[0]) } else { 0.0 };
+        let uniform_compliance = share.each(uniform).into_iter().sum();
         Ok(Self {
-            share: table.transform.grid().whole(),
+            share,
             transform: table.transform.into(),
             compliance,
-            stiffness: OnceLock::from(without_uniform(stiffness)),
+            stiffness: OnceLock::from(if has_uniform { without_uniform(stiffness) } else { stiffness }),
             waves: Waves::Stiffness(free),
             body: body.clone(),
             uniform_compliance,

@@ -65,16 +65,11 @@ impl Operator {
         }
     }
 
-    /// Creates the operator with these matrices, laid out as [`Grid::modes`].
-    pub(crate) fn of_matrices(transform: Transform, matrices: Vec<Hermitian>) -> Self {
-        let grid = transform.grid();
-        Self { share: grid.whole(), components: Components::of(grid), transform: transform.into(), matrices }
-    }
-
-    /// Creates the operator for fields that vanish outside a `corner` of the grid, and have its points alone.
-    pub(crate) fn in_corner(self, corner: &Grid) -> Self {
-        let transform = Transform::in_corner(*self.grid(), corner);
-        Self { transform: transform.into(), share: corner.whole(), ..self }
+    /// Creates the operator with these matrices of the modes of this process, laid out as [`Grid::modes`]. Fields have
+    /// the rows of `share`, as the transforms.
+    pub(crate) fn of_matrices(transform: Transform, share: &Share, matrices: Vec<Hermitian>) -> Self {
+        let components = Components::of(transform.grid());
+        Self { share: share.clone(), components, transform: transform.into(), matrices }
     }
 
     fn on(transform: Arc<Transform>, share: &Share, matrix: impl Fn(&Mode) -> Hermitian + Sync) -> Self {

@@ -1,17 +1,24 @@
 use std::f64::consts::PI;
 
-use gfmd_field::{Grid, GridError, Transform};
+use std::ops::RangeInclusive;
+
+use gfmd_field::{Grid, Share, Transform};
+use gfmd_green::GreenError;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::elastic::fits;
 
 /// Compliance between two cells of a patch, tabulated by their distance up to half of the padded grid, and the
-/// transforms of the padded grid.
+/// transforms of the padded grid. Each process has the values for its rows of this grid.
 pub(crate) struct PatchTable<T> {
     pub(crate) transform: Transform,
-    /// Values by the distance `[i, j]` in cells, i and j ≥ 0.
+    /// Rows of the padded grid of this process.
+    pub(crate) share: Share,
+    /// Values by the distance `[i, j]` in cells, i and j ≥ 0, from the first distance i of these rows.
     near: Vec<T>,
+    /// First distance i.
+    first: usize,
     /// Distance along each axis, in cells, from which odd values fall to zero; half of the grid if they do not.
     reach: [usize; 2],
 }
@@ -36,33 +43,32 @@ impl Parity {
 }
 
 impl<T: Send + Sync> PatchTable<T> {
-    /// Tabulates `between([i, j])` for the padded grid of `patch`.
+    /// Tabulates `between([i, j])` for a padded grid with `times` the points of the `patch`, shared by the processes of
+    /// `share`. If there is room between the images of the patch, odd values fall smoothly to zero there. A step would
+    /// be a force at short waves.
     ///
     /// # Errors
-    /// Returns an error if the padded grid has more points than memory can address.
-    pub(crate) fn new(patch: &Grid, between: impl Fn([usize; 2]) -> T + Sync) -> Result<Self, GridError> {
-        Self::padded_to(2, patch, between)
-    }
-
-    /// Tabulates `between([i, j])` for a padded grid with `times` the points of the `patch`. If there is room between
-    /// the images of the patch, odd values fall smoothly to zero there. A step would be a force at short waves.
-    ///
-    /// # Errors
-    /// Returns an error as [`new`](Self::new).
+    /// Returns an error if the padded grid has more points than memory can address, or rows that the processes cannot
+    /// share.
     pub(crate) fn padded_to(
         times: usize,
         patch: &Grid,
+        share: &Share,
         between: impl Fn([usize; 2]) -> T + Sync,
-    ) -> Result<Self, GridError> {
+    ) -> Result<Self, GreenError> {
         let cell = patch.padded_to(times)?;
+        let share = if share.is_whole() { cell.whole() } else { share.of_another(cell.rows())? };
         let [rows, columns] = cell.points().map(|points| points / 2 + 1);
-        let near = (0..rows * columns).into_par_iter().map(|index| between([index / columns, index % columns]));
+        let distances = if share.is_whole() { 0..=rows - 1 } else { distances(&share, cell.points()[0]) };
+        let (first, count) = (*distances.start(), distances.count());
+        let near = (0..count * columns).into_par_iter();
+        let near = near.map(|index| between([first + index / columns, index % columns])).collect();
         let reach = if times > 2 { patch.points() } else { cell.points().map(|points| points / 2) };
-        Ok(Self { near: near.collect(), transform: Transform::new(cell), reach })
+        Ok(Self { near, first, transform: Transform::distributed(cell, &share), share, reach })
     }
 
-    /// Computes Σ_r k(r) e^{−i q·r} over the padded grid, laid out as [`Grid::modes`]; `of` selects the component k of
-    /// the entries.
+    /// Computes Σ_r k(r) e^{−i q·r} over the padded grid for the modes of this process, laid out as [`Grid::modes`];
+    /// `of` selects the component k of the entries.
     pub(crate) fn spectrum(&self, of: impl Fn(&T) -> f64, parity: [Parity; 2]) -> Vec<Complex64> {
         let cell = *self.transform.grid();
         let [nx, ny] = cell.points();
@@ -75,15 +81,23 @@ impl<T: Send + Sync> PatchTable<T> {
         });
         let at = |index: usize| {
             let [i, j] = [index / ny, index % ny];
-            let value = of(&self.near[i.min(nx - i) * columns + j.min(ny - j)]);
+            let value = of(&self.near[(i.min(nx - i) - self.first) * columns + j.min(ny - j)]);
             factors[0][i] * factors[1][j] * value
         };
-        let field: Vec<f64> = (0..cell.len()).map(at).collect();
-        let mut spectrum = vec![Complex64::ZERO; cell.spectrum_len()];
+        let field: Vec<f64> = self.share.own().map(at).collect();
+        let [_, lane] = cell.spectrum_shape();
+        let mut spectrum = vec![Complex64::ZERO; self.transform.lanes().len() * lane];
         fits(self.transform.forward(&field, &mut spectrum, &mut self.transform.workspace()));
         spectrum.iter_mut().for_each(|mode| *mode *= cell.len() as f64);
         spectrum
     }
+}
+
+/// Returns the distances of the own rows from the first row of a periodic cell with `rows` rows.
+fn distances(share: &Share, rows: usize) -> RangeInclusive<usize> {
+    let of_row = |i: usize| i.min(rows - i);
+    let [least, most] = share.rows().map(of_row).fold([rows, 0], |[least, most], i| [least.min(i), most.max(i)]);
+    least..=most
 }
 
 /// Returns the factor of an odd value at a `distance` between the `reach` of the patch and `half` of the grid.

@@ -55,7 +55,7 @@ pub use marginal::{Marginal, MarginalError};
 pub use moments::{Dimension, Moments};
 pub use pair::{composite, composite_inside};
 pub use power::{HurstFit, PowerSpectrum, RadialBin};
-pub use preparation::{Periodisation, Trend, periodise, remove, remove_from_defined, window};
+pub use preparation::{Periodisation, Trend, periodise, remove, remove_from_defined, row_mean, window, window_rows};
 pub use real_space::{Displaced, RealSpace};
 pub use self_affine::{Amplitudes, Anisotropy, Normalisation, RollOff, RollOffShape, Scaling, SelfAffine};
 pub use shape::{Along, Shape, ShapeError};

@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
-use gfmd_field::Grid;
-use ndarray::{Array2, ArrayView2, s};
+use gfmd_field::{Grid, Share, contiguous};
+use ndarray::{Array2, ArrayView1, ArrayView2, s};
 
 use crate::SurfaceError;
 use crate::names::named;
@@ -192,10 +192,20 @@ pub fn window(heights: &Array2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceE
         return Err(SurfaceError::Taper(taper));
     }
     let (nx, ny) = heights.dim();
+    Ok(window_rows(&Share::whole(nx, ny), heights, (taper, row_mean(heights))))
+}
+
+/// Returns the mean of heights, summed row by row; 0 without heights.
+pub fn row_mean(heights: &Array2<f64>) -> f64 {
+    ArrayView1::from(&*contiguous(heights)).mean().unwrap_or(0.0)
+}
+
+/// Returns the rows of this process of the heights below a [`window`] with this taper, from the mean of all heights.
+pub fn window_rows(share: &Share, heights: &Array2<f64>, (taper, mean): (f64, f64)) -> Array2<f64> {
+    let (rows, ny) = heights.dim();
+    let (first, nx) = (share.rows().start, share.total().checked_div(ny).unwrap_or(0));
     let (x, y) = (tukey(nx, taper), tukey(ny, taper));
-    // Without heights the result is empty.
-    let mean = heights.mean().unwrap_or(0.0);
-    Ok(Array2::from_shape_fn((nx, ny), |(i, j)| (heights[[i, j]] - mean) * x[i] * y[j]))
+    Array2::from_shape_fn((rows, ny), |(i, j)| (heights[[i, j]] - mean) * x[first + i] * y[j])
 }
 
 /// Returns the polynomials 1, i, i² on n points, centred and orthogonalised: discrete Legendre polynomials.

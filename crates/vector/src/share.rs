@@ -73,6 +73,14 @@ impl Share {
         Ok(Self { ranks, columns, rows })
     }
 
+    /// Returns the rows of this rank of another field, of `rows` × `columns` values, shared by the same ranks.
+    ///
+    /// # Errors
+    /// Returns an error as [`among`](Self::among).
+    pub fn of_another(&self, shape: [usize; 2]) -> Result<Self, TooManyRanks> {
+        Self::among(Arc::clone(&self.ranks), shape, 0)
+    }
+
     /// Returns the largest number of processes that can share a field of `rows` × `columns` values.
     pub fn most([rows, columns]: [usize; 2], levels: u32) -> usize {
         rows.div_ceil(unit(columns, levels)).max(1)
@@ -225,6 +233,31 @@ impl Share {
         let mut all = vec![0; lengths.iter().sum()];
         self.ranks.gather(&packed, &mut all, &lengths);
         T::joined(all, rows.iter().map(|rows| rows.len() * columns))
+    }
+
+    /// Moves the rows of a field from one division among the ranks to another. Both have the rows of each rank, one
+    /// range after another; `own` holds the rows of this rank in the first one, of `columns` values each.
+    pub fn moved<T: Word>(&self, own: &[T], columns: usize, [from, to]: [&[Range<usize>]; 2]) -> Vec<T> {
+        let rank = self.ranks.rank();
+        let common = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start)..a.end.min(b.end);
+        let values = |rows: &Range<usize>| rows.len() * columns;
+        let sent: Vec<Range<usize>> = to.iter().map(|rows| common(&from[rank], rows)).collect();
+        let got: Vec<Range<usize>> = from.iter().map(|rows| common(rows, &to[rank])).collect();
+        let lengths = |parts: &[Range<usize>]| parts.iter().map(|rows| T::words(values(rows))).collect::<Vec<_>>();
+        let (out_lengths, into_lengths) = (lengths(&sent), lengths(&got));
+        let mut out = vec![0; out_lengths.iter().sum()];
+        let mut rest = &mut out[..];
+        for (rows, length) in sent.iter().zip(&out_lengths) {
+            let (words, after) = rest.split_at_mut(*length);
+            rest = after;
+            if !rows.is_empty() {
+                T::pack(&own[(rows.start - from[rank].start) * columns..][..values(rows)], words);
+            }
+        }
+        let into = vec![0; into_lengths.iter().sum()];
+        let messages = Messages { out, out_lengths, into, into_lengths };
+        let Messages { into, .. } = self.ranks.post(messages).wait();
+        T::joined(into, got.iter().map(values))
     }
 
     /// Exchanges border rows around the cell: each rank sends its `first` and its `last` row, and gets the last row of

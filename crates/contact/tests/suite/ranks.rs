@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Contact, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solution, SolveError, Solver, Stiffness,
+    Boundary, Contact, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solution, SolveError, Solver, Stiffness,
 };
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, Material};
@@ -44,11 +44,17 @@ struct Case {
     body: Body,
     heights: Array2<f64>,
     hardness: Option<Hardness>,
+    boundary: Boundary,
 }
 
 impl Case {
     fn new(grid: Grid, body: &Body, seed: u64) -> Self {
-        Self { grid, body: body.clone(), heights: rough(&grid, seed), hardness: None }
+        let (heights, boundary) = (rough(&grid, seed), Boundary::Periodic);
+        Self { grid, body: body.clone(), heights, hardness: None, boundary }
+    }
+
+    fn free(self) -> Self {
+        Self { boundary: Boundary::Free, ..self }
     }
 
     fn alone(&self) -> Contact {
@@ -61,7 +67,8 @@ impl Case {
 
     fn of(&self, share: &Share) -> Contact {
         let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
-        let contact = Contact::distributed(share, &self.body, &self.grid, &own(&self.heights)).unwrap();
+        let contact =
+            Contact::with_boundary_over(share, self.boundary, &self.body, &self.grid, &own(&self.heights)).unwrap();
         match &self.hardness {
             Some(Hardness::Field(field)) => contact.with_hardness(own(field)).unwrap(),
             Some(hardness) => contact.with_hardness(hardness.clone()).unwrap(),
@@ -143,10 +150,40 @@ fn a_contact_over_ranks_has_the_bits_of_one_process() {
 }
 
 #[test]
+fn a_patch_over_ranks_has_the_bits_of_one_process() {
+    let (sizes, shapes) = if long() { (&[2, 3, 4][..], 3) } else { (&[2, 3, 4][..], 1) };
+    // Seven units of rows, and uneven rows beside a padded length with a factor of 5.
+    let all = [([112, 128], [1.0, 1.2]), ([300, 176], [2.0, 1.0]), ([512, 1000], [1.0, 2.0])];
+    for (points, lengths) in all.into_iter().take(shapes) {
+        let grid = Grid::new(points, lengths).unwrap();
+        for body in [half_space(), slab(0.1)] {
+            let case = Case::new(grid, &body, 1).free();
+            let approach = 0.5 * case.alone().surface().mean_clearance();
+            for size in sizes.iter().copied().filter(|size| *size <= Share::most(points, 1)) {
+                compare(&case, Load::MeanPressure(0.002), Solver::Auto, size);
+            }
+            compare(&case, Load::Approach(approach), Solver::Auto, 2);
+        }
+    }
+    let case = Case::new(Grid::square(128, 1e-6).unwrap(), &half_space(), 2).free();
+    for solver in [Solver::PolonskyKeer, Solver::ProjectedCg, Solver::PreconditionedCg] {
+        compare(&case, Load::MeanPressure(0.005), solver, 3);
+    }
+    let hardness = Array2::from_shape_fn((128, 128), |(i, j)| 0.05 + 0.01 * ((i + 2 * j) % 5) as f64);
+    let hardness = Some(Hardness::Field(hardness));
+    compare(&Case { hardness, ..case }, Load::MeanPressure(0.01), Solver::Auto, 3);
+}
+
+#[test]
 fn levels_that_are_shared_have_the_bits_of_one_process() {
     // Two levels with their own rows, the third gathered.
     let grid = Grid::square(2048, 1.0).unwrap();
     let case = Case::new(grid, &half_space(), 3);
+    levels_have_the_bits_of_one_process(&case);
+    levels_have_the_bits_of_one_process(&case.free());
+}
+
+fn levels_have_the_bits_of_one_process(case: &Case) {
     let budget = Budget { max_iterations: 3, ..Budget::default() };
     let begin = |contact: &Contact| {
         let load = Load::MeanPressure(0.004).into();

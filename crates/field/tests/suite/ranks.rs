@@ -1,6 +1,6 @@
 //! Transforms over ranks, played by threads, have the same bits as with one process.
 
-use gfmd_field::{Grid, Real, Rows, Share, Transform};
+use gfmd_field::{Convolution, Cosines, Grid, Real, Rows, Share, Transform};
 use gfmd_vector::ThreadRanks;
 use num_complex::Complex;
 use proptest::prelude::*;
@@ -64,6 +64,70 @@ fn transforms_over_ranks_have_the_bits_of_one_process() {
     }
 }
 
+/// Compares convolutions, cosine operators and transforms of a patch over several ranks with the results of one
+/// process.
+fn assert_patch_has_bits_of_one<T: Real>(points: [usize; 2], size: usize) {
+    let grid = Grid::new(points, [1.0, 2.0]).unwrap();
+    let kernel = |[i, j]: [usize; 2]| 1.0 / (1.0 + (i as f64).hypot(1.3 * j as f64));
+    let [nx, ny] = points;
+    let (field, waves) = (noise::<T>(nx * ny, 0.3), noise::<T>(nx * ny, 0.1));
+    let results = |share: &Share| {
+        let convolution = Convolution::<T>::distributed(grid, share, kernel);
+        let (mut ws, own) = (convolution.workspace(), &field[share.own()]);
+        let mut convolved = vec![T::ZERO; own.len()];
+        // Twice: the memory of the first call must not affect the second.
+        for _ in 0..2 {
+            convolution.apply(own, &mut convolved, &mut ws).unwrap();
+        }
+        let form = convolution.quadratic_form(own, &mut ws).unwrap();
+        let cosines = Cosines::<T>::distributed(grid, share);
+        let (mut ws, columns) = (cosines.workspace(), cosines.columns());
+        let mut filtered = vec![T::ZERO; own.len()];
+        for _ in 0..2 {
+            let source = |i: usize, (): (), row: &mut [T]| row.copy_from_slice(&own[i * ny..(i + 1) * ny]);
+            let sink = |_: usize, row: &mut [T], Rows(out, _): Rows<&mut [T]>| out.copy_from_slice(row);
+            let kernel = &waves[columns.start * nx..columns.end * nx];
+            cosines.apply(kernel, (), source, Rows(&mut filtered[..], ny), sink, &mut ws).unwrap();
+        }
+        let quotients = Cosines::<f64>::distributed(grid, share).quotients(kernel);
+        let transform = Transform::<T>::padded(2, &grid, share).unwrap();
+        let [_, lane] = transform.grid().spectrum_shape();
+        let mut modes = vec![Complex::new(T::ZERO, T::ZERO); transform.lanes().len() * lane];
+        let mut ws = transform.workspace();
+        transform.forward(own, &mut modes, &mut ws).unwrap();
+        let mut inverse = vec![T::ZERO; own.len()];
+        transform.inverse(&modes, &mut inverse, &mut ws).unwrap();
+        let form = form.to_bits();
+        let modes = modes.iter().flat_map(|mode| [mode.re, mode.im]).map(|x| x.widened().to_bits());
+        (
+            [convolved, filtered, inverse],
+            [quotients.iter().map(|k| k.to_bits()).collect(), modes.collect::<Vec<_>>()],
+            form,
+        )
+    };
+    let (fields, by_wave, form) = results(&grid.whole());
+    let each = ThreadRanks::of(size, |ranks| results(&Share::among(ranks, points, 0).unwrap()));
+    for (which, field) in fields.iter().enumerate() {
+        let found: Vec<T> = each.iter().flat_map(|(fields, ..)| &fields[which]).copied().collect();
+        assert!(same(&found, field), "field {which} of {points:?} on {size}");
+    }
+    for (which, values) in by_wave.iter().enumerate() {
+        let found = each.iter().flat_map(|(_, by_wave, _)| &by_wave[which]);
+        assert!(found.eq(values), "waves {which} of {points:?} on {size}");
+    }
+    assert!(each.iter().all(|(.., found)| *found == form), "{points:?} on {size}");
+}
+
+#[test]
+fn patches_over_ranks_have_the_bits_of_one_process() {
+    for points in [[256, 256], [130, 176], [512, 1000], [33, 2048], [4096, 2], [700, 8]] {
+        for size in 1..=Share::most(points, 0).min(5) {
+            assert_patch_has_bits_of_one::<f64>(points, size);
+            assert_patch_has_bits_of_one::<f32>(points, size);
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -74,6 +138,7 @@ proptest! {
         let columns = (columns >> exponent).max(1) << exponent;
         let points = [rows, columns.max(2)];
         assert_bits_of_one::<f64>(points, size.min(Share::most(points, 0)));
+        assert_patch_has_bits_of_one::<f64>(points, size.min(Share::most(points, 0)));
     }
 }
 

@@ -16,7 +16,7 @@ pub struct Parts<'a> {
     /// Grid of the surface.
     pub grid: &'a Grid,
     /// Rows of this process, one of several that make the same calls with their rows of all fields; `None` if it is
-    /// alone. Several processes share periodic contacts, with the bits of one.
+    /// alone. Fields and numbers have the bits of one process.
     pub share: Option<&'a Share>,
     /// Rigid profile on the grid, in length, with peaks towards the body. A constant has no effect.
     pub heights: &'a ArrayRef2<f64>,
@@ -75,14 +75,6 @@ impl Parts<'_> {
         let Some((prony, relaxes)) = self.relaxation else { return Ok(None) };
         let medium = Relaxing::new(self.body, grid, self.boundary, components, prony, relaxes)?.over(share)?;
         Ok(Some(Arc::new(if self.held { medium.held_sideways()? } else { medium })))
-    }
-
-    /// Checks that several processes can share all parts.
-    pub(super) fn check_shared(&self, share: &Share) -> Result<(), Refusal> {
-        match self.boundary {
-            Boundary::Free if !share.is_whole() => Err(Refusal::Shared { part: "free boundaries" }),
-            _ => Ok(()),
-        }
     }
 
     /// Checks that no other part moves a surface that is held sideways.

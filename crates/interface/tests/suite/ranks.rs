@@ -24,6 +24,7 @@ struct Case<'a> {
     hardness: Option<Hardness>,
     springs: Option<Springs>,
     held: bool,
+    boundary: Boundary,
 }
 
 fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
@@ -40,14 +41,18 @@ fn rough(grid: &Grid, seed: u64) -> Array2<f64> {
 impl<'a> Case<'a> {
     fn new(points: [usize; 2], body: &'a Body, law: &Arc<dyn Law>) -> Self {
         let grid = Grid::new(points, [1.0, points[1] as f64 / points[0] as f64]).unwrap();
-        Self { grid, body, heights: rough(&grid, 3), law: Arc::clone(law), hardness: None, springs: None, held: false }
+        let (heights, law, boundary) = (rough(&grid, 3), Arc::clone(law), Boundary::Periodic);
+        Self { grid, body, heights, law, hardness: None, springs: None, held: false, boundary }
     }
 
     fn on(&self, share: &Share) -> Interface {
         let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
         let own = |field: &Array2<f64>| if share.is_whole() { field.clone() } else { own(field) };
-        let make = if self.held { Interface::held_sideways_over } else { Interface::distributed };
-        let mut interface = make(share, self.body, &self.grid, &own(&self.heights), Arc::clone(&self.law)).unwrap();
+        let (heights, law) = (&own(&self.heights), Arc::clone(&self.law));
+        let mut interface = match self.held {
+            true => Interface::held_sideways_over(share, self.body, &self.grid, heights, law).unwrap(),
+            false => Interface::with_boundary_over(share, self.boundary, self.body, &self.grid, heights, law).unwrap(),
+        };
         interface = match &self.hardness {
             Some(Hardness::Field(field)) => interface.with_hardness(own(field)).unwrap(),
             Some(hardness) => interface.with_hardness(hardness.clone()).unwrap(),
@@ -135,6 +140,24 @@ fn a_law_over_ranks_has_the_bits_of_one_process() {
     let moved = [Load::Approach(0.006), Load::Approach(0.004)];
     compare(&Case::new([128, 64], &half_space, &wall), moved, 4);
     compare(&Case { held: true, ..Case::new([128, 64], &slab, &smooth) }, moved, 2);
+}
+
+#[test]
+fn a_law_on_a_patch_over_ranks_has_the_bits_of_one_process() {
+    let wall = Exponential::new(2e-4, 4e-3).unwrap().into_shared();
+    let smooth = Morse::new(2e-4, 4e-3).unwrap().into_shared();
+    let material = Material::from_contact_modulus(1.0, 0.3).unwrap();
+    let (half_space, slab) = (Body::half_space(material), Body::slab(material, 0.2).unwrap());
+    let boundary = Boundary::Free;
+    let pressed = [Load::MeanPressure(0.004), Load::MeanPressure(-0.0005)];
+    compare(&Case { boundary, ..Case::new([128, 64], &half_space, &wall) }, pressed, 4);
+    compare(&Case { boundary, ..Case::new([112, 64], &slab, &smooth) }, pressed, 3);
+    let moved = [Load::Approach(0.006), Load::Approach(0.004)];
+    compare(&Case { boundary, ..Case::new([96, 64], &half_space, &wall) }, moved, 2);
+    let field = |unit: f64| Array2::from_shape_fn((96, 64), |(i, j)| unit * (1.0 + 0.2 * ((i + 2 * j) % 5) as f64));
+    let case = Case { boundary, ..Case::new([96, 64], &half_space, &wall) };
+    let hardness = Some(Hardness::Field(field(0.05)));
+    compare(&Case { hardness, springs: Some(Springs::Field(field(0.1))), ..case }, moved, 3);
 }
 
 #[test]
@@ -250,7 +273,10 @@ fn paths_over_ranks_have_the_bits_of_one_process() {
         Parts { shear, law: Some(law), hardness: Some(Hardness::Field(hardness)), relaxation, ..plain.clone() },
         Parts { law: Some(shearing), all_components: true, relaxation, ..plain.clone() },
     ];
-    for (number, parts) in cases.iter().enumerate() {
+    let patches =
+        cases.iter().filter(|parts| !parts.held).map(|parts| Parts { boundary: Boundary::Free, ..parts.clone() });
+    for (number, parts) in cases.iter().cloned().chain(patches).enumerate() {
+        let parts = &parts;
         let alone = follow(parts);
         for size in [2, 3] {
             let each = ThreadRanks::of(size, |ranks| {
@@ -273,13 +299,4 @@ fn paths_over_ranks_have_the_bits_of_one_process() {
             }
         }
     }
-    // Parts that need all points are refused on all processes.
-    let slid = Parts { boundary: Boundary::Free, ..plain };
-    let refused = ThreadRanks::of(2, |ranks| {
-        let share = Contact::share(ranks, &grid).unwrap();
-        let own = heights.slice(s![share.rows(), ..]).to_owned();
-        let refused = QuasistaticContact::new(&Parts { share: Some(&share), heights: &own, ..slid.clone() });
-        refused.err().unwrap().to_string()
-    });
-    assert!(refused.iter().all(|text| text.contains("with free boundaries")), "{refused:?}");
 }

@@ -92,8 +92,10 @@ pub(super) const COLUMNS: &[Column] = &[
         "stress",
         &[(any, "largest net pressure on the body (repulsion minus attraction), at most the hardness")],
         |at| {
-            let pressure = at.rest.map(|rest| rest.pressure());
-            pressure.map_or(f64::NAN, |pressure| pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max)).into()
+            let Some(rest) = at.rest else { return f64::NAN.into() };
+            let own = rest.pressure().iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let of_all = at.share.as_ref().map_or_else(|| vec![own], |share| share.each(own));
+            of_all.into_iter().fold(f64::NEG_INFINITY, f64::max).into()
         },
     )
     .with(|facts| law(facts) && hardness(facts)),

@@ -10,13 +10,13 @@ use gfmd_files::Reader;
 use gfmd_flow::Fluid;
 use gfmd_green::Body;
 use gfmd_law::Law;
-use gfmd_measure::{GapGas, Scales, top_inside, top_of_shared};
+use gfmd_measure::{GapGas, Scales, top_inside_of_shared, top_of_shared};
 use gfmd_plasticity::Cell;
 use gfmd_problem::{
     AnyState, Facts, Given, Inelastic, KeptStrain, MemoryNeed, Posed, Unknown, Words, key, pose, setting, words,
 };
 use gfmd_record::StateContext;
-use gfmd_surface::{Moments, Statistics, window};
+use gfmd_surface::{Moments, Statistics, SurfaceError, row_mean, window, window_rows};
 use gfmd_unit::Units;
 use ndarray::Array2;
 
@@ -26,9 +26,10 @@ use gfmd_input::base::{BaseArgs, MovedBase};
 use gfmd_input::failure::Failure;
 use gfmd_input::hardness::{self, GivenHardness};
 use gfmd_input::lower::LowerArgs;
-use gfmd_input::memory;
+use gfmd_input::processes::of_first;
 use gfmd_input::session::Session;
 use gfmd_input::source::{SourceArgs, Surface, highest, stored_unit};
+use gfmd_input::{memory, rows};
 use gfmd_problem::Adhesion;
 use gfmd_problem::options::{BodyArgs, ComplianceArgs, LawArgs, PlasticityArgs, Yielding, check_wavenumbers};
 
@@ -168,12 +169,13 @@ impl Prepared {
         let rise = rise_of(&surface.share, &heights, surface.boundary)
             + lower.as_ref().map_or(0.0, |lower| rise_of(&lower.share, &lower.heights, lower.boundary));
         let moments = match surface.boundary {
-            Boundary::Free if surface.share.is_whole() => {
-                let windowed =
-                    window(&surface.heights, 1.0).and_then(|windowed| Statistics::of(&windowed, &surface.grid));
-                windowed.map_err(|error| Failure::input(asked.source.name(), error))?.moments
+            Boundary::Free => {
+                let windowed = windowed(&surface);
+                let statistics =
+                    windowed.and_then(|heights| Statistics::distributed(&heights, &surface.grid, &surface.share));
+                statistics.map_err(|error| Failure::input(asked.source.name(), error))?.moments
             }
-            _ => surface.statistics.moments,
+            Boundary::Periodic => surface.statistics.moments,
         };
         let gas = asked.gas.map(|gas| gas.in_units(&surface.units())).transpose()?;
         let adhesion = Adhesion::of(&asked.law, &law, &surface.grid, &surface.moments(), body.contact_modulus());
@@ -472,11 +474,25 @@ pub fn unit_of_load(control: &str, grid: &Grid, unit: f64) -> Result<f64, Failur
     }
 }
 
+/// Returns the rows of this process of a patch below a window that falls to zero at its rim.
+///
+/// # Errors
+/// Returns an error for heights that are not finite.
+fn windowed(Surface { heights, share, .. }: &Surface) -> Result<Array2<f64>, SurfaceError> {
+    if share.is_whole() {
+        return window(heights, 1.0);
+    }
+    // Only the sum over whole heights has the bits of one process.
+    let whole = rows::gathered(share, heights.view());
+    let [mean] = of_first(share.ranks(), [whole.as_ref().map_or(0.0, row_mean).to_bits()]);
+    Ok(window_rows(share, heights, (1.0, f64::from_bits(mean))))
+}
+
 /// Returns the height of a surface's top above its highest grid point, length.
 fn rise_of(share: &Share, heights: &Array2<f64>, boundary: Boundary) -> f64 {
     let top = match boundary {
         Boundary::Periodic => top_of_shared(share, heights.view()),
-        Boundary::Free => top_inside(heights.view()),
+        Boundary::Free => top_inside_of_shared(share, heights.view()),
     };
     top - highest(share, heights)
 }
