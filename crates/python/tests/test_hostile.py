@@ -81,3 +81,10 @@ os._exit(0)
 """
     done = subprocess.run([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     assert done.returncode == 0 and 0.0 < float(done.stdout) < 1.0
+
+
+@pytest.mark.parametrize("name", ["\0", "a\0b.json", "a\0b.h5"])
+def test_a_name_with_a_zero_byte_is_refused(name: str) -> None:
+    for function in (gfmd.load, gfmd.read):
+        with pytest.raises(gfmd.InputError, match="NUL"):
+            function(name)

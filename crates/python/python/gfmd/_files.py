@@ -154,7 +154,7 @@ def _is_json(name: str) -> bool:
     try:
         with open(name, "rb") as file:
             return file.read(64).lstrip().startswith(b"{")
-    except OSError:
+    except (OSError, ValueError):  # A name with a zero byte is a ValueError.
         return False
 
 
