@@ -1,47 +1,25 @@
 //! Derivatives of a scalar result of an interface in u_z with respect to heights, load and modulus, from one linear
 //! problem (theory.md, section 7.9).
 
-use gfmd_contact::{ClearanceGradient, Cotangents, Effort, Fields as _, Gradient, GradientError, Load, Stiffness};
+use gfmd_contact::{ClearanceGradient, Cotangents, Effort, Fields as _, Gradient, GradientError, Load};
 use ndarray::{Array2, ArrayRef2};
 
-use crate::newton::{Adjoint, Bond, Linear};
+use crate::bonds::Bonds;
+use crate::newton::{Adjoint, Bond, Linear, Sides};
 use crate::numbers::{dot, total};
 use crate::{Interface, State};
 
 /// Largest accepted error of a result.
-const ERROR: f64 = 1e-8;
+pub(crate) const ERROR: f64 = 1e-8;
 
 /// Residual of the linear problem of derivatives, relative to the first one.
-const EXACT: f64 = 1e-11;
-
-/// Largest residual of the linear problem of a stiffness, whose error is its square times the condition number.
-const LOOSEST: f64 = 1e-5;
+pub(crate) const EXACT: f64 = 1e-11;
 
 /// Reason why an approach in full contact has no derivatives.
-const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not determine \
+pub(crate) const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not determine \
                     the pressure";
 
 impl Interface {
-    /// Computes the stiffness of the stable `state`, d(mean pressure)/d(approach), with the set of points pressed by
-    /// the wall kept, and the pressure of points at the hardness. The attraction counts, and under tension the
-    /// stiffness may be negative. Infinite in full contact of a body whose mean level is fixed. The error is the
-    /// relative residual of the linear problem.
-    ///
-    /// The linear problem is solved to a residual of `tolerance`, but at least to 1e-5 and at most to 1e-11.
-    ///
-    /// # Errors
-    /// Returns the errors of [`gradient`](Self::gradient).
-    pub fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, GradientError> {
-        let of = Cotangents { mean_pressure: 1.0, ..Cotangents::default() };
-        match self.derivatives(state, Load::Approach(state.approach), &of, tolerance.clamp(EXACT, LOOSEST)) {
-            Ok(ClearanceGradient { load: value, error, effort, .. }) => Ok(Stiffness { value, error, effort }),
-            Err(GradientError::Undetermined(FULL)) => {
-                Ok(Stiffness { value: f64::INFINITY, error: 0.0, effort: Effort::default() })
-            }
-            Err(error) => Err(error),
-        }
-    }
-
     /// Computes the derivatives of a scalar at the stable `state`, with respect to heights, load and modulus. `of`
     /// holds its derivatives with respect to the state; only the kind of `load` matters. The set of points pressed by
     /// the wall is kept fixed, as it is for almost all heights and loads. The stiffness of springs does not change with
@@ -70,7 +48,7 @@ impl Interface {
 
     /// Computes the derivatives by the clearance, from a linear problem solved to a relative residual of `tolerance`;
     /// points at the hardness keep their pressure.
-    fn derivatives(
+    pub(crate) fn derivatives(
         &self,
         state: &State,
         load: Load,
@@ -104,18 +82,9 @@ impl Interface {
         let scaled = |field: &ArrayRef2<f64>, unit: f64| -> Vec<f64> { field.iter().map(|x| x / unit).collect() };
         let wall = frame.values_inside(frame.wall().collect());
         let position = wall.iter().zip(&state.gap).map(|(wall, gap)| wall - gap / length).collect();
-        let held = in_cell(scaled(&state.wall_pressure, stress));
-        let closed = in_cell(state.gap.iter().map(|gap| f64::from(u8::from(*gap <= 0.0))).collect());
-        let kinks = self.kinks(&frame);
-        let is_pressed = |i: usize| kinks.as_ref().is_some_and(|kinks| closed[i] > 0.0 && kinks.is_at_most(i, held[i]));
-        let spring = |i: usize| kinks.as_ref().map_or(0.0, |kinks| kinks.spring(i));
-        let bond = |i: usize| match held[i] > 0.0 || is_pressed(i) {
-            false => Bond::Free,
-            true if is_pressed(i) => Bond::Pressed,
-            true if spring(i) > 0.0 => Bond::Spring(spring(i)),
-            true => Bond::Held,
-        };
-        let mut problem = Linear::at(self, &frame, &in_cell(position), bond);
+        let bonds = Bonds::new(self, &frame, state);
+        let bond = |i: usize| bonds.of(i);
+        let mut problem = Linear::at(self, &frame, &in_cell(position), Sides::Law, bond);
         let acts = |(slope, free): (&f64, &f64)| *free == 0.0 || *slope != 0.0;
         if !is_driven && !share.any(problem.slope().iter().zip(problem.free()).any(acts)) {
             return Err(GradientError::Undetermined(
@@ -149,8 +118,9 @@ impl Interface {
         let level = by_approach / frame.all_points() as f64;
         let of_position = problem.elastic(&by_pressure);
         let source: Vec<f64> = of_position.iter().zip(&by_gap).map(|(k, gap)| level - k - gap).collect();
-        let Adjoint { values, level: mean, error, lowest, effort: (iterations, transform_pairs) } =
-            problem.solve(&source, -total(share, &by_pressure), tolerance);
+        let Adjoint { values, levels, error, lowest, effort: (iterations, transform_pairs) } =
+            problem.solve(&source, &[-total(share, &by_pressure)], tolerance);
+        let mean = levels[0];
         if lowest <= 0.0 || lowest.is_nan() {
             return Err(GradientError::Unstable { lowest });
         }
@@ -178,7 +148,7 @@ impl Interface {
         let by_modulus = dot(share, &whole, &pressure) - of_load - of_energy * stored;
         // A larger hardness presses the elastic surface away, and shortens the spring of the point.
         let hardness = self.hardness.as_ref().map(|_| {
-            let by = |i: usize| if bond(i) == Bond::Pressed { -values[i] - spring(i) * by_depth[i] } else { 0.0 };
+            let by = |i: usize| if bond(i) == Bond::Pressed { -values[i] - bonds.spring(i) * by_depth[i] } else { 0.0 };
             let by = frame.values_inside((0..points).map(by).collect());
             Array2::from_shape_fn(shape, |(i, j)| by[i * shape[1] + j] / stress)
         });

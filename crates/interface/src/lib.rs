@@ -10,6 +10,7 @@
 //! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step; [`follow`] keeps all
 //!   states, from which [`QuasistaticContact::gradient_along`] computes derivatives.
 
+mod bonds;
 mod certify;
 mod dynamics;
 mod frame;
@@ -28,6 +29,7 @@ mod search_result;
 mod solve;
 mod squeezed;
 mod state;
+mod stiffness;
 mod stored_fields;
 
 pub use gfmd_contact::{Body, Equilibrium, Grid, Load, Material};

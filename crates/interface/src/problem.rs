@@ -3,7 +3,7 @@ use std::sync::Arc;
 use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, GreenError, Plate};
-use gfmd_law::{InUnits, Law};
+use gfmd_law::{HardWall, InUnits, Law};
 use gfmd_relax::Upper;
 use gfmd_response::{Elastic, FullResponse, NormalResponse, PlateResponse};
 use ndarray::ArrayRef2;
@@ -241,6 +241,19 @@ impl Interface {
         let (law, patch, units) = (law.into_shared(), None, Units::ONE);
         let (hardness, springs, sideways) = (None, None, None);
         Ok(Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
+    }
+
+    /// Creates the hard wall `surface` on an existing response in all components, in the units of both.
+    pub(crate) fn at_wall(response: Arc<FullResponse>, surface: Arc<RigidSurface>) -> Self {
+        let (contact_modulus, elastic) = (response.contact_modulus(), Elastic::Full(response));
+        let (share, law, given) = (elastic.share(), HardWall.into_shared(), Arc::clone(&surface));
+        let (hardness, springs, sideways, patch, units) = (None, None, None, None, Units::ONE);
+        Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units }
+    }
+
+    /// Returns this interface with a response in all components of the same body.
+    pub(crate) fn in_components_of(&self, response: &Arc<FullResponse>) -> Self {
+        Self { elastic: Elastic::Full(Arc::clone(response)), ..self.clone() }
     }
 
     /// Returns this interface with `depth` `[x, y]`, in length, added to the clearance. The approach is still measured

@@ -59,6 +59,10 @@ fn on_every_path_it_is_the_change_of_the_mean_pressure_by_the_approach() {
         format!("{law} --hardness 0.05 {prony}"),
         format!("--coefficient 0.5 --distance 0.1,0 {law}"),
         "--boundary free --hardness 0.05 --prony 1:0.4 --time 0.3,0".into(),
+        "--friction 20 --poisson 0.1".into(),
+        format!("--friction 20 --poisson 0.1 --hardness 0.05 {prony}"),
+        format!("--friction 20 --poisson 0.1 --base bonded --height 0.4 {law}"),
+        "--law npc --param phi_n=1e-3,phi_t=1e-3,delta_n=0.03,delta_t=0.03 --lateral 1e-3,1e-3".into(),
     ] {
         let along = steps(folder.path(), &format!("path {ROUGH} --approach 0.006,0.0060001 --steps 1 {EXACT} {parts}"));
         // A law has a curvature.
@@ -93,7 +97,8 @@ fn files_have_it_with_its_reason_and_a_check_finds_it_changed() {
         ("--p-star 0.02,0.2 --prony 1:0.4 --time 1,2 --hardness 0.05 --stiffness-tolerance 1e-8", None),
         ("--p-star 0.02,0.01 --law exponential --param gamma=1e-4,range=4e-3 --prony 1:0.4 --time 1,2", None),
         ("--p-star 0.02,0.01 --law exponential --param gamma=1e-4,range=4e-3 --hardness 0.3", None),
-        ("--p-star 0.02,0.02 --friction 0.3 --lateral 0,1e-3", Some("shear each other")),
+        ("--p-star 0.02,0.02 --friction 0.3 --lateral 0,1e-3", None),
+        ("--p-star 0.02,0.02 --friction 0.3 --lateral 0,1e-3 --boundary free", Some("patch with shear")),
         ("--p-star 0.02,5", Some("full contact")),
     ];
     for (flags, reason) in cases {

@@ -1,4 +1,5 @@
-//! Linear problem of small changes of an equilibrium state, (K + J) v + μ = b on the points not held by the wall.
+//! Linear problem of small changes of an equilibrium state, (K + J) v + μ = b on the points not held by the wall, in u_z
+//! alone or in all components.
 
 use gfmd_vector::for_each;
 
@@ -21,10 +22,10 @@ const SEARCHES: u64 = 12;
 
 /// Solution of the linear problem.
 pub(crate) struct Adjoint {
-    /// v, 0 at the points held by the wall.
+    /// v, component by component; 0 at the points held by the wall.
     pub(crate) values: Vec<f64>,
-    /// μ; 0 if the mean is not held.
-    pub(crate) level: f64,
+    /// μ of each component; 0 if its mean is not held.
+    pub(crate) levels: Vec<f64>,
     /// Residual divided by the first residual.
     pub(crate) error: f64,
     /// Lowest curvature found by a search, relative to the preconditioner; at most 0 if the problem has no solution.
@@ -46,12 +47,21 @@ pub(crate) enum Bond {
     Pressed,
 }
 
-/// Linear problem in u_z at one position.
+/// Lateral motion of the surfaces where all components move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Sides {
+    /// The law alone holds them, by its shear.
+    Law,
+    /// They stick to each other at the points held or pressed by the wall, and the law has no shear.
+    Stick,
+}
+
+/// Linear problem at one position. Fields are component by component, z last.
 pub(crate) struct Linear<'a> {
     model: AllComponents<'a>,
     frame: &'a Frame<'a>,
     reaction: Reaction,
-    /// 1 at the points not held by the wall, 0 elsewhere.
+    /// 1 at the points not held, 0 elsewhere.
     free: Vec<f64>,
 }
 
@@ -61,14 +71,20 @@ impl<'a> Linear<'a> {
         interface: &Interface,
         frame: &'a Frame<'a>,
         position: &[f64],
+        sides: Sides,
         bond: impl Fn(usize) -> Bond,
     ) -> Self {
-        let points = frame.points();
+        let (points, components, z) = (frame.points(), frame.components(), frame.z());
         let [softest, stiffest] = interface.elastic.stiffness_range();
-        let mut reaction = Reaction::new(1, points);
-        reaction.update(interface.law.as_ref(), frame, position, &mut vec![0.0; points]);
-        let [_, slope] = reaction.normal_mut();
-        for (i, slope) in slope.iter_mut().enumerate() {
+        let mut reaction = Reaction::new(components, points);
+        match sides {
+            Sides::Law => reaction.update(interface.law.as_ref(), frame, position, &mut vec![0.0; points]),
+            Sides::Stick => reaction.set_normal_slope(|i| {
+                let (normal, _) = frame.separation(position, i);
+                interface.law.opening(normal).slope
+            }),
+        }
+        for (i, slope) in reaction.normal_slope_mut().iter_mut().enumerate() {
             match bond(i) {
                 Bond::Pressed => *slope = 0.0,
                 Bond::Spring(compliance) => *slope = compliance.recip(),
@@ -78,10 +94,13 @@ impl<'a> Linear<'a> {
         let mut model =
             AllComponents::new(interface.elastic.transforms(), frame, super::uniform_compliance(interface, frame));
         let reference = (softest * stiffest).sqrt();
-        let weights = model.weight().iter_mut().zip(reaction.diagonal(0)).enumerate();
-        weights.for_each(|(i, (weight, slope))| {
-            *weight = if bond(i) == Bond::Held { 0.0 } else { weight_of(*slope, reference) };
-        });
+        for (c, weights) in model.weight().chunks_exact_mut(points).enumerate() {
+            for (i, (weight, slope)) in weights.iter_mut().zip(reaction.diagonal(c)).enumerate() {
+                let is_held =
+                    if c == z { bond(i) == Bond::Held } else { sides == Sides::Stick && bond(i) != Bond::Free };
+                *weight = if is_held { 0.0 } else { weight_of(*slope, reference) };
+            }
+        }
         let free: Vec<f64> = model.weight().iter().map(|weight| f64::from(u8::from(*weight > 0.0))).collect();
         // Points at springs stiffer than the body hardly move.
         let share = |(i, free): (usize, &f64)| match bond(i) {
@@ -94,14 +113,21 @@ impl<'a> Linear<'a> {
         Self { model, frame, reaction, free }
     }
 
-    /// Returns 1 at the points not held by the wall, 0 elsewhere.
+    /// Returns 1 at the points not held, 0 elsewhere.
     pub(crate) fn free(&self) -> &[f64] {
         &self.free
     }
 
-    /// Returns the slope of the law at each point, dT/dg, stress/length.
+    /// Returns the slope of the law along z at each point, dT/dg, stress/length.
     pub(crate) fn slope(&self) -> &[f64] {
-        self.reaction.diagonal(0)
+        self.reaction.diagonal(self.frame.z())
+    }
+
+    /// Returns J times a field.
+    pub(crate) fn of_law(&self, field: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; field.len()];
+        self.reaction.add_product(field, &mut out);
+        out
     }
 
     /// Returns K times a field.
@@ -111,38 +137,48 @@ impl<'a> Linear<'a> {
         out
     }
 
-    /// Computes `out` = b − (K + J) v on the free points; if the mean is held, subtracts the mean and returns it.
-    fn residual(&mut self, source: &[f64], values: &[f64], out: &mut [f64]) -> f64 {
+    /// Computes `out` = b − (K + J) v on the free points; subtracts the mean of each component whose mean is held, and
+    /// returns these means.
+    fn residual(&mut self, source: &[f64], values: &[f64], out: &mut [f64]) -> Vec<f64> {
         self.model.elastic(values, out);
         self.reaction.add_product(values, out);
-        let Self { model, free, .. } = &*self;
+        let Self { model, free, frame, .. } = &*self;
         let rest = |start: usize, [out]: [&mut [f64]; 1]| {
             let of = source[start..].iter().zip(&free[start..]);
             out.iter_mut().zip(of).for_each(|(out, (source, free))| *out = free * (source - *out));
         };
         for_each([&mut *out], &rest);
-        if !self.frame.held[0] {
-            return 0.0;
-        }
-        let level = model.mean_of(0, out);
-        for_each([out], &|start, [out]| {
-            out.iter_mut().zip(&free[start..]).for_each(|(out, free)| *out -= level * free);
-        });
-        level
+        let points = frame.points();
+        let fields = out.chunks_exact_mut(points).zip(free.chunks_exact(points)).zip(&frame.held).enumerate();
+        let subtract = |(c, ((out, free), held)): (usize, ((&mut [f64], &[f64]), &bool))| {
+            if !held {
+                return 0.0;
+            }
+            let level = model.mean_of(c, out);
+            for_each([out], &|start, [out]| {
+                out.iter_mut().zip(&free[start..]).for_each(|(out, free)| *out -= level * free);
+            });
+            level
+        };
+        fields.map(subtract).collect()
     }
 
-    /// Solves the problem to a residual of `tolerance` relative to the first one; if the mean is held, `sum` is the sum
-    /// of v.
-    pub(crate) fn solve(&mut self, source: &[f64], sum: f64, tolerance: f64) -> Adjoint {
+    /// Solves the problem to a residual of `tolerance` relative to the first one; `sums` are the sums of v over each
+    /// component whose mean is held.
+    pub(crate) fn solve(&mut self, source: &[f64], sums: &[f64], tolerance: f64) -> Adjoint {
         let accuracy = (OF_TOLERANCE * tolerance).max(ACCURACY);
+        let (points, frame) = (self.frame.points(), self.frame);
         let share = self.model.share().unwrap_or(&self.free);
-        let count = total(self.frame.share, share);
-        let start = if self.frame.held[0] && count > 0.0 { sum / count } else { 0.0 };
-        let mut values: Vec<f64> = share.iter().map(|share| start * share).collect();
+        let mut values = Vec::with_capacity(share.len());
+        for ((share, held), sum) in share.chunks_exact(points).zip(&frame.held).zip(sums) {
+            let count = total(frame.share, share);
+            let start = if *held && count > 0.0 { sum / count } else { 0.0 };
+            values.extend(share.iter().map(|share| start * share));
+        }
         let mut region = TrustRegion::new(values.len());
         let mut residual = vec![0.0; values.len()];
-        let mut level = self.residual(source, &values, &mut residual);
-        let first = dot(self.frame.share, &residual, &residual).sqrt();
+        let mut levels = self.residual(source, &values, &mut residual);
+        let first = dot(frame.share, &residual, &residual).sqrt();
         let (mut error, mut searches, mut lowest) = (if first > 0.0 { 1.0 } else { 0.0 }, 0, f64::INFINITY);
         while error > tolerance && searches < SEARCHES {
             region.vectors.residual.copy_from_slice(&residual);
@@ -155,8 +191,8 @@ impl<'a> Linear<'a> {
             for_each([&mut values[..]], &|start, [values]| {
                 values.iter_mut().zip(&step.1[start..]).for_each(|(v, d)| *v += step.0 * d);
             });
-            level = self.residual(source, &values, &mut residual);
-            let now = dot(self.frame.share, &residual, &residual).sqrt() / first;
+            levels = self.residual(source, &values, &mut residual);
+            let now = dot(frame.share, &residual, &residual).sqrt() / first;
             // Only rounding errors remain.
             let has_ended = now >= 0.5 * error;
             error = now;
@@ -164,6 +200,6 @@ impl<'a> Linear<'a> {
                 break;
             }
         }
-        Adjoint { values, level, error, lowest, effort: (searches, self.model.pairs()) }
+        Adjoint { values, levels, error, lowest, effort: (searches, self.model.pairs()) }
     }
 }

@@ -49,6 +49,19 @@ impl Reaction {
         });
     }
 
+    /// Sets the entry zz of J to the slope `of` each point, of a law without shear; leaves the rest as it is.
+    pub(crate) fn set_normal_slope(&mut self, of: impl Fn(usize) -> f64 + Sync) {
+        for_each([self.normal_slope_mut()], &|start, [slopes]| {
+            slopes.iter_mut().enumerate().for_each(|(k, slope)| *slope = of(start + k));
+        });
+    }
+
+    /// Returns the entry zz of J, to be changed.
+    pub(crate) fn normal_slope_mut(&mut self) -> &mut [f64] {
+        let last = self.tables.len() - self.points;
+        &mut self.tables[last..]
+    }
+
     /// Returns traction and Jacobian of the single component, to be changed.
     pub(crate) fn normal_mut(&mut self) -> [&mut [f64]; 2] {
         split(&mut self.tables, self.points)

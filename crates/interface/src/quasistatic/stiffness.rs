@@ -1,13 +1,18 @@
 //! Stiffness of a state along a path.
 
-use gfmd_contact::{Fields as _, GradientError, Hardness, Load, Refusal, Stiffness};
+use std::sync::Arc;
+
+use gfmd_contact::{Fields as _, GradientError, Hardness, Load, Refusal, Stiffness, Units};
 use gfmd_medium::Stiffening;
 use gfmd_relax::Why;
-use ndarray::{Array2, ArrayRef2, Axis};
+use gfmd_response::FullResponse;
+use ndarray::{Array2, ArrayRef2, Axis, Zip};
 
 use super::normal::Normal;
+use super::response::Response;
 use super::{QuasistaticContact, QuasistaticState};
-use crate::State;
+use crate::newton::Sides;
+use crate::{Interface, State};
 
 /// Relative rounding error of the pressure of points at the hardness.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -15,9 +20,12 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Reasons why a state along a path has no stiffness, or an inexact one.
 #[derive(Debug, thiserror::Error)]
 pub enum StiffnessError {
-    /// The surfaces shear each other.
-    #[error("not computed for surfaces that shear each other, whose shear changes with the load")]
-    Sheared,
+    /// The surfaces of a patch shear each other.
+    #[error("not computed for a patch with shear")]
+    ShearedPatch,
+    /// The law shears the surfaces, and the fields do not tell their lateral displacement.
+    #[error("not computed from the pressure and the gap alone: the law shears the surfaces")]
+    Lateral,
     /// The state is of another kind of contact.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -37,15 +45,15 @@ pub enum StiffnessError {
 impl QuasistaticContact {
     /// Computes the stiffness of `state`, d(mean pressure)/d(approach) in stress/length, to the relative error
     /// `tolerance` ([`Stiffness`]). It is the stiffness of an instant, in which nothing wears off and a body that
-    /// relaxes has its instantaneous moduli. Points in contact stay in contact, and points at the hardness keep their
-    /// pressure: where some are, it is the stiffness under a growing load, and the contact is stiffer when it is
-    /// unloaded.
+    /// relaxes has its instantaneous moduli. Points in contact stay in contact, with friction or a shear strength without
+    /// slip, and points at the hardness keep their pressure: where some are, it is the stiffness under a growing load,
+    /// and the contact is stiffer when it is unloaded. The surfaces do not move sideways.
     ///
     /// # Errors
     /// Returns the reason why there is no stiffness, or the stiffness reached with a larger error.
     pub fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, StiffnessError> {
         let fields = (&*state.pressure(), &*state.gap());
-        self.stiffness_of(fields, state.law().map(|law| &law.wall_pressure), tolerance)
+        self.stiffness_of(fields, state.law(), tolerance)
     }
 
     /// Computes the stiffness of the state with these stored fields, as [`stiffness`](Self::stiffness), also where they
@@ -62,17 +70,14 @@ impl QuasistaticContact {
         self.stiffness_of((pressure, gap), None, tolerance)
     }
 
-    /// Computes the stiffness from the pressure, the gap, and the pressure of the wall below a law, by default from the
-    /// other two.
+    /// Computes the stiffness from the pressure, the gap, and the state beside a `law`, whose wall follows by default
+    /// from the other two.
     fn stiffness_of(
         &self,
         (pressure, gap): (&ArrayRef2<f64>, &ArrayRef2<f64>),
-        wall_pressure: Option<&Array2<f64>>,
+        law: Option<&State>,
         tolerance: f64,
     ) -> Result<Stiffness, StiffnessError> {
-        if self.shear.is_some() || self.all_components {
-            return Err(StiffnessError::Sheared);
-        }
         let shape = self.normal.surface().shape();
         let wrong = [pressure, gap].into_iter().find(|field| <[usize; 2]>::from(field.dim()) != shape);
         if let Some(found) = self.share().first(wrong.map(|field| field.len())) {
@@ -84,17 +89,47 @@ impl QuasistaticContact {
             Some(medium) => medium.begin(&medium.rest(), 0.0)?.stiffening,
             None => Stiffening::All(1.0),
         };
+        let of_law = |interface: &Interface| match law {
+            Some(state) => state.wall_pressure.mapv(|p| p / stress),
+            None => Zip::from(&pressure).and(&gap).map_collect(|p, gap| interface.wall_pressure(*p, *gap)),
+        };
+        if let Some(response) = &self.response {
+            let Response::Periodic(response) = response else { return Err(StiffnessError::ShearedPatch) };
+            let Stiffening::All(factor) = stiffening else { return Err(Refusal::OtherKind.into()) };
+            let (interface, wall_pressure, gap) = match &self.normal {
+                Normal::Law(interface) => (interface.in_components_of(response), of_law(interface), gap),
+                Normal::Wall(_) => {
+                    let closed = Zip::from(&pressure).and(&gap).map_collect(|p, gap| if *p > 0.0 { 0.0 } else { *gap });
+                    (self.wall_in_all_components(response)?, pressure, closed)
+                }
+            };
+            let interface = interface.weakened(factor);
+            let blank = interface.blank(Load::MeanPressure(0.0).into())?;
+            let state = State { gap, wall_pressure, approach: 0.0, ..blank };
+            let state = state.times(1.0, 1.0 / factor);
+            let found = interface.stiffness_in_all_components(&state, Sides::Stick, tolerance)?;
+            return Ok(self.given_stiffness(found, factor));
+        }
         match &self.normal {
             Normal::Law(interface) => {
-                let wall_pressure = wall_pressure.map(|wall| wall.mapv(|p| p / stress)).unwrap_or_else(|| {
-                    ndarray::Zip::from(&pressure).and(&gap).map_collect(|p, gap| interface.wall_pressure(*p, *gap))
-                });
-                let traction = -pressure.insert_axis(Axis(0));
+                let wall_pressure = of_law(interface);
                 // The stiffness depends on the gap, whatever the heights are to which the surfaces are worn.
                 let blank = interface.blank(Load::MeanPressure(0.0).into())?;
-                let state = State { traction, gap, wall_pressure, approach: 0.0, ..blank };
+                let (displacement, lateral) = match law {
+                    Some(state) => (state.displacement.mapv(|u| u / length), state.lateral.map(|u| u / length)),
+                    None if self.all_components => return Err(StiffnessError::Lateral),
+                    None => (blank.displacement, blank.lateral),
+                };
+                let mut traction = blank.traction;
+                let z = traction.len_of(Axis(0)) - 1;
+                traction.index_axis_mut(Axis(0), z).assign(&-pressure);
+                let state = State { displacement, lateral, traction, gap, wall_pressure, approach: 0.0, ..blank };
+                let interface = match &self.sideways[..] {
+                    [] => interface.clone(),
+                    base => interface.displaced_sideways(base)?,
+                };
                 let (factor, interface) = match &stiffening {
-                    Stiffening::All(1.0) => (1.0, interface.clone()),
+                    Stiffening::All(1.0) => (1.0, interface),
                     Stiffening::All(factor) => (*factor, interface.weakened(*factor)),
                     Stiffening::Waves(factors) => (1.0, interface.stiffened(factors)?),
                 };
@@ -115,6 +150,13 @@ impl QuasistaticContact {
                 })
             }
         }
+    }
+
+    /// Returns the hard wall as an interface in the components of `response`.
+    fn wall_in_all_components(&self, response: &Arc<FullResponse>) -> Result<Interface, Refusal> {
+        let wall = Interface::at_wall(Arc::clone(response), Arc::clone(&self.scaled));
+        let hardness = self.hardness.clone().map(|hardness| hardness.in_units(&self.scaled, &Units::ONE));
+        Ok(Interface { hardness: hardness.transpose()?, ..wall })
     }
 
     /// Returns the pressure with exactly the hardness at the points that have it up to rounding.

@@ -4,7 +4,7 @@ use gfmd_contact::{Boundary, Contact, Drive, Equilibrium, Fields as _, Load};
 use gfmd_field::Grid;
 use gfmd_green::Body;
 use gfmd_interface::{Interface, Parts, QuasistaticContact, QuasistaticState, Shear, StiffnessError, Wear};
-use gfmd_law::{Exponential, HardWall, Law as _, Limit};
+use gfmd_law::{Exponential, HardWall, Law as _, Limit, Npc, Separation};
 use gfmd_medium::{Prony, Relaxes};
 
 use super::{material, rough};
@@ -113,15 +113,108 @@ fn at_the_hardness_it_is_the_stiffness_under_a_growing_load() {
     }
 }
 
+/// With strong friction all points stick, so that loading and unloading follow the stiffness of an instant.
+#[test]
+fn surfaces_that_stick_have_the_stiffness_of_an_instant() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.1)));
+    let heights = &rough(&grid, 3);
+    let prony = Prony::from_fractions(&[(1.0, 0.4)]).unwrap();
+    let plain = Parts { shear: Some(Limit::Coulomb(20.0).into()), ..Parts::new(&body, &grid, heights) };
+    let hard = Parts { hardness: Some(0.15.into()), ..plain.clone() };
+    let relaxing = Parts { relaxation: Some((&prony, Relaxes::Both)), ..plain.clone() };
+    let worn = Parts { wear: Some(Wear { by_distance: 0.05, by_slip: 0.1 }), ..plain.clone() };
+    let all = Parts { hardness: hard.hardness.clone(), wear: worn.wear, ..relaxing.clone() };
+    let walls = [("wall", plain), ("hard", hard), ("worn", worn), ("relaxing", relaxing), ("all", all)];
+    let law = || Some(Exponential::new(1e-4, 4e-3).unwrap().into_shared());
+    let laws = walls.clone().map(|(name, parts)| (name, Parts { law: law(), ..parts }));
+    for (name, parts) in walls.into_iter().chain(laws) {
+        let contact = QuasistaticContact::new(&parts).unwrap();
+        let frictionless = QuasistaticContact::new(&Parts { shear: None, ..parts.clone() });
+        let mut state = None;
+        for (approach, lateral) in [(0.008, 0.0), (0.01, 5e-4)] {
+            let drive = Drive { lateral: [lateral, 0.0], time: 100.0 * approach, ..Load::Approach(0.0).into() };
+            let drive = Drive { distance: if parts.wear.is_some() { approach } else { 0.0 }, ..drive };
+            let reached = approached(&contact, approach, drive, state.as_ref());
+            let found = contact.stiffness(&reached, 1e-9).unwrap();
+            let [up, down] = [1e-6, -1e-6].map(|step| {
+                let moved = approached(&contact, approach + step, drive, Some(&reached));
+                (moved.mean_pressure() - reached.mean_pressure()) / step
+            });
+            let is_met = |slope: f64| (slope / found.value - 1.0).abs() < 5e-4;
+            assert!(is_met(up) || is_met(down), "{name}: {found:?} {up} {down}");
+            let of_fields = contact.stiffness_of_fields(&reached.pressure(), &reached.gap(), 1e-9).unwrap();
+            approx::assert_relative_eq!(of_fields.value, found.value, max_relative = 1e-9);
+            if let Ok(frictionless) = &frictionless {
+                let free = frictionless.stiffness_of_fields(&reached.pressure(), &reached.gap(), 1e-9).unwrap();
+                assert!(found.value > 1.01 * free.value, "{name}: {found:?} {free:?}");
+            }
+            state = Some(reached);
+        }
+    }
+}
+
+#[test]
+fn without_coupling_friction_leaves_the_stiffness_as_it_is() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.5)));
+    let heights = &rough(&grid, 3);
+    for law in [None, Some(Exponential::new(1e-4, 4e-3).unwrap().into_shared())] {
+        let plain = Parts { law, ..Parts::new(&body, &grid, heights) };
+        let sheared = Parts { shear: Some(Limit::Coulomb(0.2).into()), ..plain.clone() };
+        let [plain, sheared] = [plain, sheared].map(|parts| QuasistaticContact::new(&parts).unwrap());
+        let drive = Drive { lateral: [1e-3, 0.0], ..Load::Approach(0.0).into() };
+        let state = approached(&sheared, 0.01, drive, None);
+        let found = sheared.stiffness(&state, 1e-9).unwrap().value;
+        let free = plain.stiffness_of_fields(&state.pressure(), &state.gap(), 1e-9).unwrap().value;
+        // The shortest waves of an even grid differ.
+        approx::assert_relative_eq!(found, free, max_relative = 1e-3);
+    }
+}
+
+#[test]
+fn beside_a_law_that_shears_it_is_the_derivative_at_a_fixed_lateral_displacement() {
+    let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.2)));
+    let heights = &rough(&grid, 3);
+    let lengths = Separation { normal_work: 1e-3, tangential_work: 1e-3, normal_length: 0.03, tangential_length: 0.03 };
+    let law = || Npc::new(lengths).unwrap().into_shared();
+    let prony = Prony::from_fractions(&[(1.0, 0.4)]).unwrap();
+    let base = |x: f64| ndarray::Array2::from_elem((16, 16), x);
+    let sideways = &[base(2e-3), base(-1e-3)];
+    for boundary in [Boundary::Periodic, Boundary::Free] {
+        for relaxation in [None, Some((&prony, Relaxes::Both))] {
+            let sideways: &[_] = if boundary == Boundary::Periodic { sideways } else { &[] };
+            let parts = Parts {
+                law: Some(law()),
+                all_components: true,
+                boundary,
+                relaxation,
+                sideways,
+                ..Parts::new(&body, &grid, heights)
+            };
+            let contact = QuasistaticContact::new(&parts).unwrap();
+            let mut state = None;
+            for (approach, lateral) in [(0.004, 0.0), (0.006, 4e-3)] {
+                let drive = Drive { lateral: [lateral, 0.0], ..Load::Approach(0.0).into() };
+                let reached = approached(&contact, approach, drive, state.as_ref());
+                let found = contact.stiffness(&reached, 1e-9).unwrap();
+                let [up, down] = [1e-6, -1e-6]
+                    .map(|step| approached(&contact, approach + step, drive, Some(&reached)).mean_pressure());
+                approx::assert_relative_eq!(found.value, (up - down) / 2e-6, max_relative = 1e-4);
+                state = Some(reached);
+            }
+        }
+    }
+}
+
 #[test]
 fn what_has_no_stiffness_says_why() {
     let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
     let heights = &rough(&grid, 3);
-    let sheared = Parts { shear: Some(Shear::from(Limit::Coulomb(0.3))), ..Parts::new(&body, &grid, heights) };
+    let shear = Some(Shear::from(Limit::Coulomb(0.3)));
+    let sheared = Parts { shear, boundary: Boundary::Free, ..Parts::new(&body, &grid, heights) };
     let contact = QuasistaticContact::new(&sheared).unwrap();
     let state = approached(&contact, 0.01, Load::Approach(0.0).into(), None);
     let error = contact.stiffness(&state, 1e-9).unwrap_err();
-    assert!(matches!(error, StiffnessError::Sheared) && error.to_string().contains("shear each other"), "{error}");
+    assert!(matches!(error, StiffnessError::ShearedPatch) && error.to_string().contains("patch with shear"), "{error}");
     let plain = QuasistaticContact::new(&Parts::new(&body, &grid, heights)).unwrap();
     let small = ndarray::Array2::zeros((8, 8));
     let error = plain.stiffness_of_fields(&small, &small, 1e-9).unwrap_err();
