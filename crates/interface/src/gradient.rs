@@ -10,7 +10,7 @@ use crate::numbers::{dot, total};
 use crate::{Interface, State};
 
 /// Largest accepted error of a result.
-pub(crate) const ERROR: f64 = 1e-8;
+const ERROR: f64 = 1e-8;
 
 /// Residual of the linear problem of derivatives, relative to the first one.
 pub(crate) const EXACT: f64 = 1e-11;

@@ -27,7 +27,7 @@ use gfmd_response::Elastic;
 use crate::frame::Frame;
 use crate::search_result::{End, SearchResult};
 use crate::{Interface, State};
-pub(crate) use adjoint::{Adjoint, Bond, Linear, Sides};
+pub(crate) use adjoint::{Adjoint, Bond, Energy, Linear, Sides};
 use all_components::AllComponents;
 use descent::Descent;
 use one_component::OneComponent;

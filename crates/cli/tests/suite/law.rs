@@ -283,12 +283,15 @@ fn the_table_of_a_path_has_the_columns_that_apply() {
     let slip = table(&format!("{surface} --p-star 0.05 --friction 0.3 --lateral 0,0.001"));
     assert_eq!(
         columns(&slip),
-        "pressure p* approach lateral x shear x area stick mean gap stiffness increments steps pairs elastic dissipated +- \
-         residual"
+        "pressure p* approach lateral x shear x area stick mean gap stiffness increments steps pairs elastic \
+         dissipated +- residual"
     );
     let cohesive = "--law npb --param phi_n=1e-4,phi_t=8e-5,delta_n=0.01,delta_t=0.01 --height 0.5 --approach 0.002";
     let cohesive = table(&format!("{surface} {cohesive} --lateral 0,0.001"));
-    assert_eq!(columns(&cohesive), "pressure p* approach lateral x shear x area mean gap stiffness steps pairs elastic residual");
+    assert_eq!(
+        columns(&cohesive),
+        "pressure p* approach lateral x shear x area mean gap stiffness steps pairs elastic residual"
+    );
     assert!(cohesive.contains("no dissipated energy"));
     for text in [adhesive, slip, cohesive] {
         assert!(!text.contains("NaN"), "{text}");

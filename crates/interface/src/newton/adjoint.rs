@@ -17,6 +17,9 @@ const ACCURACY: f64 = 1e-9;
 /// Accuracy of one search relative to the tolerance.
 const OF_TOLERANCE: f64 = 0.3;
 
+/// Largest accuracy of one search for an energy, so that it finds the lowest curvature.
+const OF_FIRST: f64 = 0.1;
+
 /// Maximum number of searches, of up to 200 iterations each.
 const SEARCHES: u64 = 12;
 
@@ -29,6 +32,18 @@ pub(crate) struct Adjoint {
     /// Residual divided by the first residual.
     pub(crate) error: f64,
     /// Lowest curvature found by a search, relative to the preconditioner; at most 0 if the problem has no solution.
+    pub(crate) lowest: f64,
+    /// Number of searches and number of transform pairs.
+    pub(crate) effort: (u64, f64),
+}
+
+/// Least energy of a displacement.
+pub(crate) struct Energy {
+    /// Twice the energy.
+    pub(crate) value: f64,
+    /// Estimated excess of the energy over the least one, relative.
+    pub(crate) error: f64,
+    /// Lowest curvature found, as of an [`Adjoint`].
     pub(crate) lowest: f64,
     /// Number of searches and number of transform pairs.
     pub(crate) effort: (u64, f64),
@@ -124,7 +139,7 @@ impl<'a> Linear<'a> {
     }
 
     /// Returns J times a field.
-    pub(crate) fn of_law(&self, field: &[f64]) -> Vec<f64> {
+    fn of_law(&self, field: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; field.len()];
         self.reaction.add_product(field, &mut out);
         out
@@ -161,6 +176,56 @@ impl<'a> Linear<'a> {
             level
         };
         fields.map(subtract).collect()
+    }
+
+    /// Returns the least energy ½⟨v, K v⟩ + ½⟨v − e, J (v − e)⟩, twice and as a sum over the points, of a displacement v
+    /// that is e at the points held and has no mean where the mean is held; `followed` is e. Its excess ⟨r, A⁻¹ r⟩ with
+    /// the residual r and the matrix A of the problem is estimated by the preconditioner and the lowest curvature that
+    /// the search finds.
+    pub(crate) fn least_energy(&mut self, followed: &[f64], tolerance: f64) -> Energy {
+        let (points, frame) = (self.frame.points(), self.frame);
+        let mut values = vec![0.0; followed.len()];
+        for (c, held) in frame.held.iter().enumerate() {
+            let of = c * points..(c + 1) * points;
+            let count = total(frame.share, &self.free[of.clone()]);
+            let start = if *held && count > 0.0 { -total(frame.share, &followed[of.clone()]) / count } else { 0.0 };
+            values[of.clone()].iter_mut().zip(&self.free[of]).for_each(|(v, free)| *v = start * free);
+        }
+        let mut region = TrustRegion::new(values.len());
+        let mut whole = vec![0.0; values.len()];
+        let mut image = vec![0.0; values.len()];
+        let (mut lowest, mut last, mut searches) = (f64::INFINITY, f64::INFINITY, 0);
+        loop {
+            for_each([&mut whole[..]], &|start, [whole]| {
+                let both = values[start..].iter().zip(&followed[start..]);
+                whole.iter_mut().zip(both).for_each(|(whole, (v, e))| *whole = v + e);
+            });
+            self.model.elastic(&whole, &mut image);
+            let elastic = dot(frame.share, &whole, &image);
+            self.reaction.add_product(&values, &mut image);
+            // What J added to the image, times the values, is the energy of the law.
+            let residual = &mut region.vectors.residual;
+            for_each([&mut residual[..]], &|start, [residual]| {
+                let of = image[start..].iter().zip(&self.free[start..]);
+                residual.iter_mut().zip(of).for_each(|(r, (image, free))| *r = -free * image);
+            });
+            let value = elastic + dot(frame.share, &values, &self.of_law(&values));
+            let slope = region.slope(&mut self.model);
+            // The curvature is known after the first search.
+            let error = if slope == 0.0 { 0.0 } else { slope / lowest.min(1.0) / value.abs() };
+            let is_exact = error <= tolerance && (searches > 0 || slope == 0.0);
+            if is_exact || searches == SEARCHES || lowest.is_nan() || lowest <= 0.0 || slope >= 0.25 * last {
+                return Energy { value, error, lowest, effort: (searches, self.model.pairs()) };
+            }
+            last = slope;
+            let accuracy = (OF_TOLERANCE * tolerance * value.abs() / slope).sqrt().min(OF_FIRST).max(ACCURACY);
+            lowest = lowest.min(region.probe(&mut self.model, &self.reaction, accuracy));
+            searches += 1;
+            let step = (region.unit, &region.vectors.direction);
+            for_each([&mut values[..]], &|start, [values]| {
+                values.iter_mut().zip(&step.1[start..]).for_each(|(v, d)| *v += step.0 * d);
+            });
+        }
     }
 
     /// Solves the problem to a residual of `tolerance` relative to the first one; `sums` are the sums of v over each

@@ -128,6 +128,12 @@ impl<T: Number> TrustRegion<T> {
         self.search(model, reaction, 1.0, accuracy, None)
     }
 
+    /// Projects `residual` on the subspace and returns ⟨r, M⁻¹ r⟩.
+    pub(crate) fn slope<M: Model<Value = T>>(&mut self, model: &mut M) -> f64 {
+        model.project(&mut self.vectors.residual);
+        model.advance(&mut self.vectors, 0.0)
+    }
+
     fn search<M: Model<Value = T>>(
         &mut self,
         model: &mut M,

@@ -108,7 +108,7 @@ impl QuasistaticContact {
             let state = State { gap, wall_pressure, approach: 0.0, ..blank };
             let state = state.times(1.0, 1.0 / factor);
             let found = interface.stiffness_in_all_components(&state, Sides::Stick, tolerance)?;
-            return Ok(self.given_stiffness(found, factor));
+            return judged(self.given_stiffness(found, factor), tolerance);
         }
         match &self.normal {
             Normal::Law(interface) => {
@@ -134,7 +134,8 @@ impl QuasistaticContact {
                     Stiffening::Waves(factors) => (1.0, interface.stiffened(factors)?),
                 };
                 let found = interface.stiffness(&state.times(1.0, 1.0 / factor), tolerance)?;
-                Ok(self.given_stiffness(found, factor))
+                let found = self.given_stiffness(found, factor);
+                if self.all_components { judged(found, tolerance) } else { Ok(found) }
             }
             Normal::Wall(contact) => {
                 let pressure = self.with_hardness_exact(pressure);
@@ -179,5 +180,14 @@ impl QuasistaticContact {
     /// Returns a stiffness in the units of the input, of a body that is stiffer by `factor`.
     fn given_stiffness(&self, found: Stiffness, factor: f64) -> Stiffness {
         Stiffness { value: factor * found.value * self.units.stress() / self.units.length(), ..found }
+    }
+}
+
+/// Returns the stiffness found, or an error if it is less exact than the tolerance.
+fn judged(found: Stiffness, tolerance: f64) -> Result<Stiffness, StiffnessError> {
+    if found.error <= tolerance {
+        Ok(found)
+    } else {
+        Err(StiffnessError::Inexact { reached: found, why: Why::Rounding })
     }
 }
