@@ -118,9 +118,8 @@ impl Interface {
         let level = by_approach / frame.all_points() as f64;
         let of_position = problem.elastic(&by_pressure);
         let source: Vec<f64> = of_position.iter().zip(&by_gap).map(|(k, gap)| level - k - gap).collect();
-        let Adjoint { values, levels, error, lowest, effort: (iterations, transform_pairs) } =
-            problem.solve(&source, &[-total(share, &by_pressure)], tolerance);
-        let mean = levels[0];
+        let Adjoint { values, level: mean, error, lowest, effort: (iterations, transform_pairs) } =
+            problem.solve(&source, -total(share, &by_pressure), tolerance);
         if lowest <= 0.0 || lowest.is_nan() {
             return Err(GradientError::Unstable { lowest });
         }

@@ -25,10 +25,10 @@ const SEARCHES: u64 = 12;
 
 /// Solution of the linear problem.
 pub(crate) struct Adjoint {
-    /// v, component by component; 0 at the points held by the wall.
+    /// v, 0 at the points held by the wall.
     pub(crate) values: Vec<f64>,
-    /// μ of each component; 0 if its mean is not held.
-    pub(crate) levels: Vec<f64>,
+    /// μ; 0 if the mean is not held.
+    pub(crate) level: f64,
     /// Residual divided by the first residual.
     pub(crate) error: f64,
     /// Lowest curvature found by a search, relative to the preconditioner; at most 0 if the problem has no solution.
@@ -152,30 +152,25 @@ impl<'a> Linear<'a> {
         out
     }
 
-    /// Computes `out` = b − (K + J) v on the free points; subtracts the mean of each component whose mean is held, and
-    /// returns these means.
-    fn residual(&mut self, source: &[f64], values: &[f64], out: &mut [f64]) -> Vec<f64> {
+    /// Computes `out` = b − (K + J) v on the free points, in u_z alone; if the mean is held, subtracts the mean and
+    /// returns it.
+    fn residual(&mut self, source: &[f64], values: &[f64], out: &mut [f64]) -> f64 {
         self.model.elastic(values, out);
         self.reaction.add_product(values, out);
-        let Self { model, free, frame, .. } = &*self;
+        let Self { model, free, .. } = &*self;
         let rest = |start: usize, [out]: [&mut [f64]; 1]| {
             let of = source[start..].iter().zip(&free[start..]);
             out.iter_mut().zip(of).for_each(|(out, (source, free))| *out = free * (source - *out));
         };
         for_each([&mut *out], &rest);
-        let points = frame.points();
-        let fields = out.chunks_exact_mut(points).zip(free.chunks_exact(points)).zip(&frame.held).enumerate();
-        let subtract = |(c, ((out, free), held)): (usize, ((&mut [f64], &[f64]), &bool))| {
-            if !held {
-                return 0.0;
-            }
-            let level = model.mean_of(c, out);
-            for_each([out], &|start, [out]| {
-                out.iter_mut().zip(&free[start..]).for_each(|(out, free)| *out -= level * free);
-            });
-            level
-        };
-        fields.map(subtract).collect()
+        if !self.frame.held[0] {
+            return 0.0;
+        }
+        let level = model.mean_of(0, out);
+        for_each([out], &|start, [out]| {
+            out.iter_mut().zip(&free[start..]).for_each(|(out, free)| *out -= level * free);
+        });
+        level
     }
 
     /// Returns the least energy ½⟨v, K v⟩ + ½⟨v − e, J (v − e)⟩, twice and as a sum over the points, of a displacement v
@@ -201,15 +196,12 @@ impl<'a> Linear<'a> {
                 whole.iter_mut().zip(both).for_each(|(whole, (v, e))| *whole = v + e);
             });
             self.model.elastic(&whole, &mut image);
-            let elastic = dot(frame.share, &whole, &image);
-            self.reaction.add_product(&values, &mut image);
-            // What J added to the image, times the values, is the energy of the law.
-            let residual = &mut region.vectors.residual;
-            for_each([&mut residual[..]], &|start, [residual]| {
-                let of = image[start..].iter().zip(&self.free[start..]);
-                residual.iter_mut().zip(of).for_each(|(r, (image, free))| *r = -free * image);
+            let of_law = self.of_law(&values);
+            let value = dot(frame.share, &whole, &image) + dot(frame.share, &values, &of_law);
+            for_each([&mut region.vectors.residual[..]], &|start, [residual]| {
+                let of = image[start..].iter().zip(&of_law[start..]).zip(&self.free[start..]);
+                residual.iter_mut().zip(of).for_each(|(r, ((k, j), free))| *r = -free * (k + j));
             });
-            let value = elastic + dot(frame.share, &values, &self.of_law(&values));
             let slope = region.slope(&mut self.model);
             // The curvature is known after the first search.
             let error = if slope == 0.0 { 0.0 } else { slope / lowest.min(1.0) / value.abs() };
@@ -218,7 +210,7 @@ impl<'a> Linear<'a> {
                 return Energy { value, error, lowest, effort: (searches, self.model.pairs()) };
             }
             last = slope;
-            let accuracy = (OF_TOLERANCE * tolerance * value.abs() / slope).sqrt().min(OF_FIRST).max(ACCURACY);
+            let accuracy = (OF_TOLERANCE * tolerance * value.abs() / slope).sqrt().clamp(ACCURACY, OF_FIRST);
             lowest = lowest.min(region.probe(&mut self.model, &self.reaction, accuracy));
             searches += 1;
             let step = (region.unit, &region.vectors.direction);
@@ -228,22 +220,18 @@ impl<'a> Linear<'a> {
         }
     }
 
-    /// Solves the problem to a residual of `tolerance` relative to the first one; `sums` are the sums of v over each
-    /// component whose mean is held.
-    pub(crate) fn solve(&mut self, source: &[f64], sums: &[f64], tolerance: f64) -> Adjoint {
+    /// Solves the problem in u_z alone to a residual of `tolerance` relative to the first one; if the mean is held, `sum` is the sum
+    /// of v.
+    pub(crate) fn solve(&mut self, source: &[f64], sum: f64, tolerance: f64) -> Adjoint {
         let accuracy = (OF_TOLERANCE * tolerance).max(ACCURACY);
-        let (points, frame) = (self.frame.points(), self.frame);
         let share = self.model.share().unwrap_or(&self.free);
-        let mut values = Vec::with_capacity(share.len());
-        for ((share, held), sum) in share.chunks_exact(points).zip(&frame.held).zip(sums) {
-            let count = total(frame.share, share);
-            let start = if *held && count > 0.0 { sum / count } else { 0.0 };
-            values.extend(share.iter().map(|share| start * share));
-        }
+        let count = total(self.frame.share, share);
+        let start = if self.frame.held[0] && count > 0.0 { sum / count } else { 0.0 };
+        let mut values: Vec<f64> = share.iter().map(|share| start * share).collect();
         let mut region = TrustRegion::new(values.len());
         let mut residual = vec![0.0; values.len()];
-        let mut levels = self.residual(source, &values, &mut residual);
-        let first = dot(frame.share, &residual, &residual).sqrt();
+        let mut level = self.residual(source, &values, &mut residual);
+        let first = dot(self.frame.share, &residual, &residual).sqrt();
         let (mut error, mut searches, mut lowest) = (if first > 0.0 { 1.0 } else { 0.0 }, 0, f64::INFINITY);
         while error > tolerance && searches < SEARCHES {
             region.vectors.residual.copy_from_slice(&residual);
@@ -256,8 +244,8 @@ impl<'a> Linear<'a> {
             for_each([&mut values[..]], &|start, [values]| {
                 values.iter_mut().zip(&step.1[start..]).for_each(|(v, d)| *v += step.0 * d);
             });
-            levels = self.residual(source, &values, &mut residual);
-            let now = dot(frame.share, &residual, &residual).sqrt() / first;
+            level = self.residual(source, &values, &mut residual);
+            let now = dot(self.frame.share, &residual, &residual).sqrt() / first;
             // Only rounding errors remain.
             let has_ended = now >= 0.5 * error;
             error = now;
@@ -265,6 +253,6 @@ impl<'a> Linear<'a> {
                 break;
             }
         }
-        Adjoint { values, levels, error, lowest, effort: (searches, self.model.pairs()) }
+        Adjoint { values, level, error, lowest, effort: (searches, self.model.pairs()) }
     }
 }
