@@ -114,6 +114,21 @@ impl SqueezedContact {
         self.surfaces.each_ref().map(|surface| &**surface)
     }
 
+    /// Returns the response of the plate, in the [units](Self::units) of the solve.
+    pub fn response(&self) -> &Arc<PlateResponse> {
+        &self.response
+    }
+
+    /// Returns the rigid surfaces in the units of the solve.
+    pub fn surfaces_in_units(&self) -> [&RigidSurface; 2] {
+        self.scaled.each_ref().map(|surface| &**surface)
+    }
+
+    /// Returns the units of the solve.
+    pub fn units(&self) -> &Units {
+        &self.units
+    }
+
     /// Returns the smallest and largest stiffness of the waves of the faces, in stress/length.
     pub fn stiffness_range(&self) -> [f64; 2] {
         self.response.stiffness_range().map(|stiffness| stiffness * self.units.stiffness())

@@ -42,6 +42,6 @@ pub use quasistatic::{
     Increment, LimitingPressure, Losses, Parts, PathGradient, PathGradientError, QuasistaticContact, QuasistaticState,
     Shear, StiffnessError, Wear,
 };
-pub use squeezed::{Squeezed, SqueezedState, Stacked};
+pub use squeezed::{Squeezed, SqueezedState, Stacked, stiffness_between_walls};
 pub use state::{Residual, State};
 pub use stored_fields::StoredFields;

@@ -243,9 +243,10 @@ impl Interface {
         Ok(Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units })
     }
 
-    /// Creates the hard wall `surface` on an existing response in all components, in the units of both.
-    pub(crate) fn at_wall(response: Arc<FullResponse>, surface: Arc<RigidSurface>) -> Self {
-        let (contact_modulus, elastic) = (response.contact_modulus(), Elastic::Full(response));
+    /// Creates the hard wall `surface` on an existing response, in the units of both.
+    pub(crate) fn at_wall(elastic: impl Into<Elastic>, surface: Arc<RigidSurface>) -> Self {
+        let elastic = elastic.into();
+        let contact_modulus = elastic.contact_modulus();
         let (share, law, given) = (elastic.share(), HardWall.into_shared(), Arc::clone(&surface));
         let (hardness, springs, sideways, patch, units) = (None, None, None, None, Units::ONE);
         Self { elastic, share, law, hardness, springs, sideways, surface, patch, given, contact_modulus, units }

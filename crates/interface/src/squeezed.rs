@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use gfmd_contact::{
     Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError, Solver,
-    Stiffness, Visit,
+    SqueezedContact, SqueezedSolution, Stiffness, Visit,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, GreenError, Plate};
 use gfmd_law::Law;
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Watch};
-use ndarray::{Array2, ArrayRef2, ArrayView2, Axis, CowArray, Ix2, concatenate, s};
+use ndarray::{Array2, ArrayRef2, ArrayView2, Axis, CowArray, Ix2, Zip, concatenate, s};
 
 use crate::quasistatic::{Parts, QuasistaticContact, QuasistaticState, StiffnessError};
 use crate::{Interface, Loss, Quasistatic, Reading, State, StoredFields, Trapping};
@@ -85,6 +85,36 @@ pub trait Stacked: Quasistatic + Resumable {
     ) -> Result<Stiffness, StiffnessError> {
         Err(Refusal::OtherKind.into())
     }
+}
+
+/// Computes the stiffness d(mean pressure)/d(approach) of a slab between two hard walls, in stress/length, to a relative
+/// error, as [`Interface::stiffness`]. The points in contact stay in contact, and points at the hardness keep their
+/// pressure.
+///
+/// # Errors
+/// Returns the reason why there is none.
+pub fn stiffness_between_walls(
+    contact: &SqueezedContact,
+    state: &SqueezedSolution,
+    tolerance: f64,
+) -> Result<Stiffness, StiffnessError> {
+    let (units, [upper, lower]) = (contact.units(), contact.surfaces_in_units());
+    let walls = Interface::at_wall(Arc::clone(contact.response()), RigidSurface::stacked(upper, lower)?.into());
+    let hardness = contact.hardness().map(|hardness| of_both(&hardness.times(1.0 / units.stress()), upper));
+    let walls = match hardness.transpose()? {
+        Some(hardness) => walls.with_hardness(hardness)?,
+        None => walls,
+    };
+    let faces = [&state.upper, &state.lower];
+    let [upper, lower] = faces.map(|face| face.pressure.mapv(|p| p / units.stress()));
+    let wall_pressure = stacked(&upper, &lower);
+    let [upper, lower] = faces.map(|face| face.gap.mapv(|gap| gap / units.length()));
+    let closed = |gap: &f64, p: &f64| if *p > 0.0 { 0.0 } else { *gap };
+    let gap = Zip::from(&stacked(&upper, &lower)).and(&wall_pressure).map_collect(closed);
+    let blank = walls.blank(Load::MeanPressure(0.0).into())?;
+    let traction = -wall_pressure.clone().insert_axis(Axis(0));
+    let found = walls.stiffness(&State { traction, gap, wall_pressure, approach: 0.0, ..blank }, tolerance)?;
+    Ok(Stiffness { value: 0.5 * found.value * units.stiffness(), ..found })
 }
 
 impl Stacked for Interface {

@@ -6,7 +6,7 @@ use gfmd_contact::{
 };
 use gfmd_interface::{
     Increment, Interface, Loss, Losses, PathGradient, Quasistatic, QuasistaticContact, QuasistaticState, Reading,
-    Squeezed, SqueezedState, Stacked, State, StiffnessError, StoredFields, Trapping,
+    Squeezed, SqueezedState, Stacked, State, StiffnessError, StoredFields, Trapping, stiffness_between_walls,
 };
 use gfmd_plasticity::{PlasticState, YieldingContact};
 use gfmd_relax::Why;
@@ -115,8 +115,8 @@ impl ContactKind for SqueezedContact {
         SqueezedContact::certify(self, [stored.pressure, lower.pressure], Load::Approach(stored.approach))
     }
 
-    fn stiffness(&self, _: &SqueezedSolution, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined("not computed for a slab between two surfaces, which has two contacts".into()))
+    fn stiffness(&self, state: &SqueezedSolution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        stiffness_between_walls(self, state, tolerance).map_err(no_stiffness)
     }
 }
 

@@ -41,6 +41,12 @@ impl From<PlateResponse> for Elastic {
     }
 }
 
+impl From<Arc<PlateResponse>> for Elastic {
+    fn from(response: Arc<PlateResponse>) -> Self {
+        Self::Plate(response)
+    }
+}
+
 impl From<FullResponse> for Elastic {
     fn from(response: FullResponse) -> Self {
         Self::Full(response.into())

@@ -72,6 +72,23 @@ fn on_every_path_it_is_the_change_of_the_mean_pressure_by_the_approach() {
 }
 
 #[test]
+fn a_slab_between_two_walls_is_as_stiff_under_a_load_as_on_a_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let slab = format!("{ROUGH} --height 0.3 --poisson 0.3 --lower-seed 2 --approach 0.006,0.0060001");
+    for parts in ["", "--hardness 0.05", "--components held", "--young 1e30"] {
+        let command = format!("contact {slab} {parts} --tolerance 1e-11 --stiffness-tolerance 1e-9 --json");
+        let contact = json(folder.path(), &command.split_whitespace().collect::<Vec<_>>());
+        let loads: Vec<&Value> = contact["loads"].as_array().unwrap().iter().collect();
+        let found = number(loads[0], "stiffness");
+        let along = steps(folder.path(), &format!("path {slab} {parts} --steps 1 {EXACT}"));
+        assert_relative_eq!(found, number(&along[0], "stiffness"), max_relative = 1e-8);
+        if parts != "--hardness 0.05" {
+            assert_relative_eq!(found, quotient([loads[0], loads[1]]), max_relative = 1e-5);
+        }
+    }
+}
+
+#[test]
 fn at_the_hardness_the_contact_is_stiffer_unloaded() {
     let folder = tempfile::tempdir().unwrap();
     let hard = format!("path {ROUGH} --hardness 0.03 --steps 1 {EXACT} --approach");
