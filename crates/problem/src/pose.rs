@@ -159,7 +159,7 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         }));
     }
     if let Some(Plasticity { hardening, cells, .. }) = plasticity {
-        let contact = YieldingContact::new(body, grid, heights, hardening, cells);
+        let contact = YieldingContact::distributed(share, body, grid, heights, hardening, cells);
         return contact.map(Posed::new).map_err(|error| match error {
             PlasticityError::Contact(refusal) => refusal,
             _ => Refusal::Part { part: "cells" },

@@ -140,7 +140,7 @@ impl Prepared {
         };
         let need = match &inelastic.plasticity {
             Some(plasticity) => {
-                let points = points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid);
+                let points = points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid, is_shared);
                 match plasticity.kept_strain {
                     KeptStrain::Last => need.yielding(points),
                     KeptStrain::Waypoints => need.yielding(points).keeping_strain(points),
@@ -497,9 +497,14 @@ fn rise_of(share: &Share, heights: &Array2<f64>, boundary: Boundary) -> f64 {
     top - highest(share, heights)
 }
 
-/// Returns the number of points of all cells per point of the surface.
-fn points_per_point(cells: &[Cell], grid: &Grid) -> f64 {
-    cells.iter().map(|cell| cell.grid(grid).len() as f64 / grid.len() as f64).sum()
+/// Returns the number of points of all cells per point of the surface. If several processes share them, the first one
+/// has the long waves of all coarser cells, and each cell counts with its points along one axis.
+fn points_per_point(cells: &[Cell], grid: &Grid, is_shared: bool) -> f64 {
+    let of_cell = |cell: &Cell| {
+        let part = cell.grid(grid).len() as f64 / grid.len() as f64;
+        if is_shared { part * cell.coarsening as f64 } else { part }
+    };
+    cells.iter().map(of_cell).sum()
 }
 
 /// Code of warnings about mixed-up units.
