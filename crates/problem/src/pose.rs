@@ -152,7 +152,7 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         }));
     }
     if facts.finite_slope {
-        let contact = SteepContact::new(body, grid, heights)?;
+        let contact = SteepContact::distributed(share, body, grid, heights)?;
         return Ok(Posed::new(match hardness {
             Some(hardness) => contact.with_hardness(hardness.clone())?,
             None => contact,

@@ -446,7 +446,6 @@ pub const RULES: &[Rule] = {
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Flowing, Line, "left out", "a profile has no flow"),
         rule(History, Resume, "left out", "it records a search from its beginning"),
-        rule(FiniteSlope, Several, "left out", "points move sideways, also to rows of other processes"),
         rule(Lower, Several, "left out", "several processes do not share the two faces of a slab"),
         rule(FiniteSlope, Path, "left out", "points that move sideways would take their histories with them"),
         rule(All, Path, "normal", "lateral motion and friction make all components unknown"),

@@ -156,6 +156,10 @@ impl Prepared {
             };
             session.agree(memory::fits(whole, key(measurement), surface.grid.points()))?;
         }
+        if is_shared && facts.finite_slope {
+            let of_all = MemoryNeed(session.processes().here as u64 * MemoryNeed::STEEP_OF_EACH.0);
+            session.agree(memory::fits(of_all, key("finite_slope"), surface.grid.points()))?;
+        }
         let is_held = facts.unknown == Unknown::Held;
         let (base, hardness) = asked.fields((&body, is_held), &surface, session)?;
         let surface = match &base {
