@@ -313,7 +313,8 @@ fn finish(
     }
     if let Some(state) = path.state().and_then(AnyState::yielding) {
         warn_of_strain(state, prepared, session);
-        file.as_mut().map_or(Ok(()), |file| strain::write(file, &prepared.surface, state))?;
+        let written = file.as_mut().map_or(Ok(()), |file| strain::write(file, &prepared.surface, state));
+        session.agree(written)?;
     }
     if let Some(archive) = file.as_mut().and_then(StateFile::archive) {
         statistics::write(archive, prepared, &gathered.states)?;
@@ -327,12 +328,13 @@ fn finish(
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, widest) {
         let depth = path.state().and_then(|state| state.on_path()?.wear_depth());
         let depth = depth.map(|depth| Field { name: "wear_depth", units: "length", values: depth.into() });
-        let strained = path.state().and_then(AnyState::yielding);
+        let strained =
+            path.state().and_then(AnyState::yielding).and_then(|state| figures::Strained::of(&prepared.surface, state));
         let whole = Whole::of(prepared, shown, depth.into_iter().collect(), &[]);
         let drawn = whole.map_or(Ok(Vec::new()), |Whole { surface, hardness, shown, fields, .. }| {
             let scene = Scene::upper(&surface, &shown, report.head.e_star, hardness.as_deref());
             let depth = fields.first().map(|field| field.values.view());
-            let mut files = figures::draw(prefix, &report, places, &scene, (&surface, depth, strained))?;
+            let mut files = figures::draw(prefix, &report, places, &scene, (&surface, depth, strained.as_ref()))?;
             if args.measure.statistics {
                 let shape = surface.grid.points();
                 let repulsion = ArrayView2::from_shape(shape, &shown.repulsion);

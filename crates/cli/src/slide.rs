@@ -492,7 +492,7 @@ impl SlideInput {
             }
             if let (None, Some(kept)) = (&failed, &mut kept) {
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
-                kept.add(&FinishedStep { text, fields })?;
+                kept.add(&FinishedStep { text, fields }, &[])?;
                 kept.keep_state(|visitor| finer.iter().for_each(|finer| finer.keep(visitor)))?;
             }
             report.states.push(record);

@@ -280,7 +280,7 @@ impl Contact {
     }
 
     /// Returns this contact on a body with waves that are stiffer by `factors`, laid out as the
-    /// [modes](gfmd_field::Grid::modes) of the grid, the uniform one first. The boundary is periodic, of one process.
+    /// [modes](gfmd_field::Grid::modes) of this process, the uniform one first. The boundary is periodic.
     #[must_use]
     pub fn stiffened(&self, factors: &[f64]) -> Self {
         Self { response: self.response.stiffened(factors).into(), ..self.clone() }

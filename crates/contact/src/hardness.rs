@@ -36,6 +36,14 @@ impl Hardness {
         Err(Refusal::BeyondHardness { found, what, hardness })
     }
 
+    /// Checks a mean pressure as [`check_mean`](Self::check_mean), for the points of all processes on a `surface`.
+    pub(crate) fn check_mean_over(&self, surface: &RigidSurface, found: f64) -> Result<(), Refusal> {
+        let Self::Field(field) = self else { return self.check_mean(found) };
+        let share = surface.share();
+        let hardness = share.total_of(&gfmd_vector::contiguous(field)) / share.total() as f64;
+        if found < hardness { Ok(()) } else { Err(Refusal::BeyondHardness { found, what: "mean hardness", hardness }) }
+    }
+
     /// Multiplies the hardness by a factor.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {

@@ -189,12 +189,6 @@ pub enum Refusal {
         /// Shape of the heights.
         expected: [usize; 2],
     },
-    /// A part is given for a contact that several processes share, and needs all points.
-    #[error("several processes share the contact; one must have all points, with {part}")]
-    Shared {
-        /// Part that needs all points.
-        part: &'static str,
-    },
     /// A hardness or springs are given for an interface that cannot have them.
     #[error("{part} given; it must be left out with {with}")]
     NoWall {

@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use gfmd_field::{Grid, ShapeError, Spline};
+use gfmd_field::{Grid, ShapeError, Share, Spline};
 use gfmd_green::Body;
 use gfmd_measure::Scales;
 use gfmd_relax::{Anderson, Budget, Divergence, Ending, Progress, Variables as _, Visit, Watch, Why, worst};
 use gfmd_response::{FullResponse, FullTransforms, NormalResponse};
-use gfmd_vector::{contiguous, dot, for_each, with_contiguous};
+use gfmd_vector::{contiguous, for_each, with_contiguous};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::solution::{Conditions, field};
@@ -60,16 +60,17 @@ impl SteepSolution {
     /// # Errors
     /// A lateral displacement that differs in size from the grid.
     pub fn projected_area(&self) -> Result<f64, ShapeError> {
-        let grid = self.normal.grid();
-        let splines = self.lateral.iter().map(|u| Spline::through(grid, &contiguous(u)));
+        let (grid, share) = (self.normal.grid(), self.normal.share());
+        let splines = self.lateral.iter().map(|u| Spline::distributed(grid, share, &contiguous(u)));
         let splines = splines.collect::<Result<Vec<Spline>, ShapeError>>()?;
         let stretched = |point: [usize; 2]| {
             let slopes = |axis: usize| splines.get(axis).map_or([0.0; 2], |u| u.near(point, [0.0; 2]).1);
             let ([xx, xy], [yx, yy]) = (slopes(0), slopes(1));
             (1.0 + xx) * (1.0 + yy) - xy * yx
         };
-        let touching = self.normal.pressure.indexed_iter().filter(|(_, p)| **p > 0.0);
-        Ok(touching.map(|((i, j), _)| stretched([i, j])).sum::<f64>() / grid.len() as f64)
+        let (pressure, first, [_, ny]) = (contiguous(&self.normal.pressure), share.own().start, grid.points());
+        let of = |k: usize| if pressure[k] > 0.0 { stretched([(first + k) / ny, (first + k) % ny]) } else { 0.0 };
+        Ok(share.sum(&|range| range.map(of).sum()) / grid.len() as f64)
     }
 }
 
@@ -105,13 +106,36 @@ impl SteepContact {
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
     pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let surface = RigidSurface::new(grid, heights)?;
+        Self::distributed(&grid.whole(), body, grid, heights)
+    }
+
+    /// Makes the contact as [`new`](Self::new), solved by the processes of a [`share`](Contact::share). Each process
+    /// gives and gets only its rows of all fields, and all make the same calls. Since points move sideways, each has
+    /// the spline of all heights. Fields and numbers have the bits of a single process.
+    ///
+    /// # Errors
+    /// The errors of [`new`](Self::new), on all processes.
+    pub fn distributed(share: &Share, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let surface = RigidSurface::distributed(share, grid, heights)?;
         if surface.rms_height() == 0.0 {
             return Err(Refusal::Flat);
         }
-        let clearance = Spline::through(grid, surface.clearance())?;
-        let (normal, full) = (NormalResponse::new(*grid, body).into(), FullResponse::new(*grid, body).into());
+        let clearance = Spline::distributed(grid, share, surface.clearance())?;
+        let normal = NormalResponse::distributed(*grid, body, share).into();
+        let full = FullResponse::distributed(*grid, body, share).into();
         Ok(Self { normal, full, surface: surface.into(), clearance, hardness: None })
+    }
+
+    fn share(&self) -> &Share {
+        self.surface.share()
+    }
+
+    /// Returns the scalar product of vectors of some components over all processes.
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        let points = self.surface.clearance().len();
+        let of =
+            |range: std::ops::Range<usize>| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum::<f64>();
+        self.share().reduce_components(a.len().min(b.len()) / points, &of, &|a, b| a + b)
     }
 
     /// Sets the `hardness`, the largest pressure normal to the surfaces that they can carry, in stress: a number or a
@@ -144,8 +168,8 @@ impl SteepContact {
     /// # Errors
     /// A pressure that differs in shape from the grid.
     pub fn certify(&self, pressure: &ArrayRef2<f64>, load: Load) -> Result<SteepSolution, Refusal> {
-        let (found, expected) = (pressure.dim().into(), self.surface.grid().points());
-        if found != expected {
+        let (found, expected) = (pressure.dim().into(), self.surface.shape());
+        if self.share().any(found != expected) {
             return Err(Refusal::Shape { found, expected });
         }
         Ok(self.state(pressure.iter().copied().collect(), load, 0.0)?.0)
@@ -161,7 +185,7 @@ impl SteepContact {
     ) -> Settled {
         let points = pressure.len();
         let axes = self.full.components().len() - 1;
-        let [_, ny] = self.surface.grid().points();
+        let ([_, ny], first) = (self.surface.grid().points(), self.share().own().start);
         let mut traction = vec![0.0; (axes + 1) * points];
         traction[axes * points..].iter_mut().zip(pressure).for_each(|(t, p)| *t = -p);
         let mut displacement = vec![0.0; (axes + 1) * points];
@@ -174,7 +198,7 @@ impl SteepContact {
                 for (i, met) in (start..).zip(met) {
                     // A profile does not move along y.
                     let offset = [0, 1].map(|axis| lateral.get(axis * points + i).copied().unwrap_or(0.0));
-                    *met = self.clearance.near([i / ny, i % ny], offset);
+                    *met = self.clearance.near([(first + i) / ny, (first + i) % ny], offset);
                 }
             });
             for (axis, traction) in traction[..axes * points].chunks_exact_mut(points).enumerate() {
@@ -183,16 +207,20 @@ impl SteepContact {
             }
             transforms.compliance(&traction, &mut displacement);
             let last = change;
-            change = worst(displacement.iter().zip(&lateral).map(|(new, old)| (new - old).abs()));
-            let [lowest, highest] =
-                displacement[axes * points..].iter().fold([0.0_f64; 2], |[low, high], u| [low.min(*u), high.max(*u)]);
+            let own = worst(displacement.iter().zip(&lateral).map(|(new, old)| (new - old).abs()));
+            let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
+            let [lowest, highest] = displacement[axes * points..].iter().fold([0.0; 2], |ends, u| wider(ends, [*u; 2]));
+            let all = self.share().each([own, lowest, highest]);
+            change = worst(all.iter().map(|[change, ..]| *change));
+            let ends = all.into_iter().map(|[_, low, high]| [low, high]);
+            let [lowest, highest] = ends.fold([0.0; 2], wider);
             let relative = change / RigidSurface::finer_scale(length_scale, highest - lowest);
             let is_rounding = relative <= ROUNDING_OF_CHANGE && change >= 0.5 * last;
             let settles = relative <= UNSETTLED_CHANGE;
             if relative <= precision || is_rounding || !settles {
                 break;
             }
-            mixing.advance(&mut lateral, &displacement[..axes * points]);
+            mixing.advance_by(&mut lateral, &displacement[..axes * points], &|a, b| self.product(a, b));
         }
         Settled { traction, displacement, clearance: met.into_iter().map(|(clearance, _)| clearance).collect(), change }
     }
@@ -208,13 +236,14 @@ impl SteepContact {
         let Settled { traction, mut displacement, clearance, change } =
             self.settle(&pressure, (length_scale, precision), &mut transforms);
         let normal = displacement.split_off(displacement.len() - points);
-        let elastic_energy =
-            0.5 * (dot(&traction, &displacement) + dot(&traction[displacement.len()..], &normal)) / points as f64;
-        let mean = |axis: usize| gfmd_vector::total(&traction[axis * points..][..points]) / points as f64;
+        let (share, all) = (self.share(), self.share().total() as f64);
+        let work = self.product(&traction, &displacement) + self.product(&traction[displacement.len()..], &normal);
+        let elastic_energy = 0.5 * work / all;
+        let mean = |axis: usize| share.total_of(&traction[axis * points..][..points]) / all;
         let mean_shear = [0, 1].map(|axis| if axis * points < displacement.len() { mean(axis) } else { 0.0 });
-        let lowest = clearance.iter().copied().fold(f64::INFINITY, f64::min);
+        let lowest = lowest_of(share, &clearance);
         let heights = field(&self.surface, clearance.iter().map(|c| -c).collect());
-        let surface = Arc::new(RigidSurface::new(self.surface.grid(), &heights)?);
+        let surface = Arc::new(RigidSurface::distributed(share, self.surface.grid(), &heights)?);
         let displaced = match load {
             Load::Approach(approach) => Load::Approach(approach - lowest),
             load => load,
@@ -241,6 +270,12 @@ impl SteepContact {
     }
 }
 
+/// Returns the lowest value of all processes.
+fn lowest_of(share: &Share, own: &[f64]) -> f64 {
+    let lowest = own.iter().copied().fold(f64::INFINITY, f64::min);
+    share.each(lowest).into_iter().fold(f64::INFINITY, f64::min)
+}
+
 /// Successive contacts with small slopes, each with the clearance and the displacement left by the last one.
 struct Search<'a> {
     contact: &'a SteepContact,
@@ -258,7 +293,7 @@ impl Search<'_> {
     fn solve(&mut self, tolerance: f64, watch: &mut dyn Watch) -> Result<Ending, Refusal> {
         let Self { contact, load, budget, effort, heights, small, .. } = self;
         let flat = contact.flat(heights)?;
-        let lowest = -heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let lowest = lowest_of(contact.share(), &heights.iter().map(|height| -height).collect::<Vec<f64>>());
         let load = match load {
             Load::Approach(approach) => Load::Approach(*approach - lowest),
             load => *load,
@@ -301,7 +336,8 @@ impl Search<'_> {
         state.normal.effort = *effort;
         let lifted = state.normal.displacement.iter().zip(&small.displacement).zip(clearance);
         let image: Vec<f64> = lifted.map(|((steep, small), clearance)| steep - small - clearance).collect();
-        with_contiguous(heights, |heights| mixing.advance(heights, &image));
+        let product = |a: &[f64], b: &[f64]| contact.product(a, b);
+        with_contiguous(heights, |heights| mixing.advance_by(heights, &image, &product));
         Ok(Some(state))
     }
 }
@@ -327,7 +363,7 @@ impl Equilibrium for SteepContact {
         drive.check()?;
         match drive.load {
             Load::MeanPressure(found) if found > 0.0 => match &self.hardness {
-                Some(hardness) => hardness.check_mean(found),
+                Some(hardness) => hardness.check_mean_over(&self.surface, found),
                 None => Ok(()),
             },
             Load::MeanPressure(found) => Err(Refusal::MeanPressure { found }),
@@ -387,7 +423,7 @@ impl Equilibrium for SteepContact {
                 Ending::Converged if slow == SLOW.1 => Some(Ending::GaveUp(Why::Circles)),
                 Ending::Converged => {
                     let now = Progress { iteration: search.effort.iterations, residual: reached.worst() };
-                    watch.see(&now).is_break().then_some(Ending::Interrupted)
+                    self.share().any(watch.see(&now).is_break()).then_some(Ending::Interrupted)
                 }
                 ending => Some(ending),
             };
@@ -414,14 +450,14 @@ impl Equilibrium for SteepContact {
 /// The state follows from its pressure.
 impl Resumable for SteepContact {
     fn keep(&self, state: &mut SteepSolution, visitor: &mut dyn Visit) {
-        with_contiguous(&mut state.normal.pressure, |pressure| visitor.field(pressure));
+        with_contiguous(&mut state.normal.pressure, |pressure| visitor.rows(self.share(), pressure));
         state.normal.effort.visit(visitor);
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<SteepSolution, Refusal> {
         self.check(drive)?;
         let mut pressure = vec![0.0; self.surface.clearance().len()];
-        visitor.field(&mut pressure);
+        visitor.rows(self.share(), &mut pressure);
         let (mut state, _) = self.state(pressure, drive.load, 0.0)?;
         state.normal.effort.visit(visitor);
         Ok(state)

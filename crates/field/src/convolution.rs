@@ -41,7 +41,7 @@ impl<T: Real> Convolution<T> {
     /// the same calls. The results have the same bits as with one process.
     pub fn distributed(grid: Grid, share: &Share, kernel: impl Fn([usize; 2]) -> f64 + Sync) -> Self {
         let points = grid.points().map(|points| if points == 1 { 1 } else { padded_length(2 * points) });
-        let plan = Plan::new(&grid, points, share);
+        let plan = Plan::new(&grid, points, share, None);
         let is_line = grid.is_line();
         let kernel = plan.even(|i, row| {
             for (j, value) in row.iter_mut().enumerate() {
@@ -130,7 +130,7 @@ impl Convolution {
     }
 
     fn with_kernel<T: Real>(&self, kernel: Vec<T>) -> Convolution<T> {
-        let plan = Plan::new(&self.grid, self.plan.points(), &self.share);
+        let plan = Plan::new(&self.grid, self.plan.points(), &self.share, None);
         Convolution { grid: self.grid, share: self.share.clone(), plan, kernel }
     }
 }

@@ -52,13 +52,13 @@ pub struct ShapeError {
 
 impl<T: Real> Plan<T> {
     /// Plans the transforms of the rows of the grid in the `share` of this process, with at least as many `points` as
-    /// the grid.
-    pub(crate) fn new(grid: &Grid, points: [usize; 2], share: &Share) -> Self {
+    /// the grid. Several processes have these `lanes`, by default about the same number.
+    pub(crate) fn new(grid: &Grid, points: [usize; 2], share: &Share, lanes: Option<&[Range<usize>]>) -> Self {
         match grid.rows() {
             [1, shown] => Self { rows: [1, shown], points, kind: Kind::Line(Line::new(points[0] * points[1], shown)) },
             corner if share.is_whole() => Self { rows: corner, points, kind: Kind::Plane(Plane::new(points, corner)) },
             [_, shown] => {
-                let kind = Kind::Shared(Shared::new(points, shown, share));
+                let kind = Kind::Shared(Shared::new(points, shown, share, lanes));
                 Self { rows: [share.rows().len(), shown], points, kind }
             }
         }

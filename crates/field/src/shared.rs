@@ -48,10 +48,17 @@ struct Direction {
 }
 
 impl<T: Real> Shared<T> {
-    /// Creates plans for the rows of `share`, which fill the first `shown` points of the first rows of a plane.
-    pub(crate) fn new([rows, points]: [usize; 2], shown: usize, share: &Share) -> Self {
+    /// Creates plans for the rows of `share`, which fill the first `shown` points of the first rows of a plane. Each
+    /// rank has its `columns`, by default about the same number.
+    pub(crate) fn new(
+        [rows, points]: [usize; 2],
+        shown: usize,
+        share: &Share,
+        columns: Option<&[Range<usize>]>,
+    ) -> Self {
         let (half, size) = (points / 2 + 1, share.all_rows().len());
-        let columns: Vec<Range<usize>> = (0..size).map(|rank| half * rank / size..half * (rank + 1) / size).collect();
+        let even = || (0..size).map(|rank| half * rank / size..half * (rank + 1) / size).collect();
+        let columns: Vec<Range<usize>> = columns.map_or_else(even, <[_]>::to_vec);
         let most = columns.iter().map(Range::len).max().unwrap_or(0);
         Self {
             plane: Plane::new([rows, points], [share.rows().len(), shown]),

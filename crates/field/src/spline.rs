@@ -1,5 +1,6 @@
 use std::f64::consts::TAU;
 
+use gfmd_vector::Share;
 use num_complex::Complex64;
 
 use crate::{Grid, ShapeError, Transform};
@@ -40,9 +41,20 @@ impl Spline {
     /// # Errors
     /// Returns an error if the field has a different size than the grid.
     pub fn through(grid: &Grid, field: &[f64]) -> Result<Self, ShapeError> {
-        let transform = Transform::new(*grid);
+        Self::distributed(grid, &grid.whole(), field)
+    }
+
+    /// Creates the spline through a field from the rows of each process in a `share`. Each process has the whole
+    /// spline, and every process makes the same call.
+    ///
+    /// # Errors
+    /// Returns an error, on all processes, if the field has a different size than the rows.
+    pub fn distributed(grid: &Grid, share: &Share, field: &[f64]) -> Result<Self, ShapeError> {
+        let transform = Transform::distributed(*grid, share);
         let mut ws = transform.workspace();
-        let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];
+        let [_, positions] = grid.spectrum_shape();
+        let lanes = transform.lanes();
+        let mut spectrum = vec![Complex64::ZERO; lanes.len() * positions];
         transform.forward(field, &mut spectrum, &mut ws)?;
         let points = grid.points();
         // A B-spline has the values 1/6, 2/3 and 1/6 at the points.
@@ -50,11 +62,13 @@ impl Spline {
             1 => 1.0,
             n => (2.0 + (TAU * number as f64 / n as f64).cos()) / 3.0,
         };
-        for (mode, value) in grid.modes().zip(&mut spectrum) {
+        let modes = lanes.flat_map(|lane| (0..positions).map(move |position| grid.mode(lane, position)));
+        for (mode, value) in modes.zip(&mut spectrum) {
             *value /= [0, 1].map(|axis| of_axis(mode.number[axis], points[axis])).iter().product::<f64>();
         }
-        let mut factors = vec![0.0; grid.len()];
+        let mut factors = vec![0.0; field.len()];
         transform.inverse(&spectrum, &mut factors, &mut ws)?;
+        let factors = if share.is_whole() { factors } else { share.gather(&factors, share.columns()) };
         Ok(Self { points, spacing: grid.spacing(), factors })
     }
 

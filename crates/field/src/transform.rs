@@ -27,7 +27,13 @@ impl<T: Real> Transform<T> {
     /// same bits as with one process. Message buffers take about 0.4 fields in addition to the memory of
     /// [`new`](Self::new) for these rows.
     pub fn distributed(grid: Grid, share: &Share) -> Self {
-        Self { grid, plan: Plan::new(&grid, grid.points(), share) }
+        Self { grid, plan: Plan::new(&grid, grid.points(), share, None) }
+    }
+
+    /// Plans the transforms as [`distributed`](Self::distributed), with these lanes of each process, one range after
+    /// another: for coarser grids whose waves a process needs beside its waves of a finer one. Any rows are allowed.
+    pub fn with_lanes(grid: Grid, share: &Share, lanes: &[Range<usize>]) -> Self {
+        Self { grid, plan: Plan::new(&grid, grid.points(), share, Some(lanes)) }
     }
 
     /// Plans the transforms of fields on a `patch`, in its [padded](Grid::padded_to) cell with at least `times` the
@@ -38,7 +44,7 @@ impl<T: Real> Transform<T> {
     /// Returns an error if the cell has more points than memory can address.
     pub fn padded(times: usize, patch: &Grid, share: &Share) -> Result<Self, GridError> {
         let grid = patch.padded_to(times)?;
-        Ok(Self { grid, plan: Plan::new(patch, grid.points(), share) })
+        Ok(Self { grid, plan: Plan::new(patch, grid.points(), share, None) })
     }
 
     /// Returns the lanes of the half spectrum ([`Grid::spectrum_shape`]) of this process; one process has all lanes.

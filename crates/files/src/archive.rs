@@ -166,7 +166,8 @@ impl<'a> Archive<'a> {
     }
 
     /// Writes whole rows, starting at row `first`, of a variable defined with [`Archive::define_rows`], or of entry
-    /// `index` of a three-dimensional variable defined with [`Archive::define`]. If blocks begin and end at multiples
+    /// `index` of a variable of more dimensions defined with [`Archive::define`]; entries are counted along all
+    /// dimensions but the last two, row-major. If blocks begin and end at multiples
     /// of [`rows_of_chunk`], the bytes are the same as for a whole field.
     pub fn write_rows(
         &mut self,
@@ -178,7 +179,7 @@ impl<'a> Archive<'a> {
         let (dataset, shape) = self.defined(path)?;
         let [rows, columns] = match (&shape[..], index) {
             (&[rows, columns], None) => [rows, columns],
-            (&[entries, rows, columns], Some(index)) if index < entries => [rows, columns],
+            (&[ref before @ .., rows, columns], Some(index)) if index < before.iter().product() => [rows, columns],
             _ => [0, 0],
         };
         let count = values.len() / columns.max(1);
@@ -192,8 +193,14 @@ impl<'a> Archive<'a> {
         if !self.output.has_values() {
             return Ok(());
         }
-        let box_of = |entry: Option<usize>, row, column| entry.into_iter().chain([row, column]).collect::<Vec<_>>();
-        let (first, lengths) = (box_of(index, first, 0), box_of(index.map(|_| 1), count, columns));
+        let before = &shape[..shape.len() - 2];
+        let mut entry = vec![0; before.len()];
+        before.iter().enumerate().rev().fold(index.unwrap_or(0), |rest, (axis, length)| {
+            entry[axis] = rest % length;
+            rest / length
+        });
+        let lengths: Vec<usize> = before.iter().map(|_| 1).chain([count, columns]).collect();
+        let first: Vec<usize> = entry.into_iter().chain([first, 0]).collect();
         let written = chunks::write(&dataset, &first, &lengths, values);
         self.flushed(path, &dataset, written)
     }

@@ -305,7 +305,7 @@ impl Interface {
     }
 
     /// Returns this interface with the stiffness of each wave multiplied by `factors`, laid out as the
-    /// [modes](Grid::modes) of the grid, the uniform mode first. The boundary is periodic.
+    /// [modes](Grid::modes) of this process, the uniform mode first. The boundary is periodic.
     ///
     /// # Errors
     /// Returns an error for an interface in all components.

@@ -138,7 +138,7 @@ mod tests {
 
     /// Returns the product of derivatives with a memory, at the points.
     fn product(medium: &Relaxing, grid: &Grid, of: &MemoryDerivatives, memory: &Memory) -> f64 {
-        let lengths = memory.normal(grid).unwrap();
+        let lengths = memory.normal(grid, &grid.whole()).unwrap();
         let fields = match &of.0 {
             Lengths::Points(of) => of.clone(),
             Lengths::Waves(of) => of.iter().map(|spectrum| medium.inverse(spectrum)).collect(),

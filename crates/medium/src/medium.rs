@@ -80,7 +80,7 @@ pub struct Affine {
 pub enum Stiffening {
     /// Common factor of all waves.
     All(f64),
-    /// One factor per wave, laid out as the [modes](gfmd_field::Grid::modes) of the grid.
+    /// One factor per wave of this process, laid out as the [modes](gfmd_field::Grid::modes) of the grid.
     Waves(Vec<f64>),
 }
 

@@ -6,6 +6,7 @@ use gfmd_field::{Grid, ShapeError, Transform};
 use gfmd_relax::Visit;
 use gfmd_vector::{Share, add, for_each, reduce};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::Branch;
 use crate::spectrum::Waves;
@@ -68,21 +69,22 @@ impl Memory {
     }
 
     /// Returns the indentation −u_z and the spring elongation of each branch along z, row by row, in length; `grid` is
-    /// the grid of the surface.
+    /// the grid of the surface, with the rows of this process in a `share`.
     ///
     /// # Errors
     /// Returns an error if the memory belongs to a grid of another size.
-    pub fn normal(&self, grid: &Grid) -> Result<Vec<Vec<f64>>, ShapeError> {
+    pub fn normal(&self, grid: &Grid, share: &Share) -> Result<Vec<Vec<f64>>, ShapeError> {
+        let points = if share.is_whole() { grid.len() } else { share.own().len() };
         match &self.0 {
             // The normal component is the last.
             Fields::Points { lengths, .. } => {
-                Ok(lengths.iter().map(|x| x[x.len().saturating_sub(grid.len())..].to_vec()).collect())
+                Ok(lengths.iter().map(|x| x[x.len().saturating_sub(points)..].to_vec()).collect())
             }
             Fields::Waves(spectra) => {
-                let transform = Transform::new(*grid);
+                let transform = Transform::distributed(*grid, share);
                 let mut workspace = transform.workspace();
                 let mut of = |spectrum: &[Complex64]| {
-                    let mut values = vec![0.0; grid.len()];
+                    let mut values = vec![0.0; points];
                     transform.inverse(spectrum, &mut values, &mut workspace).map(|()| values)
                 };
                 spectra.iter().map(|spectrum| of(spectrum)).collect()
@@ -112,9 +114,10 @@ impl Fields {
                 fields.flat_map(|field| field.chunks_exact_mut(own)).for_each(|rows| visitor.rows(share, rows));
             }
             Self::Waves(fields) => {
+                let modes = share.of_lengths(fields[0].len(), 2);
                 for field in fields {
                     let mut parts: Vec<f64> = field.iter().flat_map(|mode| [mode.re, mode.im]).collect();
-                    visitor.field(&mut parts);
+                    visitor.rows(&modes, &mut parts);
                     field.iter_mut().zip(parts.chunks_exact(2)).for_each(|(mode, part)| {
                         *mode = Complex64::new(part[0], part[1]);
                     });
@@ -231,22 +234,23 @@ impl Waves {
         out
     }
 
-    /// Computes the memory and energies after a step that reaches `indentation`; `weight` returns the weight of a mode.
+    /// Computes the memory and energies after a step that reaches `indentation`. The modes of all processes add to the
+    /// energies, lane by lane.
     pub(crate) fn advance(
         &self,
+        share: &Share,
         fields: &[Vec<Complex64>],
         indentation: Vec<Complex64>,
         duration: f64,
-        weight: impl Fn(usize) -> f64 + Sync,
     ) -> (Fields, Energies) {
-        let modes = indentation.len();
+        let (modes, lane) = (self.modes.count, self.modes.lane);
         let mut new: Vec<Vec<Complex64>> = vec![Vec::new(); 1 + self.count];
         let product = |a: Complex64, b: Complex64| a.re * b.re + a.im * b.im;
-        let of_range = |range: std::ops::Range<usize>| {
+        let of_range = |range: Range<usize>| {
             range.fold([0.0; 2], |sums, mode| {
                 // A mean level that is fixed stores nothing.
                 let stiffness = self.stiffness[mode];
-                let scale = if stiffness.is_finite() { weight(mode) * stiffness } else { 0.0 };
+                let scale = if stiffness.is_finite() { self.modes.at(mode).weight * stiffness } else { 0.0 };
                 let (d, moved) = (indentation[mode], indentation[mode] - fields[0][mode]);
                 let (mut stored, mut lost) = (0.5 * d.norm_sqr(), 0.0);
                 for (branch, x) in self.of(mode).zip(&fields[1..]) {
@@ -258,7 +262,10 @@ impl Waves {
                 add(sums, [scale * stored, scale * lost])
             })
         };
-        let [stored, lost] = reduce(modes, &of_range, &add);
+        let of_lane = |first: usize| reduce(lane, &|range| of_range(first + range.start..first + range.end), &add);
+        let lanes: Vec<[f64; 2]> = (0..modes / lane).into_par_iter().map(|number| of_lane(number * lane)).collect();
+        let lanes = share.collect(&lanes, &share.each(lanes.len()));
+        let [stored, lost] = lanes.into_iter().fold([0.0; 2], add);
         for (index, new) in new.iter_mut().enumerate().skip(1) {
             *new = vec![Complex64::ZERO; modes];
             for_each([&mut new[..]], &|start, [new]| {
@@ -281,7 +288,7 @@ mod tests {
     use gfmd_green::{Body, Material};
 
     use super::*;
-    use crate::spectrum::Spectrum;
+    use crate::spectrum::{Modes, Spectrum};
     use crate::{Prony, Relaxes};
 
     struct Numbers(u64);
@@ -349,14 +356,14 @@ mod tests {
                 };
                 ((0..n).map(of).fold([0.0; 3], add).map(|sum| sum / n as f64), energies)
             } else {
-                let spectrum = Spectrum::new(&slab, &grid, false, &prony, Relaxes::Shear).unwrap();
+                let spectrum = Spectrum::new(&slab, &Modes::all(&grid), false, &prony, Relaxes::Shear).unwrap();
                 let Spectrum::Waves(waves) = spectrum else {
                     unreachable!("a slab has its own branches for each wave")
                 };
                 let modes = waves.stiffness.len();
                 let fields: Vec<Vec<Complex64>> = (0..=waves.count).map(|_| numbers.modes(modes)).collect();
                 let weight = |mode: usize| grid.mode_at(mode).weight;
-                let (after, energies) = waves.advance(&fields, numbers.modes(modes), duration, weight);
+                let (after, energies) = waves.advance(&grid.whole(), &fields, numbers.modes(modes), duration);
                 let Fields::Waves(after) = after else { unreachable!("waves stay waves") };
                 let of = |mode: usize| {
                     let branches: Vec<Branch> = waves.of(mode).collect();

@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 use crate::derivatives::{Decays, Lengths};
 use crate::memory::{Fields, PointStep};
-use crate::spectrum::{Spectrum, stiffness};
+use crate::spectrum::{Modes, Spectrum, stiffness};
 use crate::{Affine, Energies, Medium, Memory, MemoryDerivatives, Prony, Relaxes, Stiffening};
 
 /// Body that relaxes by a Prony series (theory.md, section 7.7). Each step is exact for a displacement linear in time,
@@ -45,7 +45,26 @@ impl Relaxing {
         prony: &Prony,
         relaxes: Relaxes,
     ) -> Result<Self, Refusal> {
-        let spectrum = Spectrum::new(body, grid, boundary == Boundary::Free, prony, relaxes)?;
+        Self::distributed(&grid.whole(), body, grid, boundary, components, prony, relaxes)
+    }
+
+    /// Creates the medium as [`new`](Self::new), with the points of this process, one of several that make the same
+    /// calls, and with its waves.
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new), on all processes.
+    pub fn distributed(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        boundary: Boundary,
+        components: usize,
+        prony: &Prony,
+        relaxes: Relaxes,
+    ) -> Result<Self, Refusal> {
+        let transform = Transform::distributed(*grid, share);
+        let modes = Modes::of(grid, transform.lanes());
+        let spectrum = Spectrum::new(body, &modes, boundary == Boundary::Free, prony, relaxes)?;
         let alike = relaxes == Relaxes::Both || body.material().poisson() == 0.5;
         if components > 1 && !alike {
             return Err(Refusal::ShearAlone { with: "shear at the surface" });
@@ -56,25 +75,12 @@ impl Relaxing {
         let transform = match &spectrum {
             Spectrum::Common(_) => None,
             Spectrum::Waves(_) => {
-                let transform = Transform::new(*grid);
                 let workspace = Mutex::new(transform.workspace());
                 Some(Arc::new((transform, workspace)))
             }
         };
-        let share = grid.whole();
-        Ok(Self { grid: *grid, boundary, components, held: false, spectrum: spectrum.into(), share, transform })
-    }
-
-    /// Returns the medium with the points of this process, one of several that make the same calls.
-    ///
-    /// # Errors
-    /// Returns an error for several processes if only the shear modulus relaxes, each wave by branches of its own.
-    pub fn over(self, share: &Share) -> Result<Self, Refusal> {
-        let is_alone = share.is_whole();
-        match &*self.spectrum {
-            Spectrum::Waves(_) if !is_alone => Err(Refusal::Shared { part: "waves that relax by their own branches" }),
-            _ => Ok(Self { share: share.clone(), ..self }),
-        }
+        let (grid, share, spectrum) = (*grid, share.clone(), spectrum.into());
+        Ok(Self { grid, boundary, components, held: false, spectrum, share, transform })
     }
 
     /// Returns the number of values of this process.
@@ -128,7 +134,7 @@ impl Relaxing {
         }
         let grid = self.grid;
         let stiffness_of = if self.held { Body::restricted_normal_stiffness } else { Body::normal_stiffness };
-        let (transform, stiffness) = (Transform::new(grid), stiffness(body, &grid, stiffness_of));
+        let (transform, stiffness) = (Transform::new(grid), stiffness(body, &Modes::all(&grid), stiffness_of));
         let mut workspace = transform.workspace();
         let mut spectra = Vec::new();
         for field in memory {
@@ -204,8 +210,8 @@ impl Relaxing {
             (Lengths::Points(of), Spectrum::Common(_)) => {
                 (of.len(), of.iter().map(Vec::len).collect(), self.components * self.grid.len())
             }
-            (Lengths::Waves(of), Spectrum::Waves(_)) => {
-                (of.len(), of.iter().map(Vec::len).collect(), self.grid.spectrum_len())
+            (Lengths::Waves(of), Spectrum::Waves(waves)) => {
+                (of.len(), of.iter().map(Vec::len).collect(), waves.modes.count)
             }
             _ => return Err(Refusal::OtherKind),
         };
@@ -219,7 +225,8 @@ impl Relaxing {
     /// Transforms a field; only for a body with wave-dependent branches.
     fn forward(&self, field: &[f64]) -> Vec<Complex64> {
         let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
-        let mut spectrum = vec![Complex64::ZERO; transform.grid().spectrum_len()];
+        let positions = transform.grid().spectrum_shape()[1];
+        let mut spectrum = vec![Complex64::ZERO; transform.lanes().len() * positions];
         let workspace = &mut *workspace.lock().unwrap_or_else(PoisonError::into_inner);
         transform.forward(field, &mut spectrum, workspace).expect("the field has the size of the grid");
         spectrum
@@ -228,7 +235,7 @@ impl Relaxing {
     /// Transforms a spectrum back; only for a body with wave-dependent branches.
     pub(crate) fn inverse(&self, spectrum: &[Complex64]) -> Vec<f64> {
         let Some((transform, workspace)) = self.transform.as_deref() else { return Vec::new() };
-        let mut field = vec![0.0; transform.grid().len()];
+        let mut field = vec![0.0; self.share.own().len()];
         let workspace = &mut *workspace.lock().unwrap_or_else(PoisonError::into_inner);
         transform.inverse(spectrum, &mut field, workspace).expect("the spectrum has the size of the grid");
         field
@@ -276,8 +283,7 @@ impl Medium for Relaxing {
                 (fields, Energies { stored: components * energies.stored, lost: components * energies.lost })
             }
             (Fields::Waves(fields), Spectrum::Waves(waves)) => {
-                let weight = |mode: usize| self.grid.mode_at(mode).weight;
-                waves.advance(fields, self.forward(&indentation), step.duration, weight)
+                waves.advance(&self.share, fields, self.forward(&indentation), step.duration)
             }
             _ => return Err(Refusal::OtherKind),
         };

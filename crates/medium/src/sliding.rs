@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::bulk::bulk;
-use crate::spectrum::{Spectrum, stiffness};
+use crate::spectrum::{Modes, Spectrum, stiffness};
 use crate::{Prony, Relaxes, Velocity};
 
 /// A rigid rough surface sliding steadily over a body, with a hard wall or a hardness, and with or without friction of
@@ -137,7 +137,7 @@ impl SlidingContact {
     /// # Errors
     /// Returns an error for free boundaries, or a body with unknown relaxation in shear alone.
     pub fn new(contact: Contact, body: &Body, prony: &Prony, relaxes: Relaxes) -> Result<Self, SlidingError> {
-        let spectrum = Spectrum::new(body, contact.surface().grid(), false, prony, relaxes)?;
+        let spectrum = Spectrum::new(body, &Modes::all(contact.surface().grid()), false, prony, relaxes)?;
         Self::of(contact, body, spectrum)
     }
 
@@ -154,7 +154,7 @@ impl SlidingContact {
             return Err(SlidingError::Free);
         }
         let grid = *contact.surface().grid();
-        let stiffness = stiffness(body, &grid, Body::normal_stiffness);
+        let stiffness = stiffness(body, &Modes::all(&grid), Body::normal_stiffness);
         let transform = Transform::new(grid);
         let mut heights = vec![Complex64::ZERO; grid.spectrum_len()];
         let below: Vec<f64> = contact.surface().clearance().iter().map(|clearance| -clearance).collect();

@@ -1,7 +1,9 @@
 //! Relaxation of the stiffness of each wave, as Prony branches.
 
+use std::ops::Range;
+
 use gfmd_contact::Refusal;
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Mode};
 use gfmd_green::{Base, Body, Ground, Height, Material};
 use rayon::prelude::*;
 
@@ -18,9 +20,39 @@ pub(crate) enum Spectrum {
     Waves(Waves),
 }
 
-/// Branches of waves that relax differently, `count` of them for each mode of a grid.
+/// Modes of a grid that belong to this process: whole lanes of the half spectrum.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Modes {
+    grid: Grid,
+    first: usize,
+    /// Number of modes.
+    pub(crate) count: usize,
+    /// Number of modes in a lane.
+    pub(crate) lane: usize,
+}
+
+impl Modes {
+    /// Returns the modes of some lanes.
+    pub(crate) fn of(grid: &Grid, lanes: Range<usize>) -> Self {
+        let [_, lane] = grid.spectrum_shape();
+        Self { grid: *grid, first: lanes.start * lane, count: lanes.len() * lane, lane }
+    }
+
+    /// Returns the modes of all lanes.
+    pub(crate) fn all(grid: &Grid) -> Self {
+        Self::of(grid, 0..grid.spectrum_shape()[0])
+    }
+
+    /// Returns a mode, counted from the first one of this process.
+    pub(crate) fn at(&self, index: usize) -> Mode {
+        self.grid.mode_at(self.first + index)
+    }
+}
+
+/// Branches of waves that relax differently, `count` of them for each mode.
 #[derive(Clone, Debug)]
 pub(crate) struct Waves {
+    pub(crate) modes: Modes,
     pub(crate) count: usize,
     /// Times common to all waves.
     times: Vec<f64>,
@@ -43,46 +75,46 @@ impl Waves {
 
 /// Returns the long-term stiffness of each mode, stress/length; infinite for the uniform mode if the level is fixed.
 /// `stiffness_of` returns the stiffness of a wavenumber.
-pub(crate) fn stiffness(body: &Body, grid: &Grid, stiffness_of: fn(&Body, f64) -> f64) -> Vec<f64> {
+pub(crate) fn stiffness(body: &Body, modes: &Modes, stiffness_of: fn(&Body, f64) -> f64) -> Vec<f64> {
     let [_, level] = body.level_compliance();
     let of = |index: usize| {
-        let mode = grid.mode_at(index);
+        let mode = modes.at(index);
         if mode.is_uniform() { 1.0 / level } else { stiffness_of(body, mode.wavenumber()) }
     };
-    (0..grid.spectrum_len()).into_par_iter().map(of).collect()
+    (0..modes.count).into_par_iter().map(of).collect()
 }
 
 impl Spectrum {
-    /// Computes the spectrum of `body`, given by its long-term moduli, on a periodic `grid` or on a patch. The second
-    /// body of a pair is elastic.
+    /// Computes the spectrum of `body`, given by its long-term moduli, for some `modes` of a periodic grid or of a
+    /// patch. The second body of a pair is elastic.
     ///
     /// # Errors
     /// Returns an error if only the shear modulus relaxes and the spectrum is not known for the body or boundary, and
     /// for a pair with a slab on a patch.
     pub(crate) fn new(
         body: &Body,
-        grid: &Grid,
+        modes: &Modes,
         is_free: bool,
         prony: &Prony,
         relaxes: Relaxes,
     ) -> Result<Self, Refusal> {
-        let Some(second) = body.second() else { return Self::of_one(body, grid, is_free, prony, relaxes) };
+        let Some(second) = body.second() else { return Self::of_one(body, modes, is_free, prony, relaxes) };
         let first = body.alone();
-        let alone = Self::of_one(&first, grid, is_free, prony, relaxes)?;
+        let alone = Self::of_one(&first, modes, is_free, prony, relaxes)?;
         match alone {
             Self::Common(branches) if [&first, second].iter().all(|body| body.height() == Height::Infinite) => {
                 let ratio = second.contact_modulus() / first.contact_modulus();
                 Ok(Self::Common(in_series(&branches, ratio)))
             }
             _ if is_free => Err(Refusal::RelaxingPair { with: "a slab with free boundaries" }),
-            alone => Ok(Self::Waves(alone.in_series_with(&first, second, body, grid))),
+            alone => Ok(Self::Waves(alone.in_series_with(&first, second, body, modes))),
         }
     }
 
     /// Computes the branches of each wave of a pair: the `first` body, with this spectrum, and an elastic second one.
-    fn in_series_with(self, first: &Body, second: &Body, pair: &Body, grid: &Grid) -> Waves {
+    fn in_series_with(self, first: &Body, second: &Body, pair: &Body, modes: &Modes) -> Waves {
         let [of_first, of_second, stiffness] =
-            [first, second, pair].map(|body| stiffness(body, grid, Body::normal_stiffness));
+            [first, second, pair].map(|body| stiffness(body, modes, Body::normal_stiffness));
         let of_mode = |mode: usize| -> Vec<Branch> {
             let branches = match &self {
                 Self::Common(branches) => branches.clone(),
@@ -96,10 +128,15 @@ impl Spectrum {
                 (first, second) => in_series(&branches, second / first),
             }
         };
-        let modes: Vec<Vec<Branch>> = (0..grid.spectrum_len()).into_par_iter().map(of_mode).collect();
-        let all = || modes.iter().flatten();
+        let of_modes: Vec<Vec<Branch>> = (0..modes.count).into_par_iter().map(of_mode).collect();
+        let all = || of_modes.iter().flatten();
+        let count = match &self {
+            Self::Common(branches) => branches.len(),
+            Self::Waves(waves) => waves.count,
+        };
         Waves {
-            count: modes.first().map_or(0, Vec::len),
+            modes: *modes,
+            count,
             times: Vec::new(),
             own: all().map(|branch| branch.time).collect(),
             weights: all().map(|branch| branch.weight).collect(),
@@ -108,7 +145,7 @@ impl Spectrum {
     }
 
     /// Computes the spectrum of a single body as [`new`](Self::new).
-    fn of_one(body: &Body, grid: &Grid, is_free: bool, prony: &Prony, relaxes: Relaxes) -> Result<Self, Refusal> {
+    fn of_one(body: &Body, modes: &Modes, is_free: bool, prony: &Prony, relaxes: Relaxes) -> Result<Self, Refusal> {
         let material = body.material();
         // With a constant bulk modulus an incompressible body stays incompressible, so all of it relaxes alike.
         if relaxes == Relaxes::Both || material.poisson() == 0.5 && !matches!(body.base(), Base::Elastic(_)) {
@@ -120,9 +157,9 @@ impl Spectrum {
             (_, Base::Elastic(_)) => refuse("layers"),
             _ if is_free => refuse("a slab with free boundaries"),
             (Height::Finite(height), Base::Rigid(Ground::BONDED)) => {
-                Ok(Self::Waves(of_slab(body, height, grid, prony)))
+                Ok(Self::Waves(of_slab(body, height, modes, prony)))
             }
-            (_, Base::Rigid(_)) => Ok(Self::Waves(of_loose_slab(body, grid, prony))),
+            (_, Base::Rigid(_)) => Ok(Self::Waves(of_loose_slab(body, modes, prony))),
         }
     }
 }
@@ -158,21 +195,21 @@ fn of_half_space(material: &Material, prony: &Prony) -> Vec<Branch> {
 
 /// Computes the 2n branches per wave of a slab without shear at its base: waves have the branches of a half-space,
 /// since their stiffness is E* times a function of height and wavenumber.
-fn of_loose_slab(body: &Body, grid: &Grid, prony: &Prony) -> Waves {
+fn of_loose_slab(body: &Body, modes: &Modes, prony: &Prony) -> Waves {
     let branches = of_half_space(body.material(), prony);
     let uniform = of_uniform(body, prony).chain(std::iter::repeat(0.0)).take(branches.len());
     let weights = branches.iter().map(|branch| branch.weight).collect::<Vec<f64>>();
-    let modes = grid.spectrum_len();
-    let of_mode = |mode: usize| match grid.mode_at(mode).is_uniform() {
+    let of_mode = |mode: usize| match modes.at(mode).is_uniform() {
         true => uniform.clone().collect::<Vec<f64>>(),
         false => weights.clone(),
     };
     Waves {
+        modes: *modes,
         count: branches.len(),
         times: branches.iter().map(|branch| branch.time).collect(),
         own: Vec::new(),
-        weights: (0..modes).flat_map(of_mode).collect(),
-        stiffness: stiffness(body, grid, Body::normal_stiffness),
+        weights: (0..modes.count).flat_map(of_mode).collect(),
+        stiffness: stiffness(body, modes, Body::normal_stiffness),
     }
 }
 
@@ -183,7 +220,7 @@ fn of_uniform(body: &Body, prony: &Prony) -> impl Iterator<Item = f64> + Clone {
 }
 
 /// Computes the 3n branches per wave of 1/G_zz = a + b G − A₁/(G + ¾K) − A₂/(G + βK) of a slab on a bonded base.
-fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
+fn of_slab(body: &Body, height: f64, modes: &Modes, prony: &Prony) -> Waves {
     let (material, branches) = (body.material(), prony.branches());
     let (n, k) = (branches.len(), bulk(material));
     let common = poles(branches, 0.75 * k);
@@ -191,7 +228,7 @@ fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
         branches.iter().map(|branch| branch.time).chain(common.iter().map(|[rate, _]| 1.0 / rate)).collect();
     let [_, level] = body.level_compliance();
     let of_mode = |index: usize| {
-        let mode = grid.mode_at(index);
+        let mode = modes.at(index);
         if mode.is_uniform() {
             let weights = of_uniform(body, prony).chain(std::iter::repeat_n(0.0, 2 * n));
             return (weights.collect::<Vec<f64>>(), times[n..].to_vec(), 1.0 / level);
@@ -208,9 +245,10 @@ fn of_slab(body: &Body, height: f64, grid: &Grid, prony: &Prony) -> Waves {
         let weights = direct.chain(of_first).chain(of_second).map(|weight| weight * unit).collect();
         (weights, own.iter().map(|[rate, _]| 1.0 / rate).collect(), stiffness)
     };
-    let modes: Vec<(Vec<f64>, Vec<f64>, f64)> = (0..grid.spectrum_len()).into_par_iter().map(of_mode).collect();
-    let mut waves = Waves { count: 3 * n, times, own: Vec::new(), weights: Vec::new(), stiffness: Vec::new() };
-    for (weights, own, stiffness) in modes {
+    let of_modes: Vec<(Vec<f64>, Vec<f64>, f64)> = (0..modes.count).into_par_iter().map(of_mode).collect();
+    let (own, weights, stiffness) = Default::default();
+    let mut waves = Waves { modes: *modes, count: 3 * n, times, own, weights, stiffness };
+    for (weights, own, stiffness) in of_modes {
         waves.weights.extend(weights);
         waves.own.extend(own);
         waves.stiffness.push(stiffness);
@@ -275,7 +313,10 @@ mod tests {
     fn the_spectrum_of_a_slab_has_known_values() {
         let grid = Grid::square(4, 1.0).unwrap();
         let body = Body::slab(Material::from_young(1.0, 0.31).unwrap(), 0.4).unwrap();
-        let Ok(Spectrum::Waves(waves)) = Spectrum::new(&body, &grid, false, &three(), Relaxes::Shear) else { panic!() };
+        let Ok(Spectrum::Waves(waves)) = Spectrum::new(&body, &Modes::all(&grid), false, &three(), Relaxes::Shear)
+        else {
+            panic!()
+        };
         let uniform: Vec<Branch> = waves.of(0).collect();
         for (branch, known) in uniform.iter().zip([0.44057971, 0.36714976, 0.29371981]) {
             assert_abs_diff_eq!(branch.weight, known, epsilon = 6e-9);
@@ -323,7 +364,8 @@ mod tests {
                 {
                     let grid = Grid::new([6, 4], [1.0, 0.8]).unwrap();
                     let slab = |material| Body::slab(material, height).unwrap().on(base.clone()).unwrap();
-                    let found = Spectrum::new(&slab(material), &grid, false, &prony, Relaxes::Shear).unwrap();
+                    let found =
+                        Spectrum::new(&slab(material), &Modes::all(&grid), false, &prony, Relaxes::Shear).unwrap();
                     let Spectrum::Waves(waves) = found else { panic!("each wave has its branches") };
                     for (index, mode) in grid.modes().enumerate() {
                         let of_body = |body: &Body| match mode.wavenumber() {
@@ -359,7 +401,7 @@ mod tests {
         ];
         for ((first, second), relaxes) in pairs.iter().flat_map(|pair| Relaxes::ALL.map(|relaxes| (pair, relaxes))) {
             let branches_of = |body: &Body, mode: usize| -> Vec<Branch> {
-                match Spectrum::new(body, &grid, false, &prony, relaxes).unwrap() {
+                match Spectrum::new(body, &Modes::all(&grid), false, &prony, relaxes).unwrap() {
                     Spectrum::Common(branches) => branches,
                     Spectrum::Waves(waves) => waves.of(mode).collect(),
                 }
@@ -378,7 +420,8 @@ mod tests {
                 }
             }
         }
-        let common = Spectrum::new(&half_space(1.0).against(half_space(3.0)), &grid, true, &prony, Relaxes::Both);
+        let common =
+            Spectrum::new(&half_space(1.0).against(half_space(3.0)), &Modes::all(&grid), true, &prony, Relaxes::Both);
         assert!(matches!(common, Ok(Spectrum::Common(branches)) if branches.len() == 3));
     }
 
@@ -388,13 +431,13 @@ mod tests {
         let material = |nu| Material::from_young(1.0, nu).unwrap();
         let slab = |nu| Body::slab(material(nu), 0.3).unwrap();
         let refused = |body: &Body, is_free| {
-            Spectrum::new(body, &grid, is_free, &three(), Relaxes::Shear).unwrap_err().to_string()
+            Spectrum::new(body, &Modes::all(&grid), is_free, &three(), Relaxes::Shear).unwrap_err().to_string()
         };
         assert!(refused(&slab(0.3).bonded_to(slab(0.3)).unwrap(), false).ends_with("with layers"));
         let pair = refused(&slab(0.3).against(Body::half_space(material(0.3))), true);
         assert!(pair.ends_with("with a slab with free boundaries"), "{pair}");
         assert!(refused(&slab(0.3), true).ends_with("with a slab with free boundaries"));
-        let common = Spectrum::new(&slab(0.5), &grid, true, &three(), Relaxes::Shear);
+        let common = Spectrum::new(&slab(0.5), &Modes::all(&grid), true, &three(), Relaxes::Shear);
         assert!(matches!(common, Ok(Spectrum::Common(branches)) if branches.len() == 3));
     }
 }

@@ -1,6 +1,7 @@
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_green::{Base, Body, Ground, Height, Material};
 
+use crate::division::Division;
 use crate::{Hardening, PlasticityError};
 
 /// Cells below the surface in which plastic strain is constant in depth, counted from the surface down. Only the
@@ -78,6 +79,8 @@ pub(crate) struct Mesh {
     pub(crate) is_cut: bool,
     /// True if the cells were made to fit the body, and not given.
     pub(crate) is_fitted: bool,
+    /// Points of this process.
+    pub(crate) division: Division,
 }
 
 /// Largest Poisson's ratio of a material with cells: their strains lock as it approaches 1/2.
@@ -203,7 +206,8 @@ impl Cells {
         let reaches_half_space = layers[place].bottom.is_infinite();
         let is_cut = depth < layers[place].bottom * (1.0 - ROUNDING_OF_DEPTH);
         let is_fitted = matches!(self, Self::Graded { .. });
-        Ok(Mesh { grid: *grid, cells, below: below(&body, depth)?, reaches_half_space, is_cut, is_fitted })
+        let (below, division) = (below(&body, depth)?, Division::new(&grid.whole(), grid, &cells));
+        Ok(Mesh { grid: *grid, cells, below, reaches_half_space, is_cut, is_fitted, division })
     }
 
     fn thicknesses(&self, grid: &Grid, layers: &[Layer]) -> Result<Vec<f64>, PlasticityError> {
@@ -335,6 +339,17 @@ impl Cell {
 }
 
 impl Mesh {
+    /// Returns the cells with the points of this process, one of several that make the same calls.
+    pub(crate) fn over(self, share: &Share) -> Self {
+        Self { division: Division::new(share, &self.grid, &self.cells), ..self }
+    }
+
+    /// Returns the shape of the fields of this process on the surface.
+    pub(crate) fn surface_shape(&self) -> [usize; 2] {
+        let ([nx, ny], share) = (self.grid.points(), &self.division.surface);
+        if share.is_whole() { [nx, ny] } else { [share.rows().len(), ny] }
+    }
+
     /// Returns the number of cells on the full grid with the same number of points.
     pub(crate) fn equivalent_cells(&self) -> f64 {
         self.cells.iter().map(|cell| 1.0 / cell.share(&self.grid)).sum()

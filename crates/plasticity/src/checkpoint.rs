@@ -1,5 +1,6 @@
 //! Variables of a step between two Newton steps, for its checkpoint.
 
+use gfmd_field::Share;
 use gfmd_relax::Visit;
 use gfmd_vector::with_contiguous;
 use ndarray::Array2;
@@ -24,7 +25,7 @@ pub(crate) struct Start {
 impl Start {
     /// Returns a start that a checkpoint fills.
     pub(crate) fn empty(mesh: &Mesh) -> Self {
-        let pressure = Array2::zeros(mesh.grid.points());
+        let pressure = Array2::zeros(mesh.surface_shape());
         Self { strain: vec![Vec::new(); mesh.cells.len()], pressure, noise: 0.0, least: 0.0, residual: Some(0.0) }
     }
 
@@ -33,9 +34,9 @@ impl Start {
         let Self { strain, pressure, noise, least, residual } = self;
         visitor.numbers(&mut [noise, least]);
         residual.iter_mut().for_each(|residual| visitor.number(residual));
-        with_contiguous(pressure, |pressure| visitor.field(pressure));
-        visit_cells(strain, mesh, visitor, |visitor, field| visitor.field(field));
-        visit_cells(change, mesh, visitor, |visitor, field| visitor.single(field));
+        with_contiguous(pressure, |pressure| visitor.rows(&mesh.division.surface, pressure));
+        visit_cells(strain, mesh, visitor, |visitor, share, field| visitor.rows(share, field));
+        visit_cells(change, mesh, visitor, |visitor, share, field| visitor.single_rows(share, field));
     }
 }
 
@@ -44,13 +45,19 @@ fn visit_cells<T: Copy + Default>(
     fields: &mut CellFields<T>,
     mesh: &Mesh,
     visitor: &mut dyn Visit,
-    visit: impl Fn(&mut dyn Visit, &mut [T]),
+    visit: impl Fn(&mut dyn Visit, &Share, &mut [T]),
 ) {
     fields.resize(mesh.cells.len(), Vec::new());
-    for (field, cell) in fields.iter_mut().zip(&mesh.cells) {
-        let mut has_field = !field.is_empty();
+    let own: Vec<bool> = fields.iter().map(|field| !field.is_empty()).collect();
+    for (cell, mut has_field) in mesh.division.any(&own).into_iter().enumerate() {
+        let (field, share, points) = (&mut fields[cell], mesh.division.of(cell), mesh.division.points(cell));
         visitor.flag(&mut has_field);
-        field.resize(if has_field { COMPONENTS * cell.grid(&mesh.grid).len() } else { 0 }, T::default());
-        visit(visitor, field);
+        field.resize(if has_field { COMPONENTS * points } else { 0 }, T::default());
+        let mut rest = &mut field[..];
+        for _ in 0..if has_field { COMPONENTS } else { 0 } {
+            let (component, after) = std::mem::take(&mut rest).split_at_mut(points);
+            visit(visitor, share, component);
+            rest = after;
+        }
     }
 }

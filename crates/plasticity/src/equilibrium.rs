@@ -47,20 +47,22 @@ impl Equilibrium for YieldingContact {
 /// A state follows from its pressure and its plastic strain, with the numbers of the search that found it.
 impl Resumable for YieldingContact {
     fn keep(&self, state: &mut PlasticState, visitor: &mut dyn Visit) {
-        with_contiguous(&mut state.solution.pressure, |pressure| visitor.field(pressure));
-        state.plastic.visit(visitor);
-        state.plastic_before.visit(visitor);
+        let mesh = &self.volume.mesh;
+        with_contiguous(&mut state.solution.pressure, |pressure| visitor.rows(&mesh.division.surface, pressure));
+        state.plastic.visit(mesh, visitor);
+        state.plastic_before.visit(mesh, visitor);
         self.keep_numbers(state, visitor);
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<PlasticState, Refusal> {
         self.check(drive)?;
         let mut before = self.rest()?;
-        let mut pressure = Array2::zeros(self.surface().grid().points());
-        with_contiguous(&mut pressure, |pressure| visitor.field(pressure));
+        let mesh = &self.volume.mesh;
+        let mut pressure = Array2::zeros(mesh.surface_shape());
+        with_contiguous(&mut pressure, |pressure| visitor.rows(&mesh.division.surface, pressure));
         let mut plastic = before.plastic.clone();
-        plastic.visit(visitor);
-        before.plastic.visit(visitor);
+        plastic.visit(mesh, visitor);
+        before.plastic.visit(mesh, visitor);
         let mut state = self.certify(&before, &pressure, &plastic, drive.load)?;
         self.keep_numbers(&mut state, visitor);
         Ok(state)

@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use gfmd_field::Rows;
+use gfmd_field::{Rows, Share};
 use gfmd_response::{NormalResponse, RoundedTransforms};
-use gfmd_vector::{for_each, sum};
+use gfmd_vector::for_each;
 
 /// Contact with fixed points in contact: G dp = du + dδ on these points, with dp = 0 elsewhere, for a change du of the
 /// displacement without pressure. Under a load dp has no mean, otherwise the approach does not change, dδ = 0.
 pub(crate) struct FrozenContact {
+    /// Rows of this process.
+    share: Share,
     transforms: RoundedTransforms,
     columns: usize,
     floating: bool,
@@ -33,8 +35,9 @@ impl FrozenContact {
     pub(crate) fn new(response: &Arc<NormalResponse>, floating: bool) -> Self {
         let compliance = response.uniform_compliance();
         let stiffness = if compliance > 0.0 { 1.0 / compliance } else { LEVEL * response.stiffness_range()[0] };
-        let n = response.grid().len();
+        let (share, n) = (response.share().clone(), response.share().own().len());
         Self {
+            share,
             transforms: RoundedTransforms::of(response, (!floating).then_some([compliance, stiffness])),
             columns: response.grid().rows()[1],
             floating,
@@ -61,15 +64,14 @@ impl FrozenContact {
         for_each((&mut self.touching[..], pressure), &|_, (touching, pressure)| {
             touching.iter_mut().zip(pressure).for_each(|(t, p)| *t = if *p > 0.0 { 1.0 } else { 0.0 });
         });
-        self.count = gfmd_vector::total(&self.touching);
+        self.count = self.share.total_of(&self.touching);
     }
 
     /// Keeps the points in contact, and subtracts their mean if the load is prescribed.
-    fn project(floating: bool, count: f64, touching: &[f32], field: &mut [f32]) {
+    fn project(share: &Share, floating: bool, (touching, count): (&[f32], f64), field: &mut [f32]) {
         let mean = if floating {
-            let total = sum(field.len(), &|range| {
-                field[range.clone()].iter().zip(&touching[range]).map(|(f, t)| f64::from(f * t)).sum()
-            });
+            let total = share
+                .sum(&|range| field[range.clone()].iter().zip(&touching[range]).map(|(f, t)| f64::from(f * t)).sum());
             (total / count) as f32
         } else {
             0.0
@@ -81,24 +83,24 @@ impl FrozenContact {
 
     /// Computes `image` = K `residual`, projected.
     fn precondition(&mut self) {
-        let Self { transforms, columns, floating, touching, count, residual, image, .. } = self;
+        let Self { share, transforms, columns, floating, touching, count, residual, image, .. } = self;
         let input = Rows(&residual[..], *columns);
         transforms.stiffness_ahead(input, |_, Rows(r, _), row| row.copy_from_slice(r));
         transforms.rows(Rows(&mut image[..], *columns), |_, row, Rows(out, _): Rows<&mut [f32]>| {
             out.copy_from_slice(row);
         });
-        Self::project(*floating, *count, touching, image);
+        Self::project(share, *floating, (touching, *count), image);
     }
 
     /// Computes `image` = G `direction`, projected.
     fn displace(&mut self) {
-        let Self { transforms, columns, floating, touching, count, direction, image, .. } = self;
+        let Self { share, transforms, columns, floating, touching, count, direction, image, .. } = self;
         let input = Rows(&direction[..], *columns);
         transforms.compliance(input, |_, Rows(d, _), row| row.copy_from_slice(d));
         transforms.rows(Rows(&mut image[..], *columns), |_, row, Rows(out, _): Rows<&mut [f32]>| {
             out.copy_from_slice(row);
         });
-        Self::project(*floating, *count, touching, image);
+        Self::project(share, *floating, (touching, *count), image);
     }
 
     /// Computes the change of the `pressure` for a change of the displacement without pressure.
@@ -108,11 +110,11 @@ impl FrozenContact {
             return;
         }
         self.residual.copy_from_slice(displacement);
-        Self::project(self.floating, self.count, &self.touching, &mut self.residual);
+        Self::project(&self.share, self.floating, (&self.touching, self.count), &mut self.residual);
         self.precondition();
         self.direction.copy_from_slice(&self.image);
         let unit = self.transforms.unit();
-        let start = gfmd_vector::dot(&self.residual, &self.image);
+        let start = self.share.dot(&self.residual, &self.image);
         let mut slope = start;
         for _ in 0..ITERATIONS {
             let moving = slope.is_finite() && slope > 0.0;
@@ -121,7 +123,7 @@ impl FrozenContact {
             }
             self.displace();
             // Compliances are in units of `unit`, stiffnesses in units of its inverse.
-            let step = (slope / gfmd_vector::dot(&self.direction, &self.image)) as f32;
+            let step = (slope / self.share.dot(&self.direction, &self.image)) as f32;
             let Self { residual, direction, image, .. } = self;
             for_each((&mut residual[..], &image[..]), &|_, (residual, image)| {
                 residual.iter_mut().zip(image).for_each(|(r, g)| *r -= step * g);
@@ -130,7 +132,7 @@ impl FrozenContact {
                 pressure.iter_mut().zip(direction).for_each(|(p, d)| *p += step * d);
             });
             self.precondition();
-            let next = gfmd_vector::dot(&self.residual, &self.image);
+            let next = self.share.dot(&self.residual, &self.image);
             if next <= TOLERANCE * TOLERANCE * start {
                 break;
             }

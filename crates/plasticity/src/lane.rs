@@ -29,6 +29,7 @@ pub(crate) struct Selection {
 pub(crate) struct Lane<'a, T: Real> {
     pub(crate) volume: &'a Volume,
     pub(crate) selection: &'a Selection,
+    /// Number of the lane among all.
     pub(crate) lane: usize,
     /// Traction or displacement of the surface.
     pub(crate) surface: &'a mut [Complex<T>],
@@ -48,7 +49,8 @@ impl<T: Real> Lane<'_, T> {
         let weight = grid.mode(self.lane, 0).weight;
         self.drop_nyquist();
         for pack in 0..per_lane {
-            let WavePack { depth, support, waves, flipped } = &self.volume.packs[self.lane * per_lane + pack];
+            let WavePack { depth, support, waves, flipped } =
+                &self.volume.packs[(self.lane - self.volume.lanes.start) * per_lane + pack];
             let cells = &self.volume.mesh.cells[..*depth];
             load(self, pack, &mut memory.plastic[..*depth]);
             let traction = self.traction(pack);

@@ -17,6 +17,7 @@ mod error;
 mod hardening;
 
 mod cells;
+mod division;
 mod pack;
 mod sweep;
 

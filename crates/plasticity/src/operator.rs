@@ -14,6 +14,9 @@ use crate::volume::{COMPONENTS, Scale, Volume};
 /// Transforms of one level.
 struct Level<T: Real> {
     transform: Transform<T>,
+    /// Numbers of points and modes of this process.
+    points: usize,
+    modes: usize,
     /// Cost of a transform, in transforms of the full grid.
     cost: f64,
 }
@@ -47,19 +50,24 @@ impl<T: Real> Operator<T> {
     pub(crate) fn new(volume: &Arc<Volume>) -> Self {
         let grid = volume.mesh.grid;
         let level = |scale: &Scale| Level {
-            transform: Transform::new(scale.grid),
+            transform: scale.transform(),
+            points: scale.points(),
+            modes: scale.modes(),
             cost: scale.grid.len() as f64 / grid.len() as f64,
         };
         let levels: Vec<Level<T>> = volume.scales.iter().map(level).collect();
+        let points = levels.iter().map(|level| level.points).max().unwrap_or(0);
         let bench = || Bench {
-            field: vec![T::default(); grid.len()],
+            field: vec![T::default(); points],
             workspaces: levels.iter().map(|level| level.transform.workspace()).collect(),
         };
+        // Several processes transform one cell after another, all of them the same one.
+        let most = if volume.mesh.division.surface.is_whole() { BENCHES } else { 1 };
         Self {
             volume: Arc::clone(volume),
             spectra: vec![Vec::new(); volume.levels.len()],
-            surface: vec![Complex::default(); grid.spectrum_len()],
-            benches: (0..rayon::current_num_threads().min(BENCHES)).map(|_| bench()).collect(),
+            surface: vec![Complex::default(); levels[0].modes],
+            benches: (0..rayon::current_num_threads().min(most)).map(|_| bench()).collect(),
             levels,
             singles: 0.0,
         }
@@ -68,7 +76,7 @@ impl<T: Real> Operator<T> {
     /// Makes zero spectra of the components of a cell.
     pub(crate) fn zeros(&self, cell: usize) -> Vec<Complex<T>> {
         let Volume { components, levels, scales, .. } = &*self.volume;
-        vec![Complex::default(); components.len() * scales[levels[cell]].grid.spectrum_len()]
+        vec![Complex::default(); components.len() * scales[levels[cell]].modes()]
     }
 
     /// Makes the spectra of a cell, unless they have been made since the last [`Self::release`].
@@ -104,11 +112,9 @@ impl<T: Real> Operator<T> {
         let Self { volume, levels, spectra, benches, .. } = self;
         let spectra = spectra.iter_mut().enumerate().filter(|(cell, _)| selected[*cell]);
         distribute(benches, spectra, |(cell, spectra), Bench { field, workspaces }| {
-            let level = volume.levels[cell];
-            let (transform, workspace) = (&levels[level].transform, &mut workspaces[level]);
-            let field = &mut field[..transform.grid().len()];
-            let modes = transform.grid().spectrum_len();
-            for (spectrum, component) in spectra.chunks_exact_mut(modes).zip(&volume.components) {
+            let (workspace, Level { transform, points, modes, .. }) = at(volume.levels[cell], levels, workspaces);
+            let field = &mut field[..*points];
+            for (spectrum, component) in parts_mut(spectra, *modes).zip(&volume.components) {
                 field.fill(T::default());
                 fill(cell, *component, field);
                 transform.forward(field, spectrum, workspace).expect("fields and spectra have the sizes of the grid");
@@ -135,9 +141,10 @@ impl<T: Real> Operator<T> {
     /// forces on nodes, recomputed from the strain, divided by the root mean square of the forces on them. The uniform
     /// wave, and waves that the grid cannot distinguish, are left out.
     pub(crate) fn strain_in_balance(&mut self, pressure: &[T], selection: &Selection) -> f64 {
-        let [lanes, _] = self.volume.mesh.grid.spectrum_shape();
-        let mut balances = vec![[0.0; 2]; lanes];
+        let mut balances = vec![[0.0; 2]; self.volume.lanes.len()];
         self.go_down(pressure, selection, &mut balances);
+        let share = &self.volume.mesh.division.surface;
+        let balances = share.collect(&balances, &share.each(balances.len()));
         let [unbalanced, all] = balances.into_iter().fold([0.0; 2], gfmd_vector::add);
         if all == 0.0 { 0.0 } else { (unbalanced / all).sqrt() }
     }
@@ -157,11 +164,9 @@ impl<T: Real> Operator<T> {
         self.count(outputs.iter().map(|(cell, _)| *cell));
         let Self { volume, levels, spectra, benches, .. } = self;
         distribute(benches, outputs.into_iter(), |(cell, mut output), Bench { field, workspaces }| {
-            let level = volume.levels[cell];
-            let (transform, workspace) = (&levels[level].transform, &mut workspaces[level]);
-            let field = &mut field[..transform.grid().len()];
-            let modes = transform.grid().spectrum_len();
-            for (spectrum, component) in spectra[cell].chunks_exact(modes).zip(&volume.components) {
+            let (workspace, Level { transform, points, modes, .. }) = at(volume.levels[cell], levels, workspaces);
+            let field = &mut field[..*points];
+            for (spectrum, component) in parts(&spectra[cell], *modes).zip(&volume.components) {
                 transform.inverse(spectrum, field, workspace).expect("spectra and fields have the sizes of the grid");
                 take(&mut output, *component, field);
             }
@@ -176,11 +181,9 @@ impl<T: Real> Operator<T> {
         let mut all = vec![Vec::new(); selected.len()];
         let cells = spectra.iter_mut().zip(&mut all).enumerate().filter(|(cell, _)| selected[*cell]);
         distribute(benches, cells, |(cell, (spectra, fields)), Bench { workspaces, .. }| {
-            let level = volume.levels[cell];
-            let (transform, workspace) = (&levels[level].transform, &mut workspaces[level]);
-            let (points, modes) = (transform.grid().len(), transform.grid().spectrum_len());
+            let (workspace, Level { transform, points, modes, .. }) = at(volume.levels[cell], levels, workspaces);
             fields.resize(COMPONENTS * points, T::default());
-            for (spectrum, component) in std::mem::take(spectra).chunks_exact(modes).zip(&volume.components) {
+            for (spectrum, component) in parts(&std::mem::take(spectra), *modes).zip(&volume.components) {
                 let field = &mut fields[component * points..(component + 1) * points];
                 transform.inverse(spectrum, field, workspace).expect("spectra and fields have the sizes of the grid");
             }
@@ -202,12 +205,13 @@ impl<T: Real> Operator<T> {
             .flat_map(|(spectrum, level)| {
                 let coarse = levels[*level].transform.grid();
                 let [_, positions] = coarse.spectrum_shape();
-                let mut parts = spectrum.chunks_exact_mut(coarse.spectrum_len());
+                // Cells without spectra, and processes without lanes of a coarser grid, have empty rows.
+                let mut parts = spectrum.chunks_exact_mut(levels[*level].modes.max(1));
                 (0..count).map(move |_| parts.next().unwrap_or_default().chunks_exact_mut(positions))
             })
             .collect();
         let mut balances = balances.iter_mut();
-        let lanes = surface.chunks_exact_mut(positions).enumerate().map(|(lane, surface)| {
+        let lanes = surface.chunks_exact_mut(positions).zip(volume.lanes.clone()).map(|(surface, lane)| {
             let rows: Vec<Option<&mut [Complex<T>]>> = rows.iter_mut().map(Iterator::next).collect();
             Lane { volume, selection, lane, surface, rows, count, balance: balances.next() }
         });
@@ -222,6 +226,30 @@ impl<T: Real> Operator<T> {
             lanes.into_par_iter().with_min_len(4).for_each_init(|| Memory::new(cells), work);
         }
     }
+}
+
+/// Returns the transforms of a level, with their memory.
+fn at<'a, T: Real>(
+    level: usize,
+    levels: &'a [Level<T>],
+    workspaces: &'a mut [Workspace<T>],
+) -> (&'a mut Workspace<T>, &'a Level<T>) {
+    (&mut workspaces[level], &levels[level])
+}
+
+/// Iterates over the spectra of the components of a cell. A process that has none of the modes makes the same calls.
+fn parts<T>(spectra: &[T], modes: usize) -> impl Iterator<Item = &[T]> {
+    (0..COMPONENTS).map(move |k| spectra.get(k * modes..(k + 1) * modes).unwrap_or_default())
+}
+
+/// Iterates over spectra as [`parts`] does.
+fn parts_mut<T>(mut spectra: &mut [T], modes: usize) -> impl Iterator<Item = &mut [T]> {
+    (0..COMPONENTS).map(move |_| {
+        let rest = std::mem::take(&mut spectra);
+        let (part, rest) = rest.split_at_mut(modes.min(rest.len()));
+        spectra = rest;
+        part
+    })
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use gfmd_contact::Refusal;
-use gfmd_relax::{Variables, Visit};
-use gfmd_vector::{for_each, sum};
+use gfmd_relax::Visit;
+use gfmd_vector::for_each;
 use ndarray::{Array2, Array3};
 
 use crate::cells::Mesh;
@@ -20,7 +20,7 @@ pub struct PlasticStrain {
 /// Points of a cell that have yielded, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Yielded {
-    /// Numbers of the points on the grid of the cell.
+    /// Numbers of the points among those of this process on the grid of the cell.
     pub(crate) points: Vec<u32>,
     /// Plastic strain, in the orthonormal basis.
     pub(crate) strain: Vec<[f64; COMPONENTS]>,
@@ -57,11 +57,6 @@ impl Yielded {
             Err(_) => ([0.0; COMPONENTS], 0.0),
         }
     }
-
-    /// Returns the sum of a function of plastic strain and κ, and of the place in the list, over the points.
-    pub(crate) fn sum(&self, of: impl Fn(usize, &[f64; COMPONENTS], f64) -> f64 + Sync) -> f64 {
-        sum(self.points.len(), &|range| range.map(|k| of(k, &self.strain[k], self.equivalent[k])).sum())
-    }
 }
 
 /// Writes the `value`s of `count` points into a field. The numbers of the points increase.
@@ -84,26 +79,32 @@ pub(crate) fn scatter<T: Send>(
     });
 }
 
-impl Variables for PlasticStrain {
-    /// Visits the points that have yielded. The numbers of points are visited first, so that a restored strain has as
-    /// many.
-    fn visit(&mut self, visitor: &mut dyn Visit) {
-        for cell in &mut self.cells {
-            let Yielded { points, strain, equivalent } = Arc::make_mut(cell);
-            let mut count = points.len() as u64;
-            visitor.count(&mut count);
-            let count = count as usize;
-            points.resize(count, 0);
-            strain.resize(count, [0.0; COMPONENTS]);
+impl PlasticStrain {
+    /// Visits the points that have yielded. Their number in each row is visited first, so that a restored strain has as
+    /// many, on any number of processes.
+    pub(crate) fn visit(&mut self, mesh: &Mesh, visitor: &mut dyn Visit) {
+        for (cell, yielded) in self.cells.iter_mut().enumerate() {
+            let Yielded { points, strain, equivalent } = Arc::make_mut(yielded);
+            let share = mesh.division.of(cell);
+            let (rows, columns, first) = (share.rows().len(), share.columns(), share.own().start);
+            let mut counts = vec![0.0; rows];
+            points.iter().for_each(|point| counts[*point as usize / columns] += 1.0);
+            visitor.rows(&share.of_lengths(rows, 1), &mut counts);
+            let count = counts.iter().map(|count| *count as usize).sum();
+            let each = share.of_lengths(count, 1);
+            let mut numbers: Vec<f64> = points.iter().map(|point| (first + *point as usize) as f64).collect();
+            numbers.resize(count, 0.0);
+            visitor.rows(&each, &mut numbers);
+            *points = numbers.iter().map(|number| (*number as usize).saturating_sub(first) as u32).collect();
+            let mut flat: Vec<f64> = strain.iter().flatten().copied().collect();
+            flat.resize(COMPONENTS * count, 0.0);
+            visitor.rows(&share.of_lengths(count, COMPONENTS), &mut flat);
+            *strain = flat.as_chunks().0.to_vec();
             equivalent.resize(count, 0.0);
-            points.iter_mut().for_each(|point| visitor.small(point));
-            strain.iter_mut().for_each(|strain| visitor.field(strain));
-            visitor.field(equivalent);
+            visitor.rows(&each, equivalent);
         }
     }
-}
 
-impl PlasticStrain {
     pub(crate) fn none(cells: usize) -> Self {
         Self { cells: vec![Arc::default(); cells] }
     }
@@ -118,7 +119,7 @@ impl PlasticStrain {
         }
         let mut cells = Vec::new();
         for ((cell, strain), equivalent) in mesh.cells.iter().zip(strain).zip(equivalent) {
-            let points = cell.grid(&mesh.grid).points();
+            let points = mesh.division.shape(cells.len(), &cell.grid(&mesh.grid));
             if strain.dim() != (COMPONENTS, points[0], points[1]) || <[usize; 2]>::from(equivalent.dim()) != points {
                 return Err(Refusal::Shape { found: equivalent.dim().into(), expected: points });
             }
@@ -138,12 +139,22 @@ impl PlasticStrain {
         Ok(Self { cells })
     }
 
-    /// Returns true if a point of the lowest cell has yielded.
+    /// Returns the largest κ of this process.
+    pub(crate) fn largest(&self) -> f64 {
+        self.cells.iter().flat_map(|cell| &cell.equivalent).fold(0.0, |most, k| k.max(most))
+    }
+
+    /// Returns true if a point of this process in the lowest cell has yielded.
     pub(crate) fn yields_in_lowest(&self) -> bool {
         self.cells.last().is_some_and(|cell| cell.equivalent.iter().any(|k| *k > 0.0))
     }
 
-    /// Returns the number of points that have yielded, on the grids of their cells.
+    /// Returns true for each cell in which a point of any process has yielded.
+    pub(crate) fn yielded(&self, mesh: &Mesh) -> Vec<bool> {
+        mesh.division.any(&self.cells.iter().map(|cell| !cell.points.is_empty()).collect::<Vec<bool>>())
+    }
+
+    /// Returns the number of points of this process that have yielded, on the grids of their cells.
     pub fn points(&self) -> usize {
         self.cells.iter().map(|cell| cell.points.len()).sum()
     }
@@ -151,7 +162,7 @@ impl PlasticStrain {
     /// Returns ε^p of a cell, `[component, x, y]` on the grid of the cell. The components are √(3/2) ε_zz,
     /// (ε_xx − ε_yy)/√2, √2 ε_xy, √2 ε_xz and √2 ε_yz.
     pub(crate) fn strain_field(&self, mesh: &Mesh, cell: usize) -> Array3<f64> {
-        let [nx, ny] = mesh.cells[cell].grid(&mesh.grid).points();
+        let [nx, ny] = mesh.division.shape(cell, &mesh.cells[cell].grid(&mesh.grid));
         let mut field = Array3::zeros((COMPONENTS, nx, ny));
         let Yielded { points, strain, .. } = &*self.cells[cell];
         for (point, strain) in points.iter().zip(strain) {
@@ -163,7 +174,7 @@ impl PlasticStrain {
 
     /// Returns κ of a cell, `[x, y]` on the grid of the cell.
     pub(crate) fn equivalent_field(&self, mesh: &Mesh, cell: usize) -> Array2<f64> {
-        let [nx, ny] = mesh.cells[cell].grid(&mesh.grid).points();
+        let [nx, ny] = mesh.division.shape(cell, &mesh.cells[cell].grid(&mesh.grid));
         let mut field = Array2::zeros((nx, ny));
         let Yielded { points, equivalent, .. } = &*self.cells[cell];
         for (point, equivalent) in points.iter().zip(equivalent) {
@@ -180,12 +191,12 @@ impl PlasticStrain {
         mesh: &Mesh,
         of: impl Fn(usize, usize, &[f64; COMPONENTS], f64) -> f64 + Sync,
     ) -> f64 {
-        let cells = mesh.cells.iter().zip(&self.cells).enumerate();
-        cells
-            .map(|(number, (cell, yielded))| {
-                let weight = cell.thickness / cell.grid(&mesh.grid).len() as f64;
-                weight * yielded.sum(|place, strain, equivalent| of(number, place, strain, equivalent))
-            })
-            .sum()
+        let sums = mesh.division.sums(&|number, range| {
+            let Yielded { points, strain, equivalent } = &*self.cells[number];
+            let place = |limit: usize| points.partition_point(|point| (*point as usize) < limit);
+            (place(range.start)..place(range.end)).map(|k| of(number, k, &strain[k], equivalent[k])).sum()
+        });
+        let cells = mesh.cells.iter().zip(sums);
+        cells.map(|(cell, sum)| cell.thickness / cell.grid(&mesh.grid).len() as f64 * sum).sum()
     }
 }

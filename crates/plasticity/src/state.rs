@@ -1,7 +1,9 @@
 use std::sync::Arc;
 
 use gfmd_contact::{Effort, Fields, Solution};
+use gfmd_field::Share;
 use gfmd_measure::{Scales, Summary};
+use gfmd_vector::contiguous;
 use ndarray::{Array2, Array3, ArrayView2, CowArray, Ix2};
 
 use crate::PlasticStrain;
@@ -73,8 +75,17 @@ impl PlasticState {
         &self.mesh.cells
     }
 
-    /// Returns ε^p of a cell, `[component, x, y]` on the grid of the cell. The five components of a deviatoric strain
-    /// are √(3/2) ε_zz, (ε_xx − ε_yy)/√2, √2 ε_xy, √2 ε_xz and √2 ε_yz; their squares add to ε^p:ε^p.
+    /// Returns the rows of this process on the grid of a cell.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    pub fn rows(&self, cell: usize) -> &Share {
+        self.mesh.division.of(cell)
+    }
+
+    /// Returns ε^p of a cell, `[component, x, y]` on the grid of the cell, of the rows of this process. The five
+    /// components of a deviatoric strain are √(3/2) ε_zz, (ε_xx − ε_yy)/√2, √2 ε_xy, √2 ε_xz and √2 ε_yz; their squares
+    /// add to ε^p:ε^p.
     ///
     /// # Panics
     /// If there is no such cell.
@@ -120,31 +131,30 @@ impl PlasticState {
 
     /// Returns the depth of the bottom of the lowest cell that has yielded, in length; 0 if none has.
     pub fn yield_depth(&self) -> f64 {
-        let lowest = self.plastic.cells.iter().rposition(|cell| cell.equivalent.iter().any(|k| *k > 0.0));
+        let own = self.plastic.cells.iter().map(|cell| cell.equivalent.iter().any(|k| *k > 0.0));
+        let lowest = self.mesh.division.any(&own.collect::<Vec<bool>>()).into_iter().rposition(|yields| yields);
         lowest.map_or(0.0, |lowest| self.mesh.cells[lowest].depth)
     }
 
     /// Returns true if the lowest cell has yielded although its layer goes on below it, where it cannot yield.
     pub fn yields_at_bottom(&self) -> bool {
-        self.mesh.is_cut && self.plastic.yields_in_lowest()
+        self.mesh.is_cut && self.mesh.division.surface.any(self.plastic.yields_in_lowest())
     }
 
     /// Returns the largest κ.
     pub fn max_plastic_strain(&self) -> f64 {
-        self.plastic.cells.iter().flat_map(|cell| &cell.equivalent).fold(0.0, |most, k| k.max(most))
+        self.mesh.division.largest(self.plastic.largest())
     }
 
     /// Returns the mean, the root mean square and the lowest value of the plastic displacement, in length.
     pub fn plastic_displacement_measures(&self) -> PlasticDisplacement {
-        let values: Vec<f64> = self.plastic_displacement.iter().copied().collect();
-        let n = values.len() as f64;
-        let mean = gfmd_vector::total(&values) / n;
-        let squares = gfmd_vector::sum(values.len(), &|range| values[range].iter().map(|u| (u - mean).powi(2)).sum());
-        PlasticDisplacement {
-            mean,
-            rms: (squares / n).sqrt(),
-            min: values.iter().copied().fold(f64::INFINITY, gfmd_vector::lower),
-        }
+        let (values, share) = (contiguous(&self.plastic_displacement), &self.mesh.division.surface);
+        let n = share.total() as f64;
+        let mean = share.total_of(&values) / n;
+        let squares = share.sum(&|range| values[range].iter().map(|u| (u - mean).powi(2)).sum());
+        let least = values.iter().copied().fold(f64::INFINITY, gfmd_vector::lower);
+        let min = share.each(least).into_iter().fold(f64::INFINITY, gfmd_vector::lower);
+        PlasticDisplacement { mean, rms: (squares / n).sqrt(), min }
     }
 }
 

@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use gfmd_contact::{Budget, Effort, Load, Refusal, SolveError, Visit, Watch, judge};
 use gfmd_relax::{Ending, Progress, Why};
-use gfmd_vector::{for_each, sum};
+use gfmd_vector::for_each;
 use ndarray::Array2;
 use num_complex::Complex;
 
 use crate::checkpoint::Start;
+use crate::division::Division;
 use crate::frozen::FrozenContact;
 use crate::lane::Selection;
 use crate::operator::{CellFields, Operator};
@@ -188,7 +189,7 @@ impl Search<'_> {
             shortened = 0;
             self.residual = self.trial(&start.strain).residual(&now.strain, &flowing);
             let seen = watch.see(&Progress { iteration: self.operators, residual: self.residual });
-            if let ControlFlow::Break(()) = seen {
+            if self.division().surface.any(seen.is_break()) {
                 return Ok(self.end(&now, plastic, Ending::Interrupted));
             }
             if self.residual <= self.budget.tolerance && now.solution.residual.worst() <= self.budget.tolerance {
@@ -238,17 +239,27 @@ impl Search<'_> {
         let before = &self.before.plastic;
         let mut last = self.evaluate(before, &self.before.solution.pressure)?;
         let (mut plastic, mut flowing) = self.trial(&last.strain).map();
-        if flowing.iter().all(|cell| cell.tangents.is_empty()) {
+        if !self.flows(&flowing).contains(&true) {
             // Without flow the strain is the one at the end of the step, once the contact is as good as required.
             if last.solution.residual.worst() > self.contact_tolerance(0.0) {
                 last = self.evaluate_to(0.0, before, &last.solution.pressure)?;
                 (plastic, flowing) = self.trial(&last.strain).map();
             }
-            if flowing.iter().all(|cell| cell.tangents.is_empty()) {
+            if !self.flows(&flowing).contains(&true) {
                 return Ok(First::Break((last, plastic)));
             }
         }
         Ok(First::Continue((self.start(last), (plastic, flowing))))
+    }
+
+    /// Returns the points of this process.
+    fn division(&self) -> &Division {
+        &self.problem.volume.mesh.division
+    }
+
+    /// Returns true for each cell with points that flow, of any process.
+    fn flows(&self, flowing: &[Flowing]) -> Vec<bool> {
+        self.division().any(&flowing.iter().map(|cell| !cell.tangents.is_empty()).collect::<Vec<bool>>())
     }
 
     /// Makes the start of the next trial.
@@ -326,7 +337,7 @@ impl Search<'_> {
         last: Option<f64>,
     ) -> Result<(), Refusal> {
         let cells = flowing.len();
-        let active: Vec<bool> = flowing.iter().map(|cell| !cell.tangents.is_empty()).collect();
+        let active = self.flows(flowing);
         let mut starts = vec![0];
         for cell in flowing {
             starts.push(starts[starts.len() - 1] + cell.tangents.len());
@@ -353,7 +364,9 @@ impl Search<'_> {
         let forcing = ratio.clamp(FORCING[0], FORCING[1]).max(0.3 * budget.tolerance / self.residual);
         let mut direction = residual.clone();
         let mut image = vec![[0.0; COMPONENTS]; residual.len()];
-        let start = energy_product(flowing, &starts, &residual, &residual);
+        let division = &problem.volume.mesh.division;
+        let product = |a: &Strains, b: &Strains| energy_product(division, flowing, &starts, [a, b]);
+        let start = product(&residual, &residual);
         let mut slope = start;
         for _ in 0..INNER_ITERATIONS {
             let moving = slope.is_finite() && slope > forcing * forcing * start;
@@ -363,8 +376,8 @@ impl Search<'_> {
             linear.respond(flowing, &starts, &direction, &mut image, &active);
             *operators += 1;
             // ⟨d, (1 − Γ2μ𝒟) d⟩.
-            let own = energy_product(flowing, &starts, &direction, &direction);
-            let curvature = own - energy_product(flowing, &starts, &direction, &image);
+            let own = product(&direction, &direction);
+            let curvature = own - product(&direction, &image);
             let positive = curvature > 0.0;
             if !positive {
                 break;
@@ -378,7 +391,7 @@ impl Search<'_> {
                     }
                 }
             });
-            let next = energy_product(flowing, &starts, &residual, &residual);
+            let next = product(&residual, &residual);
             let beta = (next / slope) as f32;
             for_each((&mut direction[..], &residual[..]), &|_, (direction, residual)| {
                 for (direction, residual) in direction.iter_mut().zip(residual) {
@@ -441,7 +454,7 @@ impl Trial<'_> {
                 (yielded, tangents)
             });
             let mut all = Yielded::with_room(stretches.iter().map(|(yielded, _)| yielded.points.len()).sum());
-            let weight = 2.0 * cell.shear_modulus * cell.thickness / points as f64;
+            let weight = 2.0 * cell.shear_modulus * cell.thickness / cell.grid(&mesh.grid).len() as f64;
             let count = stretches.iter().map(|(_, tangents)| tangents.len()).sum();
             let mut flowing = Flowing { tangents: Vec::with_capacity(count), weight };
             for (yielded, mut tangents) in stretches {
@@ -489,7 +502,9 @@ impl Trial<'_> {
             };
             gfmd_vector::reduce(points, &stretch, &worse)
         };
-        self.problem.cells().iter().enumerate().map(of_cell).fold(0.0, worse)
+        let own = self.problem.cells().iter().enumerate().map(of_cell).fold(0.0, worse);
+        let [worst] = self.problem.volume.mesh.division.worst([own], |[a], [b]| [worse(a, b)]);
+        worst
     }
 }
 
@@ -507,26 +522,23 @@ fn tangent(of: &Tangent, strain: &[f32; COMPONENTS]) -> [f32; COMPONENTS] {
     std::array::from_fn(|c| (first - second) * along * of.direction[c] + second * strain[c])
 }
 
-/// Returns Σ h 2μ ⟨a, 𝒟 b⟩ over the points that flow.
-fn energy_product(flowing: &[Flowing], starts: &[usize], a: &Strains, b: &Strains) -> f64 {
-    let of_cell = |(number, cell): (usize, &Flowing)| {
-        let first = starts[number];
-        let total = sum(cell.tangents.len(), &|range| {
-            range
-                .map(|k| {
-                    let image = tangent(&cell.tangents[k], &b[first + k]);
-                    a[first + k].iter().zip(image).map(|(a, b)| f64::from(*a) * f64::from(b)).sum::<f64>()
-                })
-                .sum()
-        });
-        cell.weight * total
-    };
-    flowing.iter().enumerate().map(of_cell).sum()
+/// Returns Σ h 2μ ⟨a, 𝒟 b⟩ over the points that flow, of all processes.
+fn energy_product(division: &Division, flowing: &[Flowing], starts: &[usize], [a, b]: [&Strains; 2]) -> f64 {
+    let sums = division.sums(&|number, range| {
+        let (first, tangents) = (starts[number], &flowing[number].tangents);
+        let place = |limit: usize| tangents.partition_point(|tangent| (tangent.point as usize) < limit);
+        let of_point = |k: usize| {
+            let image = tangent(&tangents[k], &b[first + k]);
+            a[first + k].iter().zip(image).map(|(a, b)| f64::from(*a) * f64::from(b)).sum::<f64>()
+        };
+        (place(range.start)..place(range.end)).map(of_point).sum()
+    });
+    flowing.iter().zip(sums).map(|(cell, sum)| cell.weight * sum).sum()
 }
 
 impl Linear {
     fn new(problem: &YieldingContact, floating: bool) -> Self {
-        let n = problem.response.grid().len();
+        let n = problem.response.share().own().len();
         Self {
             operator: Operator::new(&problem.volume),
             frozen: FrozenContact::new(&problem.response, floating),

@@ -1,8 +1,9 @@
 //! The waves of the volume below the surface, and the cells that have them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Mode};
+use gfmd_field::{Grid, Mode, Real, Share, Transform};
 use gfmd_green::{Blocks, Body, Ground};
 use rayon::prelude::*;
 
@@ -18,7 +19,9 @@ pub(crate) const COMPONENTS: usize = 5;
 #[derive(Debug)]
 pub(crate) struct Volume {
     pub(crate) mesh: Arc<Mesh>,
-    /// Packs of wave vectors, lane after lane of the half spectrum.
+    /// Lanes of the half spectrum of this process.
+    pub(crate) lanes: Range<usize>,
+    /// Packs of wave vectors, lane after lane of this process.
     pub(crate) packs: Vec<WavePack>,
     /// Places of the components that do not vanish: all of them, or three in plane strain.
     pub(crate) components: Vec<usize>,
@@ -36,6 +39,10 @@ pub(crate) struct Scale {
     pub(crate) lanes: usize,
     /// Places of each pack in a lane of this grid.
     pub(crate) places: Vec<Places>,
+    /// Rows of this process.
+    pub(crate) share: Share,
+    /// Lanes of each process: those that it has of the full grid.
+    owned: Vec<Range<usize>>,
 }
 
 /// Places of the modes of a pack in a lane.
@@ -132,7 +139,7 @@ fn has(cell: &Cell, points: [usize; 2], mode: &Mode) -> bool {
 }
 
 impl Scale {
-    fn new(full: &Grid, coarsening: usize) -> Self {
+    fn new(full: &Grid, coarsening: usize, share: &Share, owned: &[Range<usize>]) -> Self {
         let points = full.points().map(|points| points.div_ceil(coarsening));
         let grid = Grid::new(points, full.lengths()).expect("a grid with fewer points is a grid");
         let [lanes, positions] = full.spectrum_shape();
@@ -153,7 +160,25 @@ impl Scale {
             }))
         });
         let lanes = if coarsening == 1 || full.is_line() { lanes } else { points[1].div_ceil(2) };
-        Self { grid, lanes, places: places.collect() }
+        let [all, _] = grid.spectrum_shape();
+        let owned = owned.iter().map(|own| own.start.min(all)..own.end.min(all)).collect();
+        Self { grid, lanes, places: places.collect(), share: share.clone(), owned }
+    }
+
+    /// Plans the transforms.
+    pub(crate) fn transform<T: Real>(&self) -> Transform<T> {
+        Transform::with_lanes(self.grid, &self.share, &self.owned)
+    }
+
+    /// Returns the number of points of this process.
+    pub(crate) fn points(&self) -> usize {
+        self.share.own().len()
+    }
+
+    /// Returns the number of modes of this process.
+    pub(crate) fn modes(&self) -> usize {
+        let [_, positions] = self.grid.spectrum_shape();
+        self.owned[self.share.ranks().rank()].len() * positions
     }
 }
 
@@ -169,11 +194,14 @@ fn ground_support(ground: Ground, lowest: &Cell) -> [f64; 4] {
 
 impl Volume {
     pub(crate) fn new(mesh: Mesh) -> Self {
-        let (grid, cells) = (mesh.grid, &mesh.cells);
-        let [lanes, positions] = grid.spectrum_shape();
+        let (grid, cells, surface) = (mesh.grid, &mesh.cells, &mesh.division.surface);
+        let [_, positions] = grid.spectrum_shape();
         let per_lane = positions.div_ceil(WIDTH);
+        let lanes = Transform::<f64>::distributed(grid, surface).lanes();
+        let owned: Vec<Range<usize>> =
+            surface.each([lanes.start, lanes.end]).into_iter().map(|[start, end]| start..end).collect();
         let of_pack = |index: usize| {
-            let (lane, pack) = (index / per_lane, index % per_lane);
+            let (lane, pack) = (lanes.start + index / per_lane, index % per_lane);
             let modes: Vec<Mode> =
                 (pack * WIDTH..((pack + 1) * WIDTH).min(positions)).map(|position| grid.mode(lane, position)).collect();
             let held = |cell: &Cell| modes.iter().any(|mode| has(cell, grid.points(), mode));
@@ -194,18 +222,23 @@ impl Volume {
             let support = sweep::stiffness(&cells[depth..], waves.wavenumber, &support);
             WavePack { depth, support, waves, flipped }
         };
-        let packs = (0..lanes * per_lane).into_par_iter().with_min_len(16).map(of_pack).collect();
+        let packs = (0..lanes.len() * per_lane).into_par_iter().with_min_len(16).map(of_pack).collect();
         let mut coarsenings: Vec<usize> = cells.iter().map(|cell| cell.coarsening).chain([1]).collect();
         coarsenings.sort_unstable();
         coarsenings.dedup();
         let of_cell = |cell: &Cell| coarsenings.partition_point(|coarsening| *coarsening < cell.coarsening);
         let levels = cells.iter().map(of_cell).collect();
-        let scales = coarsenings.iter().map(|coarsening| Scale::new(&grid, *coarsening)).collect();
+        let scale = |coarsening: &usize| {
+            let cell = cells.iter().position(|cell| cell.coarsening == *coarsening);
+            let share = cell.map_or(surface, |cell| mesh.division.of(cell));
+            Scale::new(&grid, *coarsening, share, &owned)
+        };
+        let scales = coarsenings.iter().map(scale).collect();
         let components = match grid.points() {
             [_, 1] => vec![0, 1, 3],
             [1, _] => vec![0, 1, 4],
             _ => (0..COMPONENTS).collect(),
         };
-        Self { mesh: Arc::new(mesh), packs, components, levels, scales }
+        Self { lanes, mesh: Arc::new(mesh), packs, components, levels, scales }
     }
 }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use gfmd_contact::{
     Budget, Contact, Drive, Effort, Equilibrium, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Stiffness,
 };
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_relax::Why;
 use gfmd_response::NormalResponse;
@@ -58,7 +58,8 @@ const UNLOADED: Load = Load::MeanPressure(0.0);
 
 /// Returns the approach at which a contact touches at one point.
 fn first_touch(contact: &Contact) -> f64 {
-    contact.surface().clearance().iter().copied().fold(f64::INFINITY, gfmd_vector::lower)
+    let lowest = contact.surface().clearance().iter().copied().fold(f64::INFINITY, gfmd_vector::lower);
+    contact.surface().share().each(lowest).into_iter().fold(f64::INFINITY, gfmd_vector::lower)
 }
 
 /// Part of the pressure of uniform yield that a half-space carries.
@@ -79,16 +80,38 @@ impl YieldingContact {
         hardening: &[Option<Hardening>],
         cells: &Cells,
     ) -> Result<Self, PlasticityError> {
-        let contact = Contact::new(body, grid, heights)?;
-        let mesh = cells.mesh(body, grid, hardening)?;
+        Self::distributed(&grid.whole(), body, grid, heights, hardening, cells)
+    }
+
+    /// Makes the contact as [`new`](Self::new), solved by the processes of a [`share`](Contact::share). Each process
+    /// gives and gets only its rows of the surface and of the cells, and all make the same calls. Fields and numbers
+    /// have the bits of a single process.
+    ///
+    /// # Errors
+    /// The errors of [`new`](Self::new), on all processes.
+    pub fn distributed(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: &ArrayRef2<f64>,
+        hardening: &[Option<Hardening>],
+        cells: &Cells,
+    ) -> Result<Self, PlasticityError> {
+        let contact = Contact::distributed(share, body, grid, heights)?;
+        let mesh = cells.mesh(body, grid, hardening)?.over(share);
         let limit = mesh.cells.last().filter(|_| mesh.reaches_half_space).and_then(|cell| {
             // A uniform pressure has σ_xx = σ_zz C12/C11, and the equivalent stress p (1 − C12/C11) = 2 p C44/C11.
             let part = 2.0 * cell.shear_modulus / cell.p_wave_modulus;
             cell.hardening.as_ref().map(|hardening| UNIFORM_YIELD * hardening.yield_stress() / part)
         });
-        let response = Arc::new(NormalResponse::new(*grid, body));
+        let response = Arc::new(NormalResponse::distributed(*grid, body, share));
         let volume = Arc::new(Volume::new(mesh));
         Ok(Self { contact, response, volume, limit })
+    }
+
+    /// Returns the rows of this process on the surface.
+    fn share(&self) -> &Share {
+        &self.volume.mesh.division.surface
     }
 
     /// Returns the rigid surface.
@@ -117,10 +140,10 @@ impl YieldingContact {
     /// # Errors
     /// None in practice: the state of no pressure is valid in every contact.
     pub fn rest(&self) -> Result<PlasticState, Refusal> {
-        let [nx, ny] = self.contact.surface().grid().points();
+        let shape = self.contact.surface().shape();
         Ok(PlasticState {
-            solution: self.contact.certify(&Array2::zeros((nx, ny)), Load::Approach(0.0))?,
-            plastic_displacement: Array2::zeros((nx, ny)),
+            solution: self.contact.certify(&Array2::zeros(shape), Load::Approach(0.0))?,
+            plastic_displacement: Array2::zeros(shape),
             plastic: PlasticStrain::none(self.cells().len()),
             plastic_before: PlasticStrain::none(self.cells().len()),
             elastic_energy: 0.0,
@@ -197,7 +220,7 @@ impl YieldingContact {
     /// Computes the normal displacement of the surface by plastic strain, and leaves the spectra of the strain in the
     /// operator.
     fn plastic_displacement(&self, operator: &mut Operator<f64>, plastic: &PlasticStrain) -> Vec<f64> {
-        let mut displacement = vec![0.0; self.response.grid().len()];
+        let mut displacement = vec![0.0; self.response.share().own().len()];
         let selection = self.selection(plastic);
         operator.analyse(&selection.plastic, |number, component, field| {
             let Yielded { points, strain, .. } = &*plastic.cells[number];
@@ -211,7 +234,7 @@ impl YieldingContact {
 
     fn selection(&self, plastic: &PlasticStrain) -> Selection {
         Selection {
-            plastic: plastic.cells.iter().map(|cell| !cell.points.is_empty()).collect(),
+            plastic: plastic.yielded(&self.volume.mesh),
             strain: self.cells().iter().map(|cell| cell.hardening.is_some()).collect(),
         }
     }
@@ -239,7 +262,8 @@ impl YieldingContact {
             solution.residual.complementarity = 0.0;
             return Ok(solution);
         }
-        let start = start.iter().any(|p| *p > 0.0).then(|| contact.certify(start, load)).transpose()?;
+        let is_pressed = self.share().any(start.iter().any(|p| *p > 0.0));
+        let start = is_pressed.then(|| contact.certify(start, load)).transpose()?;
         match contact.equilibrate(load.into(), Solver::Auto, budget, start.as_ref(), &mut ()) {
             Ok(solution) => Ok(solution),
             // The residuals of the final state decide.
@@ -275,9 +299,9 @@ impl YieldingContact {
     ) -> Energies {
         let Evaluation { solution, plastic_displacement, strain, .. } = evaluation;
         let (pressure, displacement) = (contiguous(&solution.pressure), contiguous(&solution.displacement));
-        let n = pressure.len() as f64;
-        let by_load = -0.5 * gfmd_vector::dot(&pressure, &displacement) / n;
-        let on_load = gfmd_vector::dot(&pressure, plastic_displacement) / n;
+        let (share, n) = (self.share(), self.share().total() as f64);
+        let by_load = -0.5 * share.dot(&pressure, &displacement) / n;
+        let on_load = share.dot(&pressure, plastic_displacement) / n;
         let (mesh, cells) = (&self.volume.mesh, self.cells());
         let on_plastic = plastic.integral(mesh, |number, place, plastic_strain, _| {
             let fields = &strain[number];
@@ -306,7 +330,8 @@ impl YieldingContact {
         plastic: &PlasticStrain,
         before: &PlasticStrain,
     ) -> FlowResidual {
-        let largest = plastic.cells.iter().flat_map(|cell| &cell.equivalent).fold(0.0_f64, |most, k| k.max(most));
+        let division = &self.volume.mesh.division;
+        let largest = division.largest(plastic.largest());
         let per = if largest > 0.0 { 1.0 / largest } else { 1.0 };
         let none = [0.0; 3];
         let worst = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|k| if b[k] <= a[k] { a[k] } else { b[k] });
@@ -348,9 +373,9 @@ impl YieldingContact {
             all = worst(all, gfmd_vector::reduce(points, &of_range, &worst));
         }
         let mesh = &self.volume.mesh;
-        let bottom = mesh.is_fitted && mesh.is_cut && plastic.yields_in_lowest();
+        let bottom = mesh.is_fitted && mesh.is_cut && division.surface.any(plastic.yields_in_lowest());
         let bottom = f64::from(bottom);
-        let [yielding, flow, flow_complementarity] = all;
+        let [yielding, flow, flow_complementarity] = division.worst(all, worst);
         FlowResidual { yielding, flow, flow_complementarity, equilibrium: 0.0, bottom }
     }
 
@@ -402,17 +427,17 @@ impl YieldingContact {
         load: Load,
     ) -> Result<PlasticState, Refusal> {
         let is_other = plastic.cells.len() != self.cells().len() || *before.mesh != *self.volume.mesh;
-        let beyond = |(cell, yielded): (&Cell, &Arc<Yielded>)| {
-            let points = cell.grid(self.response.grid()).len();
+        let beyond = |(cell, yielded): (usize, &Arc<Yielded>)| {
+            let points = self.volume.mesh.division.points(cell);
             yielded.points.last().is_some_and(|last| *last as usize >= points)
         };
-        if is_other || self.cells().iter().zip(&plastic.cells).any(beyond) {
+        if self.share().any(is_other || plastic.cells.iter().enumerate().any(beyond)) {
             return Err(Refusal::OtherKind);
         }
         let mut operator = Operator::new(&self.volume);
         let plastic_displacement = self.plastic_displacement(&mut operator, plastic);
         let depth: Vec<f64> = plastic_displacement.iter().map(|u| -u).collect();
-        let shape = self.response.grid().points();
+        let shape = self.contact.surface().shape();
         let depth = Array2::from_shape_vec(shape, depth).expect("the displacement has the size of the grid");
         let contact = self.contact.with_indentation(&depth)?;
         let load = if load == UNLOADED { Load::Approach(first_touch(&contact)) } else { load };

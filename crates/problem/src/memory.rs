@@ -17,6 +17,8 @@ impl MemoryNeed {
     pub const FREE: Self = Self(26);
     /// Contact with finite slopes.
     pub const STEEP: Self = Self(48);
+    /// Whole fields of each of several processes with finite slopes: splines through heights and lateral displacement.
+    pub const STEEP_OF_EACH: Self = Self(6);
     /// Contact with a hard wall whose components all are moved by damped dynamics.
     pub const WALL_ALL_COMPONENTS: Self = Self(64);
     /// Slab between two surfaces.

@@ -152,14 +152,14 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         }));
     }
     if facts.finite_slope {
-        let contact = SteepContact::new(body, grid, heights)?;
+        let contact = SteepContact::distributed(share, body, grid, heights)?;
         return Ok(Posed::new(match hardness {
             Some(hardness) => contact.with_hardness(hardness.clone())?,
             None => contact,
         }));
     }
     if let Some(Plasticity { hardening, cells, .. }) = plasticity {
-        let contact = YieldingContact::new(body, grid, heights, hardening, cells);
+        let contact = YieldingContact::distributed(share, body, grid, heights, hardening, cells);
         return contact.map(Posed::new).map_err(|error| match error {
             PlasticityError::Contact(refusal) => refusal,
             _ => Refusal::Part { part: "cells" },

@@ -29,6 +29,8 @@ pub struct NormalResponse {
     is_isotropic: bool,
     /// Compliances of springs that were added to each mode of the body, in this order.
     added: Vec<f64>,
+    /// Compliances of the waves along x and along y of all processes, for modes that were changed individually.
+    along: Option<Arc<[Vec<f64>; 2]>>,
 }
 
 /// Smallest allowed compliance of a patch, relative to the largest.
@@ -171,6 +173,7 @@ impl NormalResponse {
             rounded: OnceLock::new(),
             is_isotropic: body.is_isotropic(),
             added: Vec::new(),
+            along: None,
         }
     }
 
@@ -222,6 +225,7 @@ impl NormalResponse {
             rounded: OnceLock::new(),
             is_isotropic: true,
             added: Vec::new(),
+            along: None,
         })
     }
 
@@ -246,14 +250,18 @@ impl NormalResponse {
         Self::of_modes(modes, (operator.shared_transform(), share.clone()), body, Waves::OfMatrices)
     }
 
-    /// Multiplies the stiffness of each mode by one of `factors`, laid out as [`Grid::modes`]; the first factor belongs
-    /// to the uniform mode. All modes must belong to this process.
+    /// Multiplies the stiffness of each mode of this process by one of `factors`, laid out as [`Grid::modes`].
     #[must_use]
     pub fn stiffened(&self, factors: &[f64]) -> Self {
+        let (share, [_, positions]) = (&self.share, self.grid().spectrum_shape());
         let mut compliance = self.compliance.clone();
         compliance.iter_mut().zip(factors).for_each(|(compliance, factor)| *compliance /= factor);
-        let uniform = self.uniform_compliance / factors.first().copied().unwrap_or(1.0);
-        self.changed(compliance, uniform, false)
+        let factor = factors.first().copied().filter(|_| self.has_uniform());
+        let uniform = self.uniform_compliance / share.first(factor).unwrap_or(1.0);
+        let along_x = if self.has_uniform() { &compliance[..positions.min(compliance.len())] } else { &[] };
+        let along_y: Vec<f64> = compliance.iter().copied().step_by(positions).collect();
+        let along = [along_x, &along_y].map(|own| share.collect(own, &share.each(own.len())));
+        Self { along: Some(along.into()), ..self.changed(compliance, uniform, false) }
     }
 
     /// Returns the response of the body below point springs with this `compliance` in length/stress, which is added to
@@ -265,7 +273,11 @@ impl NormalResponse {
         let table =
             waves.map(|(index, wave)| if index == 0 && has_uniform { 0.0 } else { wave + compliance }).collect();
         let added = self.added.iter().copied().chain([compliance]).collect();
-        Self { added, ..self.changed(table, self.uniform_compliance + compliance, self.is_isotropic) }
+        let softer = |waves: &Vec<f64>| {
+            waves.iter().enumerate().map(|(index, wave)| if index == 0 { 0.0 } else { wave + compliance }).collect()
+        };
+        let along = self.along.as_ref().map(|along| Arc::new([softer(&along[0]), softer(&along[1])]));
+        Self { added, along, ..self.changed(table, self.uniform_compliance + compliance, self.is_isotropic) }
     }
 
     /// Returns the response with other compliances.
@@ -296,6 +308,7 @@ impl NormalResponse {
             rounded: OnceLock::new(),
             is_isotropic,
             added: Vec::new(),
+            along: None,
             compliance,
         }
     }
@@ -343,13 +356,19 @@ impl NormalResponse {
     }
 
     /// Returns the compliance of mode `index` among all modes, in length/stress. It is computed if the mode belongs to
-    /// another process.
+    /// another process; of modes that were [changed individually](Self::stiffened), other processes know only those
+    /// along x or y, and NaN stands for the others.
     pub fn compliance_at(&self, index: usize) -> f64 {
         let [_, positions] = self.grid().spectrum_shape();
         let own = index.checked_sub(self.transform.lanes().start * positions);
         own.and_then(|own| self.compliance.get(own).copied()).unwrap_or_else(|| {
             let mode = self.grid().mode_at(index);
             let of_body = || self.waves.compliance(&self.body, self.grid(), &mode);
+            if let Some([along_x, along_y]) = self.along.as_deref() {
+                let is_along_y = index.is_multiple_of(positions);
+                let known = if is_along_y { along_y.get(index / positions) } else { along_x.get(index) };
+                return known.copied().unwrap_or(f64::NAN);
+            }
             if mode.is_uniform() { 0.0 } else { self.added.iter().fold(of_body(), |wave, added| wave + added) }
         })
     }

@@ -88,6 +88,24 @@ pub struct FinishedStep<'a> {
     pub fields: Vec<Cow<'a, [f64]>>,
 }
 
+/// Rows of this process of a field with a partition of its own.
+pub struct OwnRows {
+    /// Partition of the rows.
+    pub share: Share,
+    /// Values, row by row.
+    pub values: Vec<f64>,
+}
+
+impl OwnRows {
+    /// Passes the whole field to `take` at the first process, in pieces of whole rows with the place of their first
+    /// value.
+    pub fn to_first(&self, mut take: impl FnMut(usize, &[f64])) {
+        let Self { share, values } = self;
+        let columns = share.columns();
+        share.to_first(values, columns, height(columns), |rows, values| take(rows.start * columns, values));
+    }
+}
+
 /// Files beside an output that is being computed.
 pub struct UnfinishedRun<'a> {
     /// Output at the process that writes.
@@ -303,17 +321,20 @@ impl<'a> UnfinishedRun<'a> {
         self.running.as_mut()
     }
 
-    /// Adds a finished part; [`keep_state`](Self::keep_state) keeps its state.
+    /// Adds a finished part, with `further` fields after its own; [`keep_state`](Self::keep_state) keeps its state.
     ///
     /// # Errors
     /// Returns an error, at all processes, if a file cannot be written.
-    pub fn add(&mut self, part: &FinishedStep) -> Result<(), Failure> {
+    pub fn add(&mut self, part: &FinishedStep, further: &[OwnRows]) -> Result<(), Failure> {
         self.done += 1;
         let (share, columns) = (self.share.clone(), self.share.columns());
         let block = height(columns) * columns;
         let lengths = part.fields.iter().map(|field| if share.is_whole() { field.len() } else { share.total() });
-        let lengths: Vec<usize> = lengths.collect();
-        let pieces = lengths.iter().map(|length| length.div_ceil(block)).sum();
+        let of_further = further.iter().map(|rows| rows.share.total());
+        let blocks = further.iter().map(|rows| height(rows.share.columns()) * rows.share.columns());
+        let blocks: Vec<usize> = part.fields.iter().map(|_| block).chain(blocks).collect();
+        let lengths: Vec<usize> = lengths.chain(of_further).collect();
+        let pieces = lengths.iter().zip(blocks).map(|(length, block)| length.div_ceil(block)).sum();
         let mut written = self.wait(PartHead { text: part.text.clone(), lengths, pieces }.encode());
         for field in &part.fields {
             let mut take = |values: &[f64]| {
@@ -327,6 +348,14 @@ impl<'a> UnfinishedRun<'a> {
             } else {
                 share.to_first(field, columns, height(columns), |_, values| take(values));
             }
+        }
+        for rows in further {
+            rows.to_first(|_, values| {
+                let piece = || values.iter().flat_map(|number| number.to_le_bytes()).collect();
+                if written.is_ok() {
+                    written = self.wait(piece());
+                }
+            });
         }
         self.agree(written)
     }
@@ -519,10 +548,10 @@ mod tests {
         let mut kept =
             UnfinishedRun::open((Some(&output), &Share::whole(1, 3)), "one".into(), 4, args(false), None).unwrap();
         assert_eq!(kept.finished(), 0);
-        kept.add(&part(0.0)).unwrap();
+        kept.add(&part(0.0), &[]).unwrap();
         kept.keep_state(|visitor| visitor.number(&mut 0.5)).unwrap();
         assert!(!folder.path().join("a.h5.journal").exists(), "a short run writes nothing");
-        kept.add(&part(1.0)).unwrap();
+        kept.add(&part(1.0), &[]).unwrap();
         kept.keep_state(|visitor| visitor.number(&mut 1.5)).unwrap();
         kept.checkpoint(&mut |visitor| visitor.field(&mut [2.5; 2])).unwrap();
         drop(kept);
@@ -551,7 +580,7 @@ mod tests {
         assert_eq!(field, [2.5; 2]);
         assert!(kept.running().is_none(), "it is read once");
         // The next part ends, and the copy of its solve becomes useless.
-        kept.add(&part(2.0)).unwrap();
+        kept.add(&part(2.0), &[]).unwrap();
         kept.keep_state(|visitor| visitor.number(&mut 2.5)).unwrap();
         kept.flush().unwrap();
         drop(kept);
@@ -590,7 +619,7 @@ mod tests {
         )
         .unwrap();
         assert!(kept.remark().is_empty());
-        kept.add(&FinishedStep { text: "0".into(), fields: vec![] }).unwrap();
+        kept.add(&FinishedStep { text: "0".into(), fields: vec![] }, &[]).unwrap();
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
         let remark = kept.remark().spelled(Spelling::Flag);
@@ -607,7 +636,7 @@ mod tests {
         let output = Output::claim(folder.path().join("a.h5")).unwrap();
         let args = ResumeArgs { resume: true };
         let mut kept = UnfinishedRun::open((Some(&output), &Share::whole(1, 3)), "one".into(), 4, args, None).unwrap();
-        kept.add(&FinishedStep { text: "0".into(), fields: vec![] }).unwrap();
+        kept.add(&FinishedStep { text: "0".into(), fields: vec![] }, &[]).unwrap();
         kept.keep_state(|visitor| visitor.field(&mut [0.25; 8])).unwrap();
         kept.flush().unwrap();
         drop(kept);
@@ -634,7 +663,7 @@ mod tests {
         // Keeps part `index`, of two fields, and a state of all kinds of variables; then copies a running solve.
         let keep = |kept: &mut UnfinishedRun, share: &Share, index: usize| {
             let fields = [0.0, 0.5].map(|start| Cow::Owned(field(start + index as f64)[share.own()].to_vec()));
-            kept.add(&FinishedStep { text: format!("part {index}"), fields: fields.into() }).unwrap();
+            kept.add(&FinishedStep { text: format!("part {index}"), fields: fields.into() }, &[]).unwrap();
             let mut rows = number_of(share);
             kept.keep_state(|visitor| {
                 visitor.rows(share, &mut rows);

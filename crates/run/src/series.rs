@@ -22,7 +22,7 @@ use gfmd_record::{Record, RecordError, StateContext};
 
 use crate::convergence::NotConverged;
 use crate::progress::Progress;
-use crate::resume::{FinishedStep, UnfinishedRun};
+use crate::resume::{FinishedStep, OwnRows, UnfinishedRun};
 use crate::trace::Tracer;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::processes::texts;
@@ -104,12 +104,18 @@ pub trait StateHandler {
     fn record(&mut self, solved: SolvedState<'_>) -> Result<Record, Failure>;
 
     /// Returns what the file has of a state with a place in it beside its fields.
-    fn further(&self, _state: &AnyState) -> Vec<Vec<f64>> {
+    fn further(&self, _state: &AnyState) -> Vec<OwnRows> {
         Vec::new()
     }
 
-    /// Writes what [`further`](Self::further) returned to a place in the file.
-    fn write_further(&self, _file: &mut StateFile, _place: usize, _values: &[Cow<[f64]>]) -> Result<(), Failure> {
+    /// Writes a piece of what [`further`](Self::further) returned: values of the field `number` from value `start` on.
+    fn write_further(
+        &self,
+        _file: &mut StateFile,
+        (_place, _number): (usize, usize),
+        _start: usize,
+        _values: &[f64],
+    ) -> Result<(), Failure> {
         Ok(())
     }
 
@@ -257,16 +263,23 @@ impl Series<'_> {
             }
             let place_in_file = self.places.of(index);
             let further = if place_in_file.is_some() { handler.further(state) } else { Vec::new() };
-            let further: Vec<Cow<[f64]>> = further.into_iter().map(Cow::Owned).collect();
             if let (Some(file), Some(place)) = (&mut file, place_in_file) {
                 session.agree(file.write(place, state, base))?;
-                handler.write_further(file, place, &further)?;
+                let mut written = Ok(());
+                for (number, rows) in further.iter().enumerate() {
+                    rows.to_first(|start, values| {
+                        if written.is_ok() {
+                            written = handler.write_further(file, (place, number), start, values);
+                        }
+                    });
+                }
+                session.agree(written)?;
             }
             if let (Some(kept), None, false) = (&mut kept, &stopped, index + 1 == drives.len() && self.ends_with_file) {
                 let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, base) } else { Vec::new() };
                 let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
-                let fields = fields.iter().map(|field| contiguous(field)).chain(further).collect();
-                kept.add(&FinishedStep { text, fields })?;
+                let fields = fields.iter().map(|field| contiguous(field)).collect();
+                kept.add(&FinishedStep { text, fields }, &further)?;
                 kept.keep_state(|visitor| {
                     path.keep(visitor);
                     handler.keep(visitor);
@@ -306,9 +319,12 @@ impl Series<'_> {
             records.push(record.map_err(|error| kept.unusable(index, error.to_string()))?);
             let place = self.places.of(index);
             if let (Some(place), false) = (place, self.prepared.surface.share.is_whole()) {
-                self.session.agree(
-                    kept.pieces(index, |field, start, values| file.write_piece((place, field), start, values)),
-                )?;
+                let count = self.chosen.count(&self.prepared.facts);
+                let written = kept.pieces(index, |field, start, values| match field.checked_sub(count) {
+                    Some(number) => handler.write_further(file, (place, number), start, values),
+                    None => file.write_piece((place, field), start, values),
+                });
+                self.session.agree(written)?;
                 if self.prepared.facts.statistics {
                     // The first process measures the whole fields again.
                     let fields = if self.session.is_first() { kept.part(index)?.fields } else { Vec::new() };
@@ -323,7 +339,9 @@ impl Series<'_> {
                 })?;
                 file.write_values(place, &fields)?;
                 let further = fields.get(self.chosen.count(&self.prepared.facts)..).unwrap_or_default();
-                handler.write_further(file, place, further)?;
+                for (number, values) in further.iter().enumerate() {
+                    handler.write_further(file, (place, number), 0, values)?;
+                }
             }
             progress.advance(1.0, "kept");
         }

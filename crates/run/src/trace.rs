@@ -139,8 +139,8 @@ pub struct PointTrace {
 /// Recorder of one search.
 pub struct Tracer {
     trace: Trace,
-    points: usize,
-    /// Waves of the modes, with the place of their components.
+    grid: Grid,
+    /// Places of the components of the modes, and their waves, filled by the first displacement.
     waves: Vec<(usize, Vec<[f64; 2]>)>,
     /// Entries of the points.
     entries: Vec<usize>,
@@ -172,16 +172,9 @@ impl TraceArgs {
             })
         };
         let ([nx, ny], lengths) = (grid.points(), grid.lengths());
-        let mut tracer = Tracer { trace: Trace::default(), points: grid.len(), waves: Vec::new(), entries: Vec::new() };
+        let mut tracer = Tracer { trace: Trace::default(), grid: *grid, waves: Vec::new(), entries: Vec::new() };
         for ModeOf { numbers, axis } in &self.history_mode {
-            let phase =
-                |number: i32, i: usize, n: usize| (i64::from(number) * i as i64).rem_euclid(n as i64) as f64 / n as f64;
-            let wave = |index: usize| {
-                let turns = phase(numbers[0], index / ny, nx) + phase(numbers[1], index % ny, ny);
-                let (sin, cos) = (TAU * turns).sin_cos();
-                [cos, -sin]
-            };
-            tracer.waves.push((place("history_mode", *axis)?, (0..grid.len()).map(wave).collect()));
+            tracer.waves.push((place("history_mode", *axis)?, Vec::new()));
             let (mode, component) = (*numbers, AXES[*axis]);
             tracer.trace.modes.push(ModeTrace { mode, component, re: Vec::new(), im: Vec::new() });
         }
@@ -197,6 +190,18 @@ impl TraceArgs {
         }
         Ok(Some(tracer))
     }
+}
+
+/// Returns cos q·r and −sin q·r at the points of a grid, for the mode with these numbers.
+fn wave_on(grid: &Grid, numbers: [i32; 2]) -> Vec<[f64; 2]> {
+    let [nx, ny] = grid.points();
+    let phase = |number: i32, i: usize, n: usize| (i64::from(number) * i as i64).rem_euclid(n as i64) as f64 / n as f64;
+    let wave = |index: usize| {
+        let turns = phase(numbers[0], index / ny, nx) + phase(numbers[1], index % ny, ny);
+        let (sin, cos) = (TAU * turns).sin_cos();
+        [cos, -sin]
+    };
+    (0..grid.len()).map(wave).collect()
 }
 
 impl Tracer {
@@ -232,11 +237,14 @@ impl Tracer {
                 *last = value;
             }
         }
-        let points = self.points;
+        let points = self.grid.len();
         last(&mut self.trace.energy, energy / points as f64);
-        for (mode, (place, wave)) in self.trace.modes.iter_mut().zip(&self.waves) {
-            let component = u.get(place * points..(place + 1) * points).unwrap_or_default();
-            let sum = |part: usize| component.iter().zip(wave).map(|(u, wave)| u * wave[part]).sum::<f64>();
+        for (mode, (place, wave)) in self.trace.modes.iter_mut().zip(&mut self.waves) {
+            if wave.is_empty() {
+                *wave = wave_on(&self.grid, mode.mode);
+            }
+            let component = u.get(*place * points..(*place + 1) * points).unwrap_or_default();
+            let sum = |part: usize| component.iter().zip(&*wave).map(|(u, wave)| u * wave[part]).sum::<f64>();
             last(&mut mode.re, sum(0) / points as f64);
             last(&mut mode.im, sum(1) / points as f64);
         }

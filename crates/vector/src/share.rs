@@ -81,6 +81,18 @@ impl Share {
         Self::among(Arc::clone(&self.ranks), shape, 0)
     }
 
+    /// Returns the rows of this rank of another field, of `columns` values each; each rank gives its `own` number of
+    /// rows. Such a partition serves exchanges alone: ranks that add up values need whole leaves.
+    pub fn of_lengths(&self, own: usize, columns: usize) -> Self {
+        let mut end = 0;
+        let place = |length: usize| {
+            let start = end;
+            end += length;
+            start..end
+        };
+        Self { ranks: Arc::clone(&self.ranks), columns, rows: self.each(own).into_iter().map(place).collect() }
+    }
+
     /// Returns the largest number of processes that can share a field of `rows` × `columns` values.
     pub fn most([rows, columns]: [usize; 2], levels: u32) -> usize {
         rows.div_ceil(unit(columns, levels)).max(1)

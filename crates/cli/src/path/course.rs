@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_report::figures::SceneFields;
-use gfmd_run::resume::{ResumeArgs, UnfinishedRun};
+use gfmd_run::resume::{OwnRows, ResumeArgs, UnfinishedRun};
 use gfmd_run::series::{
     Asked, Chosen, Places, Prepared, Series, SeriesOutcome, SolvedState, StateFile, StateHandler, StiffnessArgs,
     at_same_place, beside, on_finer_grids, resolved, run_with_journal,
@@ -297,12 +297,18 @@ impl StateHandler for Log<'_> {
         Ok(())
     }
 
-    fn further(&self, state: &AnyState) -> Vec<Vec<f64>> {
+    fn further(&self, state: &AnyState) -> Vec<OwnRows> {
         strain::at_waypoint(self.prepared, state)
     }
 
-    fn write_further(&self, file: &mut StateFile, place: usize, values: &[Cow<[f64]>]) -> Result<(), Failure> {
-        strain::write_waypoint(file, place, values)
+    fn write_further(
+        &self,
+        file: &mut StateFile,
+        place: (usize, usize),
+        start: usize,
+        values: &[f64],
+    ) -> Result<(), Failure> {
+        strain::write_waypoint(file, self.prepared, place, (start, values))
     }
 
     fn keep(&mut self, visitor: &mut dyn Visit) {

@@ -1,7 +1,5 @@
 //! Plastic strain below the surface in a path file, used to check the last step, and the waypoints if they have theirs.
 
-use std::borrow::Cow;
-
 use gfmd_check::result::Comparison;
 use gfmd_check::series::Stored;
 use gfmd_contact::{Drive, Fields as _};
@@ -13,6 +11,7 @@ use gfmd_plasticity::{Cell, PlasticState, PlasticStrain, YieldingContact};
 use gfmd_problem::options::Plasticity;
 use gfmd_problem::{AnyState, KeptStrain};
 use gfmd_record::{Record, StateContext};
+use gfmd_run::resume::OwnRows;
 use gfmd_run::series::{Prepared, StateFile, StiffnessArgs};
 use ndarray::{Array2, Array3};
 
@@ -38,15 +37,66 @@ const OF_STRAIN: [&str; 9] = [
     "plastic_displacement_min",
 ];
 
-/// Writes the cells, and the plastic strain of the last state and of the state before it.
+/// Writes the cells, and the plastic strain of the last state and of the state before it; its rows travel to the first
+/// process, which has the file.
 pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &PlasticState) -> Result<(), Failure> {
-    let Some(archive) = file.archive() else { return Ok(()) };
-    write_cells(archive, surface, state.cells())?;
+    let mut archive = file.archive();
+    let mut written = archive.as_mut().map_or(Ok(()), |archive| write_cells(archive, surface, state.cells()));
     for ((end, when), plastic) in ENDS.into_iter().zip([&state.plastic, &state.plastic_before]) {
-        let of_cell = |number: usize| (state.strain_of(plastic, number), state.equivalent_of(plastic, number));
-        write_strain(archive, surface, state.cells(), (end, when), of_cell)?;
+        if surface.share.is_whole() {
+            let of_cell = |number: usize| (state.strain_of(plastic, number), state.equivalent_of(plastic, number));
+            if let Some(archive) = &mut archive {
+                write_strain(archive, surface, state.cells(), (end, when), of_cell)?;
+            }
+            continue;
+        }
+        for (number, cell) in state.cells().iter().enumerate() {
+            let names = [name_of("strain", end, number), name_of("equivalent", end, number)];
+            let defined =
+                archive.as_mut().map_or(Ok(()), |archive| define_strain(archive, surface, (cell, number), end, when));
+            written = written.and(defined);
+            for (component, rows) in rows_of(state, plastic, number).into_iter().enumerate() {
+                let is_strain = component < COMPONENTS.len();
+                let (name, index) = if is_strain { (&names[0], Some(component)) } else { (&names[1], None) };
+                rows.to_first(|start, values| {
+                    if let (Some(archive), Ok(())) = (&mut archive, &written) {
+                        written = archive.write_rows(name, index, start / rows.share.columns(), values);
+                    }
+                });
+            }
+        }
     }
-    Ok(())
+    Ok(written?)
+}
+
+/// Returns the name of the plastic strain or of κ of a cell at one end of the last step.
+fn name_of(what: &str, end: &str, number: usize) -> String {
+    format!("/plastic/{what}{end}_{number}")
+}
+
+/// Defines the plastic strain and κ of a cell at one end of the last step, to be written by rows.
+fn define_strain(
+    archive: &mut Archive,
+    surface: &Surface,
+    (cell, number): (&Cell, usize),
+    end: &str,
+    when: &str,
+) -> Result<(), FileError> {
+    let (component, [x, y]) = (component(), axes_of(cell, surface));
+    let long_name = format!("plastic strain of cell {number} {when}");
+    let variable = Variable { dimensions: &[&component, &x, &y], units: "1", long_name: &long_name };
+    archive.define(&name_of("strain", end, number), &variable)?;
+    let long_name = format!("equivalent plastic strain of cell {number} {when}");
+    let variable = Variable { dimensions: &[&x, &y], units: "1", long_name: &long_name };
+    archive.define_rows(&name_of("equivalent", end, number), &variable)
+}
+
+/// Returns the components of ε^p of a cell, then κ, of this process.
+fn rows_of(state: &PlasticState, plastic: &PlasticStrain, number: usize) -> Vec<OwnRows> {
+    let (strain, equivalent) = (state.strain_of(plastic, number), state.equivalent_of(plastic, number));
+    let components = strain.outer_iter().map(|component| component.iter().copied().collect());
+    let all = components.chain([equivalent.into_raw_vec_and_offset().0]);
+    all.map(|values| OwnRows { share: state.rows(number).clone(), values }).collect()
 }
 
 /// Returns true if the file keeps the plastic strain at the waypoints.
@@ -75,24 +125,31 @@ pub(super) fn define_waypoints(file: &mut StateFile, prepared: &Prepared, count:
     Ok(())
 }
 
-/// Returns the plastic strain of a state, cell by cell ε^p and κ, if the file keeps it at the waypoints.
-pub(super) fn at_waypoint(prepared: &Prepared, state: &AnyState) -> Vec<Vec<f64>> {
+/// Returns the plastic strain of a state, cell by cell the components of ε^p and κ, if the file keeps it at the
+/// waypoints.
+pub(super) fn at_waypoint(prepared: &Prepared, state: &AnyState) -> Vec<OwnRows> {
     let Some(state) = state.yielding().filter(|_| keeps_waypoints(prepared)) else { return Vec::new() };
-    let of_cell = |number: usize| {
-        let (strain, equivalent) = (state.plastic_strain(number), state.equivalent_plastic_strain(number));
-        [strain.into_raw_vec_and_offset().0, equivalent.into_raw_vec_and_offset().0]
-    };
-    (0..state.cells().len()).flat_map(of_cell).collect()
+    (0..state.cells().len()).flat_map(|number| rows_of(state, &state.plastic, number)).collect()
 }
 
-/// Writes what [`at_waypoint`] returned.
-pub(super) fn write_waypoint(file: &mut StateFile, place: usize, values: &[Cow<[f64]>]) -> Result<(), Failure> {
-    let Some(archive) = file.archive() else { return Ok(()) };
-    for (index, field) in values.iter().enumerate() {
-        let (name, number) = (["strain", "equivalent"][index % 2], index / 2);
-        archive.write_slab(&format!("{WAYPOINTS}/{name}_{number}"), place, field)?;
-    }
-    Ok(())
+/// Writes `values`, from value `start` on, of a field that [`at_waypoint`] returned with this `number`.
+pub(super) fn write_waypoint(
+    file: &mut StateFile,
+    prepared: &Prepared,
+    (place, number): (usize, usize),
+    (start, values): (usize, &[f64]),
+) -> Result<(), Failure> {
+    let Prepared { inelastic, body, surface, .. } = prepared;
+    let Some((archive, plasticity)) = file.archive().zip(inelastic.plasticity.as_ref()) else { return Ok(()) };
+    let count = COMPONENTS.len() + 1;
+    let (cell, component) = (number / count, number % count);
+    let cells = plasticity.cells(body, &surface.grid)?;
+    let [_, columns] = cells[cell].grid(&surface.grid).points();
+    let (name, index) = match component < COMPONENTS.len() {
+        true => ("strain", place * COMPONENTS.len() + component),
+        false => ("equivalent", place),
+    };
+    Ok(archive.write_rows(&format!("{WAYPOINTS}/{name}_{cell}"), Some(index), start / columns, values)?)
 }
 
 /// Defines the cells and the plastic strain, without values that count.
@@ -160,11 +217,11 @@ fn write_strain(
         let flat: Vec<f64> = strain.iter().copied().collect();
         let long_name = format!("plastic strain of cell {number} {when}");
         let variable = Variable { dimensions: &[&component, &x, &y], units: "1", long_name: &long_name };
-        archive.write(&format!("/plastic/strain{end}_{number}"), &variable, &flat)?;
+        archive.write(&name_of("strain", end, number), &variable, &flat)?;
         let flat: Vec<f64> = equivalent.iter().copied().collect();
         let long_name = format!("equivalent plastic strain of cell {number} {when}");
         let variable = Variable { dimensions: &[&x, &y], units: "1", long_name: &long_name };
-        archive.write(&format!("/plastic/equivalent{end}_{number}"), &variable, &flat)?;
+        archive.write(&name_of("equivalent", end, number), &variable, &flat)?;
     }
     Ok(())
 }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Boundary, Contact, Equilibrium as _, Fields as _, Hardness, Load, Refusal, Solution, SolveError, Solver, Stiffness,
+    Boundary, Contact, Equilibrium as _, Fields as _, Hardness, Load, MemoryCheckpoint, Refusal, Resumable as _,
+    Solution, SolveError, Solver, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, Material};
@@ -126,6 +127,77 @@ fn compare(case: &Case, load: Load, solver: Solver, size: usize) {
         for (place, field) in fields.iter().enumerate() {
             let rows = each.iter().flat_map(|found| &found[step].1[place]);
             assert!(rows.eq(field), "field {place}, {load:?} {solver:?} on {size}");
+        }
+    }
+}
+
+/// Bits of a contact with finite slopes.
+fn steep_bits(state: &SteepSolution) -> Bits {
+    let summary = state.summary();
+    let numbers = [
+        state.mean_pressure(),
+        state.approach(),
+        state.mean_shear[0],
+        state.mean_shear[1],
+        state.lateral_residual,
+        state.projected_area().unwrap(),
+        summary.elastic_energy,
+        summary.area_fraction_corrected,
+        state.effort().transform_pairs,
+    ];
+    let residuals = state.residuals().into_iter().map(|(_, residual)| residual);
+    let (pressure, normal) = (state.pressure(), [state.displacement_z(), state.gap()]);
+    let fields = std::iter::once(pressure.view()).chain(normal).chain(state.lateral.iter().map(|u| u.view()));
+    let of_field = |field: ndarray::ArrayView2<f64>| field.iter().map(|x| x.to_bits()).collect();
+    (numbers.into_iter().chain(residuals).map(f64::to_bits).collect(), fields.map(of_field).collect())
+}
+
+#[test]
+fn finite_slopes_over_ranks_have_the_bits_of_one_process() {
+    let field = |[nx, ny]: [usize; 2]| Array2::from_shape_fn((nx, ny), |(i, j)| 0.1 + 0.02 * ((i + 2 * j) % 5) as f64);
+    let grid = |points| Grid::new(points, [1.0, 0.6]).unwrap();
+    let cases = [
+        (Case::new(grid([128, 64]), &half_space(), 3), Load::MeanPressure(0.01), 4),
+        (Case::new(grid([96, 64]), &slab(0.2), 4), Load::Approach(0.01), 2),
+        (
+            Case { hardness: Some(Hardness::Field(field([128, 64]))), ..Case::new(grid([128, 64]), &half_space(), 5) },
+            Load::MeanPressure(0.02),
+            3,
+        ),
+    ];
+    for (case, load, size) in cases {
+        let Case { grid, body, hardness, .. } = &case;
+        // Slopes of up to about one, and points that move to rows of other processes.
+        let heights = &case.heights * 3.0;
+        let solve = |share: &Share| {
+            let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
+            let contact = SteepContact::distributed(share, body, grid, &own(&heights)).unwrap();
+            let contact = match hardness {
+                Some(Hardness::Field(field)) => contact.with_hardness(own(field)).unwrap(),
+                _ => contact,
+            };
+            let mut state = contact.equilibrate(load.into(), Solver::Auto, &Budget::default(), None, &mut ()).unwrap();
+            let mut kept = MemoryCheckpoint::default();
+            contact.keep(&mut state, &mut kept);
+            kept.rewind();
+            let restored = contact.restore(load.into(), &mut kept).unwrap();
+            assert_eq!(steep_bits(&restored).1, steep_bits(&state).1);
+            let next = match load {
+                Load::MeanPressure(mean) => Load::MeanPressure(1.5 * mean),
+                Load::Approach(approach) => Load::Approach(1.2 * approach),
+            };
+            let then = contact.equilibrate(next.into(), Solver::Auto, &Budget::default(), Some(&restored), &mut ());
+            [steep_bits(&state), steep_bits(&then.unwrap())]
+        };
+        let alone = solve(&grid.whole());
+        let each = ThreadRanks::of(size, |ranks| solve(&Contact::share(ranks, grid).unwrap()));
+        for (step, (numbers, fields)) in alone.iter().enumerate() {
+            let different = |found: &[Bits; 2]| (0..numbers.len()).find(|k| found[step].0[*k] != numbers[*k]);
+            assert_eq!(each.iter().find_map(different), None, "number that differs: {load:?} on {size}");
+            for (place, field) in fields.iter().enumerate() {
+                let rows = each.iter().flat_map(|found| &found[step].1[place]);
+                assert!(rows.eq(field), "field {place}, {load:?} on {size}");
+            }
         }
     }
 }

@@ -73,7 +73,7 @@ impl Parts<'_> {
         components: usize,
     ) -> Result<Option<Arc<dyn Medium>>, Refusal> {
         let Some((prony, relaxes)) = self.relaxation else { return Ok(None) };
-        let medium = Relaxing::new(self.body, grid, self.boundary, components, prony, relaxes)?.over(share)?;
+        let medium = Relaxing::distributed(share, self.body, grid, self.boundary, components, prony, relaxes)?;
         Ok(Some(Arc::new(if self.held { medium.held_sideways()? } else { medium })))
     }
 

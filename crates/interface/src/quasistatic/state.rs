@@ -153,9 +153,10 @@ impl QuasistaticState {
     /// Returns the indentation −u_z of a body that relaxes, and the elongation of the spring of each branch along z,
     /// `[x, y]`, length; `None` for an elastic body.
     pub fn memory(&self) -> Option<Vec<Array2<f64>>> {
-        let shape = self.gap().dim();
-        let grid = gfmd_field::Grid::new(shape.into(), [1.0; 2]).ok()?;
-        let fields = self.memory.as_ref()?.normal(&grid).ok()?;
+        let (share, shape) = (self.share(), self.gap().dim());
+        let rows = if share.is_whole() { shape.0 } else { share.total() / shape.1 };
+        let grid = gfmd_field::Grid::new([rows, shape.1], [1.0; 2]).ok()?;
+        let fields = self.memory.as_ref()?.normal(&grid, share).ok()?;
         fields.into_iter().map(|values| Array2::from_shape_vec(shape, values).ok()).collect()
     }
 

@@ -6,7 +6,7 @@ use gfmd_contact::{
     Boundary, Contact, Drive, Equilibrium as _, Fields as _, Hardness, Load, Resumable as _, Solver, Springs,
 };
 use gfmd_field::{Grid, Share};
-use gfmd_green::{Body, Material};
+use gfmd_green::{Base, Body, Material};
 use gfmd_interface::{Interface, Parts, Quasistatic as _, QuasistaticContact, QuasistaticState, Shear, State, Wear};
 use gfmd_law::{Exponential, HardWall, Law, Limit, Morse, Npc, Separation};
 use gfmd_medium::{Prony, Relaxes};
@@ -270,12 +270,36 @@ fn paths_over_ranks_have_the_bits_of_one_process() {
         },
         Parts { shear, ..plain.clone() },
         Parts { shear: strength, relaxation, wear: slips, ..plain.clone() },
-        Parts { shear, law: Some(law), hardness: Some(Hardness::Field(hardness)), relaxation, ..plain.clone() },
+        Parts {
+            shear,
+            law: Some(Arc::clone(&law)),
+            hardness: Some(Hardness::Field(hardness.clone())),
+            relaxation,
+            ..plain.clone()
+        },
         Parts { law: Some(shearing), all_components: true, relaxation, ..plain.clone() },
+    ];
+    // Waves that relax by their own branches: of a slab, of a pair, below a hardness, a law and wear.
+    let slab = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.2).unwrap();
+    let elastic = Body::half_space(Material::from_contact_modulus(2.0, 0.2).unwrap());
+    let loose = slab.clone().on(Base::SLIDING).unwrap();
+    let pair = slab.clone().against(elastic);
+    let unlike = Some((&prony, Relaxes::Shear));
+    let waves = [
+        Parts { relaxation: unlike, body: &slab, ..plain.clone() },
+        Parts { relaxation: unlike, body: &slab, law: Some(Arc::clone(&law)), wear, ..plain.clone() },
+        Parts {
+            relaxation: unlike,
+            body: &loose,
+            hardness: Some(Hardness::Field(hardness.clone())),
+            wear,
+            ..plain.clone()
+        },
+        Parts { relaxation, body: &pair, ..plain.clone() },
     ];
     let patches =
         cases.iter().filter(|parts| !parts.held).map(|parts| Parts { boundary: Boundary::Free, ..parts.clone() });
-    for (number, parts) in cases.iter().cloned().chain(patches).enumerate() {
+    for (number, parts) in cases.iter().cloned().chain(waves).chain(patches).enumerate() {
         let parts = &parts;
         let alone = follow(parts);
         for size in [2, 3] {

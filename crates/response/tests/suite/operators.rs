@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use approx::assert_relative_eq;
-use gfmd_field::{Grid, Rows, Share};
+use gfmd_field::{Grid, Rows, Share, Transform};
 use gfmd_green::{Base, Body, Material};
 use gfmd_response::{
     Components, FullResponse, FullTransforms, Hermitian, NormalResponse, NormalTransforms, RoundedTransforms, Scattered,
@@ -311,7 +311,16 @@ fn operators_over_ranks_have_the_bits_of_one_process() {
             full.stiffness().apply(&own, &mut out, &mut ws).unwrap();
             let energy = full.stiffness().quadratic_form(&own, &mut ws).unwrap();
             let normal = NormalResponse::of_all_components(&full);
-            let compliances: Vec<f64> = (0..grid.spectrum_len()).map(|index| normal.compliance_at(index)).collect();
+            let mut compliances: Vec<f64> = (0..grid.spectrum_len()).map(|index| normal.compliance_at(index)).collect();
+            // Modes that are changed one by one are known to all processes along x and along y.
+            let [lanes, positions] = grid.spectrum_shape();
+            let modes = normal.compliance().len();
+            let first = Transform::<f64>::distributed(grid, share).lanes().start * positions;
+            let factors: Vec<f64> = (first..first + modes).map(|index| 1.0 + 0.01 * (index % 7) as f64).collect();
+            let changed = normal.stiffened(&factors).softened(0.3);
+            compliances.push(changed.uniform_compliance());
+            compliances.extend((0..positions).map(|index| changed.compliance_at(index)));
+            compliances.extend((0..lanes).map(|lane| changed.compliance_at(lane * positions)));
             let numbers = [energy, normal.stiffness_range()[0], normal.stiffness_range()[1]];
             let rows = share.own().len();
             (out.chunks_exact(rows).map(bits).collect::<Vec<_>>(), bits(&numbers), bits(&compliances))

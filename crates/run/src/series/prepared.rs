@@ -140,7 +140,7 @@ impl Prepared {
         };
         let need = match &inelastic.plasticity {
             Some(plasticity) => {
-                let points = points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid);
+                let points = points_per_point(&plasticity.cells(&body, &surface.grid)?, &surface.grid, is_shared);
                 match plasticity.kept_strain {
                     KeptStrain::Last => need.yielding(points),
                     KeptStrain::Waypoints => need.yielding(points).keeping_strain(points),
@@ -155,6 +155,10 @@ impl Prepared {
                 false => ("statistics", MemoryNeed::HARD_WALL),
             };
             session.agree(memory::fits(whole, key(measurement), surface.grid.points()))?;
+        }
+        if is_shared && facts.finite_slope {
+            let of_all = MemoryNeed(session.processes().here as u64 * MemoryNeed::STEEP_OF_EACH.0);
+            session.agree(memory::fits(of_all, key("finite_slope"), surface.grid.points()))?;
         }
         let is_held = facts.unknown == Unknown::Held;
         let (base, hardness) = asked.fields((&body, is_held), &surface, session)?;
@@ -497,9 +501,14 @@ fn rise_of(share: &Share, heights: &Array2<f64>, boundary: Boundary) -> f64 {
     top - highest(share, heights)
 }
 
-/// Returns the number of points of all cells per point of the surface.
-fn points_per_point(cells: &[Cell], grid: &Grid) -> f64 {
-    cells.iter().map(|cell| cell.grid(grid).len() as f64 / grid.len() as f64).sum()
+/// Returns the number of points of all cells per point of the surface. If several processes share them, the first one
+/// has the long waves of all coarser cells, and each cell counts with its points along one axis.
+fn points_per_point(cells: &[Cell], grid: &Grid, is_shared: bool) -> f64 {
+    let of_cell = |cell: &Cell| {
+        let part = cell.grid(grid).len() as f64 / grid.len() as f64;
+        if is_shared { part * cell.coarsening as f64 } else { part }
+    };
+    cells.iter().map(of_cell).sum()
 }
 
 /// Code of warnings about mixed-up units.
