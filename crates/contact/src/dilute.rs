@@ -24,7 +24,7 @@ use crate::Load;
 use crate::attempt::MARGIN;
 use crate::attempt::{Attempt, SolverResult};
 
-/// Watcher of processes that search separately and stop together.
+/// Watcher of processes that take the same steps and stop together.
 struct Unison<'a, W> {
     share: &'a Share,
     watch: W,

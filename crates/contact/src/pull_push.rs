@@ -172,6 +172,23 @@ impl PullPush {
         self
     }
 
+    /// Restricts the map [`on_cells`](Self::on_cells) to the rows of cells of one of several processes, which make the
+    /// same calls. Levels are shared as in [`distributed`](Self::distributed), as far as processes have whole rows of
+    /// them, and always the first one.
+    pub(crate) fn cells_over(mut self, share: &Share) -> Self {
+        if share.is_whole() {
+            return self;
+        }
+        let most = (Self::shared_levels(self.points) as usize).max(2);
+        let is_whole = |height: u32| share.all_rows().iter().all(|rows| rows.start.is_multiple_of(1 << height));
+        self.shared = (0..).take_while(|height| is_whole(*height)).take(most.min(self.levels.len())).count();
+        for (height, level) in (0..).zip(&mut self.levels[..self.shared]) {
+            level.distribute(share, height, height as usize + 1 == self.shared);
+        }
+        self.share = share.clone();
+        self
+    }
+
     /// Adapts the map to displacements that resist bending: a value extends to as large a neighbourhood as there is
     /// room for, since the energy cost falls with its size.
     pub(crate) fn bending(mut self) -> Self {
@@ -199,7 +216,23 @@ impl PullPush {
     }
 
     /// Extends the values of the [`cells`](Self::cells) of the first level.
-    pub(crate) fn fill(&mut self) {
+    pub(crate) fn fill_cells(&mut self) {
+        if self.shared > 0 {
+            self.levels[0].exchange_known(&self.share);
+        }
+        self.fill();
+    }
+
+    /// Applies the transpose of [`fill_cells`](Self::fill_cells).
+    pub(crate) fn fill_cells_transposed(&mut self) {
+        if self.shared > 0 {
+            self.levels[0].exchange_values(&self.share);
+        }
+        self.fill_transposed();
+    }
+
+    /// Extends the values of the first level.
+    fn fill(&mut self) {
         let (edges, share, shared) = (self.edges, &self.share, self.shared);
         upwards(&mut self.levels, |number, above, below| {
             above.pull(below.cells, |i, weights, values| {
@@ -284,7 +317,7 @@ impl PullPush {
     }
 
     /// Applies the transpose of [`fill`](Self::fill).
-    pub(crate) fn fill_transposed(&mut self) {
+    fn fill_transposed(&mut self) {
         let (edges, share, shared) = (self.edges, &self.share, self.shared);
         upwards(&mut self.levels, |number, above, below| {
             above.push_transposed(edges, below.cells, |i, line, part| {
@@ -307,7 +340,7 @@ impl PullPush {
         });
     }
 
-    /// Returns the known weights and the values of the cells of the first level.
+    /// Returns the known weights and the values of the cells of the first level, in the rows of this process.
     pub(crate) fn cells(&mut self) -> (&mut [f32], &mut [f32]) {
         let first = &mut self.levels[0];
         (&mut first.known, &mut first.value)

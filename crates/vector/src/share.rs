@@ -93,6 +93,16 @@ impl Share {
         Self { ranks: Arc::clone(&self.ranks), columns, rows: self.each(own).into_iter().map(place).collect() }
     }
 
+    /// Returns the rows of this rank of another field, of `rows` × `columns` values, shared by the same ranks as evenly
+    /// as multiples of `unit` rows allow; `None` if there are more ranks. Sums over such a field have other bits than
+    /// with one process, since ranks need not have whole leaves.
+    pub fn without_sums(&self, [rows, columns]: [usize; 2], unit: usize) -> Option<Self> {
+        let (size, units) = (self.rows.len(), rows.div_ceil(unit));
+        let cut = |rank: usize| rows.min(units * rank / size * unit);
+        let parts = (0..size).map(|rank| cut(rank)..cut(rank + 1)).collect();
+        (size <= units).then(|| Self { ranks: Arc::clone(&self.ranks), columns, rows: parts })
+    }
+
     /// Returns the largest number of processes that can share a field of `rows` × `columns` values.
     pub fn most([rows, columns]: [usize; 2], levels: u32) -> usize {
         rows.div_ceil(unit(columns, levels)).max(1)
@@ -270,6 +280,44 @@ impl Share {
         let messages = Messages { out, out_lengths, into, into_lengths };
         let Messages { into, .. } = self.ranks.post(messages).wait();
         T::joined(into, got.iter().map(values))
+    }
+
+    /// Gathers rows around the cell: rank r gets the rows `to[r]`, which may go on past the last row with the first
+    /// ones, and may overlap the rows of other ranks. `own` holds the rows `from[rank]`, of `columns` values each;
+    /// `from` has the rows of each rank, one range after another.
+    pub fn around<T: Word>(&self, own: &[T], columns: usize, [from, to]: [&[Range<usize>]; 2]) -> Vec<T> {
+        let (rank, all) = (self.ranks.rank(), from.last().map_or(0, |rows| rows.end));
+        // The rows of one rank that another gets, counted as by the latter, in its first turn around the cell and in
+        // its second one.
+        let common = |from: &Range<usize>, to: &Range<usize>| {
+            [0, all].map(|turn| {
+                let start = (from.start + turn).max(to.start);
+                (turn, start..(from.end + turn).min(to.end).max(start))
+            })
+        };
+        type Parts = [(usize, Range<usize>); 2];
+        let sent: Vec<Parts> = to.iter().map(|rows| common(&from[rank], rows)).collect();
+        let got: Vec<Parts> = from.iter().map(|rows| common(rows, &to[rank])).collect();
+        let values = |rows: &Range<usize>| rows.len() * columns;
+        let words = |parts: &Parts| parts.iter().map(|(_, rows)| T::words(values(rows))).sum::<usize>();
+        let [out_lengths, into_lengths] = [&sent, &got].map(|parts| parts.iter().map(words).collect::<Vec<_>>());
+        let [mut out, into] = [&out_lengths, &into_lengths].map(|lengths| vec![0; lengths.iter().sum()]);
+        let mut rest = &mut out[..];
+        for (turn, rows) in sent.iter().flatten().filter(|(_, rows)| !rows.is_empty()) {
+            let (words, after) = rest.split_at_mut(T::words(values(rows)));
+            rest = after;
+            T::pack(&own[(rows.start - turn - from[rank].start) * columns..][..values(rows)], words);
+        }
+        let messages = Messages { out, out_lengths, into, into_lengths };
+        let Messages { into, .. } = self.ranks.post(messages).wait();
+        let mut rest = &into[..];
+        let mut arrived = vec![T::default(); values(&to[rank])];
+        for (_, rows) in got.iter().flatten().filter(|(_, rows)| !rows.is_empty()) {
+            let (words, after) = rest.split_at(T::words(values(rows)));
+            rest = after;
+            T::unpack(words, &mut arrived[(rows.start - to[rank].start) * columns..][..values(rows)]);
+        }
+        arrived
     }
 
     /// Exchanges border rows around the cell: each rank sends its `first` and its `last` row, and gets the last row of

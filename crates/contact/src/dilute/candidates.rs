@@ -32,8 +32,8 @@ pub(super) struct Survey {
     found: Vec<usize>,
 }
 
-/// Search for the pressure on some blocks. Every process knows the pressure on all blocks and searches separately; the
-/// displacement of the whole surface is computed by all together, each for its own rows.
+/// Search for the pressure on some blocks. Every process knows the pressure on all blocks and takes the same steps; all
+/// together compute the products of the steps and the displacement of the whole surface.
 pub(super) struct Candidates<'a> {
     contact: &'a Contact,
     compliance: Cow<'a, [f64]>,

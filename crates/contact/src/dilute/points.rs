@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::ops::Range;
 
-use gfmd_response::{Blocks, COARSENING, LANES, Scattered, ScatteredMemory};
+use gfmd_response::{Blocks, COARSENING, Cells, LANES, Scattered, ScatteredMemory};
 use gfmd_vector::{Serialise, Share};
 use multiversion::multiversion;
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ const FEW: usize = 64;
 const STRETCH: usize = FEW * LANES;
 
 /// Blocks of points, with the compliance G between them and a preconditioner M, which is about the inverse of G between
-/// the free points.
+/// the free points. Vectors of all processes have all points; the processes divide the products, and exchange them.
 ///
 /// M continues a gap from the points in contact to the coarse grid, as the preconditioner of the whole surface does
 /// ([`PullPush`]), with the mean gap of a coarse cell in place of the mean of four points. The part interpolated from
@@ -42,7 +42,7 @@ impl Points {
         Self {
             memory: scattered.memory(),
             blocks: Blocks::new(contact.response.grid(), places),
-            extension: PullPush::on_cells(cells, floating, contact.stiffness_of_waves()),
+            extension: PullPush::on_cells(cells, floating, contact.stiffness_of_waves()).cells_over(scattered.rows()),
             scattered,
             rest: Vec::new(),
             free: Vec::new(),
@@ -89,41 +89,55 @@ impl Points {
     pub(crate) fn displace(&mut self, pressure: &[f32], out: &mut [f32]) {
         self.pairs += 1;
         self.scattered.compliance(&self.blocks, pressure, &mut self.memory, out);
+        self.scattered.complete(&self.blocks, out);
     }
 
     /// Computes `out` = M g times the unit, with the gaps g of the points of each block from `gaps`; zero if a point is
     /// not free. Free points are in contact, or about to enter: with a negative gap below the gap continued to them.
     pub(crate) fn press(&mut self, gaps: impl Fn(usize) -> Gaps + Sync, out: &mut [f32]) {
         self.pairs += 1;
+        // Other points than those of the coupled blocks keep stale values.
         for vector in [&mut self.rest, &mut self.free] {
-            vector.clear();
             vector.resize(out.len(), 0.0);
         }
         let Self { scattered, memory, blocks, extension, rest, free, .. } = self;
-        let columns = scattered.coarse().points()[1];
+        let (columns, first) = (scattered.coarse().points()[1], scattered.rows().rows().start);
+        let (own, coupled) = (scattered.own(blocks), scattered.coupled(blocks));
+        let blocks_of = |some: &Range<usize>, stretch: usize| {
+            some.start + stretch * FEW..some.end.min(some.start + (stretch + 1) * FEW)
+        };
         let (weights, values) = extension.cells();
         let cells = weights.par_chunks_mut(columns).zip(values.par_chunks_mut(columns));
-        cells.enumerate().for_each(|(row, cells)| pull(blocks, row, &gaps, cells));
-        extension.fill();
+        cells.enumerate().for_each(|(row, cells)| pull(blocks, first + row, &gaps, cells));
+        extension.fill_cells();
         scattered.interpolate(blocks, extension.cells().1, memory, out);
-        let points = out.par_chunks_mut(STRETCH).zip(rest.par_chunks_mut(STRETCH)).zip(free.par_chunks_mut(STRETCH));
-        let blocks_of = |stretch: usize| stretch * FEW..blocks.len().min((stretch + 1) * FEW);
-        points.enumerate().for_each(|(stretch, ((far, rest), free))| {
-            take_away(blocks_of(stretch), &gaps, far, (rest, free));
-        });
+        for some in &coupled {
+            let [far, rest, free] = [&mut *out, rest, free].map(|vector| values_of(vector, some));
+            let points = far.par_chunks_mut(STRETCH).zip(rest.par_chunks_mut(STRETCH));
+            points.zip(free.par_chunks_mut(STRETCH)).enumerate().for_each(|(stretch, ((far, rest), free))| {
+                take_away(blocks_of(some, stretch), &gaps, far, (rest, free));
+            });
+        }
         scattered.stiffness(blocks, rest, memory, out);
-        gfmd_vector::for_each((&mut *out, &free[..]), &|_, (out, free)| {
+        gfmd_vector::for_each((values_of(out, &own), &*values_of(free, &own)), &|_, (out, free)| {
             out.iter_mut().zip(free).for_each(|(out, free)| *out *= free);
         });
         scattered.stiffen(blocks, extension.cells().1, out, memory);
-        extension.fill_transposed();
+        extension.fill_cells_transposed();
         let (weights, values) = extension.cells();
         gfmd_vector::for_each((values, &*weights), &|_, (values, weights)| divide(values, weights));
-        let values = &*extension.cells().1;
-        out.par_chunks_mut(STRETCH).enumerate().for_each(|(stretch, out)| {
-            push((blocks, blocks_of(stretch)), &gaps, (values, columns), out);
+        let cells = scattered.cells(blocks, extension.cells().1);
+        values_of(out, &own).par_chunks_mut(STRETCH).enumerate().for_each(|(stretch, out)| {
+            push((blocks, blocks_of(&own, stretch)), &gaps, (&cells, scattered.coarse().points()), out);
         });
+        out[blocks.len() * LANES..].fill(0.0);
+        scattered.complete(blocks, out);
     }
+}
+
+/// Returns the values of these blocks.
+fn values_of<'a>(values: &'a mut [f32], blocks: &Range<usize>) -> &'a mut [f32] {
+    &mut values[blocks.start * LANES..blocks.end * LANES]
 }
 
 /// Gaps of the points of a block.
@@ -206,13 +220,13 @@ fn take_away<F: Fn(usize) -> Gaps>(
 fn push<F: Fn(usize) -> Gaps>(
     (blocks, some): (&Blocks, Range<usize>),
     gaps: F,
-    (values, columns): (&[f32], usize),
+    (cells, [rows, columns]): (&Cells, [usize; 2]),
     out: &mut [f32],
 ) {
-    let rows = values.len() / columns;
     for (block, out) in some.zip(out.as_chunks_mut::<LANES>().0) {
         let row = (blocks.row(block) + COARSENING / 2) / COARSENING % rows;
-        let parts = cells_of(blocks.column(block), columns).map(|cell| values[row * columns + cell]);
+        let values = cells.row(row);
+        let parts = cells_of(blocks.column(block), columns).map(|cell| values[cell]);
         let Gaps { touches, .. } = gaps(block);
         for lane in 0..LANES {
             out[lane] += if touches[lane] { parts[cell_of(lane)] } else { 0.0 };
@@ -251,9 +265,12 @@ pub(crate) fn gathered<T: Copy + Serialise>(share: &Share, own: Vec<T>) -> Vec<T
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use gfmd_field::Grid;
     use gfmd_green::{Body, Material};
     use gfmd_surface::{Discretisation, SelfAffine};
+    use gfmd_vector::{Ranks, ThreadRanks};
 
     use super::*;
 
@@ -326,6 +343,35 @@ mod tests {
         let constant = press(&mut points, &touches, &vec![1.0; touches.len()]);
         let largest = |values: &[f32]| values.iter().fold(0.0, |largest: f32, z| largest.max(z.abs()));
         assert!(largest(&constant) < 1e-5 * largest(&m_a), "{} {}", largest(&constant), largest(&m_a));
+    }
+
+    #[test]
+    fn processes_divide_the_products_and_get_the_bits_of_one() {
+        let (alone, touches) = highest(None, 0.02);
+        let places = alone.blocks().places().to_vec();
+        let grid = Grid::square(256, 1.0).unwrap();
+        let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
+        let gap: Vec<f32> = (0..touches.len()).map(|i| if touches[i] { (0.7 * i as f32).sin() } else { 0.0 }).collect();
+        let products = |ranks: Arc<dyn Ranks>| {
+            let share = Contact::share(ranks, &grid).unwrap();
+            let heights = ndarray::Array2::from_shape_fn((share.rows().len(), 256), |(_, j)| (j % 7) as f64);
+            let contact = Contact::distributed(&share, &body, &grid, &heights).unwrap();
+            let scattered = Scattered::of(&contact.response, [0.0; 2]).unwrap();
+            let mut points = Points::new(&contact, scattered, true, places.clone());
+            let mut image = vec![0.0; gap.len()];
+            points.displace(&gap, &mut image);
+            let pressed = press(&mut points, &touches, &gap);
+            let all = image.iter().chain(&pressed).map(|value| value.to_bits()).collect::<Vec<_>>();
+            (all, points.memory.computed())
+        };
+        let one = ThreadRanks::of(1, products).remove(0);
+        for size in 2..=4 {
+            let each = ThreadRanks::of(size, products);
+            assert!(each.iter().all(|(all, _)| *all == one.0), "{size}");
+            let most = each.iter().map(|(_, work)| *work).max().unwrap();
+            // Points near the own rows are interpolated, too.
+            assert!((most as f64) < 1.25 * one.1 as f64 / size as f64, "{size}: {most} of {}", one.1);
+        }
     }
 
     #[test]

@@ -222,6 +222,18 @@ fn a_contact_over_ranks_has_the_bits_of_one_process() {
 }
 
 #[test]
+fn a_contact_of_few_points_over_ranks_has_the_bits_of_one_process() {
+    let case = Case::new(Grid::square(512, 1.0).unwrap(), &half_space(), 5);
+    let mean = Load::MeanPressure(0.001);
+    let approach = case.alone().equilibrate(mean.into(), Solver::Auto, &Budget::default(), None, &mut ()).unwrap();
+    assert!(approach.effort.transform_pairs < 10.0, "the search is for few points");
+    for size in [2, 3, 4] {
+        compare(&case, mean, Solver::Auto, size);
+    }
+    compare(&case, Load::Approach(approach.approach), Solver::Auto, 3);
+}
+
+#[test]
 fn a_patch_over_ranks_has_the_bits_of_one_process() {
     let (sizes, shapes) = if long() { (&[2, 3, 4][..], 3) } else { (&[2, 3, 4][..], 1) };
     // Seven units of rows, and uneven rows beside a padded length with a factor of 5.

@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use gfmd_field::Grid;
 
+use super::window::Window;
 use super::{LANES, ROWS};
 
 /// Blocks of [`LANES`] neighbouring points in a row, in the order of the grid points. Values of the points are stored
@@ -72,15 +73,38 @@ impl Blocks {
         self.places[block] % self.width
     }
 
-    /// Calls `each` on several threads, for at most [`ROWS`] rows at a time, with the values of their blocks, `size`
-    /// per block. Rows without blocks may be left out.
+    /// Returns the blocks of several rows.
+    pub(super) fn in_rows(&self, rows: &Range<usize>) -> Range<usize> {
+        self.starts[rows.start]..self.starts[rows.end]
+    }
+
+    /// Returns the blocks in the rows of a window, counted on past the last block.
+    pub(super) fn in_window(&self, window: Window) -> Range<usize> {
+        let [first, others] = window.pieces().map(|rows| self.in_rows(&rows));
+        first.start..first.end + others.len()
+    }
+
+    /// Returns the rows of one of several processes, which have about equal numbers of blocks.
+    pub(super) fn rows_of(&self, rank: usize, size: usize) -> Range<usize> {
+        let cut = |rank: usize| match rank {
+            0 => 0,
+            _ if rank == size => self.rows(),
+            _ => self.starts.partition_point(|start| start * size < rank * self.len()),
+        };
+        cut(rank)..cut(rank + 1)
+    }
+
+    /// Calls `each` on several threads, for at most [`ROWS`] of the `rows` at a time, with the values of their blocks,
+    /// `size` per block. Rows without blocks may be left out. `values` holds all blocks.
     pub(super) fn for_rows<T: Send>(
         &self,
+        rows: Range<usize>,
         size: usize,
         values: &mut [T],
         each: &(impl Fn(Range<usize>, &mut [T]) + Sync),
     ) {
-        self.for_some(0..self.rows(), size, values, each);
+        let Range { start, end } = self.in_rows(&rows);
+        self.for_some(rows, size, &mut values[start * size..end * size], each);
     }
 
     /// Iterates over `rows`: the number of each row, its blocks, and their values, `size` per block. `values` holds all

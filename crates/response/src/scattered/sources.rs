@@ -4,6 +4,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 
 use super::stencil::{NARROW, Stencil};
+use super::window::Window;
 use super::{Blocks, LANES};
 
 /// Blocks with nonzero values, placed first in the range of blocks of their row.
@@ -70,11 +71,15 @@ const ORDER: [[u8; LANES]; 1 << LANES] = {
 };
 
 impl Sources {
-    /// Takes the `values` of the points of the blocks.
-    pub(super) fn take(&mut self, blocks: &Blocks, values: &[f32]) {
-        let values = values.as_chunks::<LANES>().0;
+    /// Takes the `values` of the points of the blocks in the rows of a window. Other rows keep their sources.
+    pub(super) fn take(&mut self, blocks: &Blocks, values: &[f32], window: Window) {
         self.0.resize(blocks.len(), END);
-        blocks.for_rows(1, &mut self.0, &|rows, sources| {
+        window.pieces().into_iter().for_each(|rows| self.take_rows(blocks, values, rows));
+    }
+
+    fn take_rows(&mut self, blocks: &Blocks, values: &[f32], rows: Range<usize>) {
+        let values = values.as_chunks::<LANES>().0;
+        blocks.for_rows(rows, 1, &mut self.0, &|rows, sources| {
             for (_, of_row, sources) in blocks.by_row(rows, 1, sources) {
                 let mut number = 0;
                 for block in of_row {
@@ -96,10 +101,17 @@ impl Sources {
         &sources[..number.unwrap_or(sources.len())]
     }
 
-    /// Adds to `out`, for each point of the blocks, the sum of all values times the kernel to this point.
-    pub(super) fn add<const N: usize>(&self, stencil: &Stencil<N>, blocks: &Blocks, out: &mut [f32]) {
+    /// Adds to `out`, for each point of the blocks in these rows, the sum of all values times the kernel to this point.
+    /// The sources within reach of the rows must be known.
+    pub(super) fn add<const N: usize>(
+        &self,
+        stencil: &Stencil<N>,
+        blocks: &Blocks,
+        rows: Range<usize>,
+        out: &mut [f32],
+    ) {
         let length = blocks.width() + N - 1;
-        blocks.for_rows(LANES, out, &|rows, out| {
+        blocks.for_rows(rows, LANES, out, &|rows, out| {
             let mut sums = vec![[0.0; LANES]; rows.len() * length];
             sum(self, stencil, blocks, rows.clone(), &mut sums);
             for ((_, of_row, out), sums) in blocks.by_row(rows, LANES, out).zip(sums.chunks_exact_mut(length)) {

@@ -7,6 +7,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::sources::{Source, Sources};
+use super::window::Window;
 use super::{Blocks, COARSENING, LANES, ROWS};
 
 /// Number of coarse points per direction to which a point spreads; the degree of the B-spline is one less.
@@ -17,7 +18,7 @@ const SPREAD: usize = ORDER + LANES / COARSENING - 1;
 const PADDED: usize = SPREAD.next_multiple_of(LANES);
 
 /// Number of coarse points before the first point of a row to which its first block spreads.
-const BEFORE: usize = ORDER / 2 - 1;
+pub(super) const BEFORE: usize = ORDER / 2 - 1;
 
 /// Splines between the points of blocks and a coarse grid. Values along rows are stored in lines: rows of the coarse
 /// grid, extended at both ends as far as blocks spread.
@@ -62,14 +63,14 @@ impl Splines {
         self.points[1] + PADDED - LANES / COARSENING
     }
 
-    /// Fills the lines with the contributions of the sources in every row of points.
-    pub(super) fn spread(&self, blocks: &Blocks, sources: &Sources, lines: &mut Lines) {
+    /// Fills the lines with the contributions of the sources in every row of points of a window.
+    pub(super) fn spread(&self, blocks: &Blocks, sources: &Sources, window: Window, lines: &mut Lines) {
         let Lines { values, filled } = lines;
-        values.resize(self.line() * blocks.rows(), 0.0);
-        filled.resize(blocks.rows(), false);
+        values.resize(self.line() * window.len(), 0.0);
+        filled.resize(window.len(), false);
         let rows = values.par_chunks_exact_mut(self.line()).zip(filled).with_min_len(ROWS);
-        rows.enumerate().for_each(|(row, (line, filled))| {
-            let sources = sources.in_row(blocks, row);
+        rows.enumerate().for_each(|(place, (line, filled))| {
+            let sources = sources.in_row(blocks, window.row(place));
             *filled = !sources.is_empty();
             if *filled {
                 to_line(&self.given, sources, line, self.points[1]);
@@ -77,12 +78,12 @@ impl Splines {
         });
     }
 
-    /// Fills a row of the coarse grid with the contributions of the lines around it.
-    pub(super) fn gather(&self, lines: &Lines, row: usize, values: &mut [f32]) {
+    /// Fills a row of the coarse grid with the contributions of the lines around it, from the lines of a window.
+    pub(super) fn gather(&self, (lines, window): (&Lines, Window), row: usize, values: &mut [f32]) {
         values.fill(0.0);
         let [rows, columns] = self.points;
         for k in 0..ORDER {
-            let from = (row + rows + BEFORE - k) % rows * COARSENING;
+            let from = window.place((row + rows + BEFORE - k) % rows * COARSENING);
             let is_filled = |within: usize| lines.filled[from + within];
             let Some(filled) = (0..COARSENING).find(|within| is_filled(*within)) else { continue };
             let weights = from_fn(|within| if is_filled(within) { self.weights[within][k] } else { 0.0 });
@@ -94,9 +95,10 @@ impl Splines {
         }
     }
 
-    /// Interpolates `out` at the points of the blocks from the lines of a field on the coarse grid.
-    pub(super) fn interpolate(&self, blocks: &Blocks, field: &[f32], out: &mut [f32]) {
-        blocks.for_rows(LANES, out, &|rows, out| {
+    /// Interpolates `out` at the points of the blocks in these rows, from the lines of a field on the coarse grid in a
+    /// window of its rows.
+    pub(super) fn interpolate(&self, blocks: &Blocks, rows: Range<usize>, field: (&[f32], Window), out: &mut [f32]) {
+        blocks.for_rows(rows, LANES, out, &|rows, out| {
             let mut line = vec![0.0; self.line()];
             for (row, of_row, out) in blocks.by_row(rows, LANES, out) {
                 if !of_row.is_empty() {
@@ -108,11 +110,11 @@ impl Splines {
     }
 
     /// Fills a line with the interpolation of the lines around a row of points.
-    fn blend(&self, lines: &[f32], row: usize, line: &mut [f32]) {
+    fn blend(&self, (lines, window): (&[f32], Window), row: usize, line: &mut [f32]) {
         line.fill(0.0);
         let (rows, length) = (self.points[0], line.len());
         let around: [&[f32]; ORDER] = from_fn(|k| {
-            let from = (row / COARSENING + rows + k - BEFORE) % rows;
+            let from = window.place((row / COARSENING + rows + k - BEFORE) % rows);
             &lines[from * length..(from + 1) * length]
         });
         add_all(line, &self.weights[row % COARSENING], around);

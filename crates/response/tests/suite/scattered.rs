@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use gfmd_field::{Grid, Transform};
+use gfmd_field::{Grid, Share, Transform};
 use gfmd_green::{Body, Material};
 use gfmd_response::{Blocks, LANES, NormalResponse, Scattered};
+use gfmd_vector::ThreadRanks;
 
 fn response(points: [usize; 2], lengths: [f64; 2], height: Option<f64>) -> NormalResponse {
     let material = Material::from_contact_modulus(2.0, 0.3).unwrap();
@@ -107,10 +108,89 @@ fn waves_on_the_coarse_grid_have_the_stiffness_of_the_body() {
         let mut displacement = vec![f32::NAN; grid.len()];
         scattered.interpolate(&blocks, &field, &mut scattered.memory(), &mut displacement);
         let mut traction = field.clone();
-        scattered.stiffen(&blocks, &mut traction, &vec![0.0; grid.len()], &mut scattered.memory());
+        scattered.stiffen(&blocks, &mut traction, &mut vec![0.0; grid.len()], &mut scattered.memory());
         let stiffness = scattered.unit() / response.compliance()[grid.index_of([number; 2]).unwrap()];
         let expected = stiffness * gfmd_vector::dot(&displacement, &displacement);
         let energy = gfmd_vector::dot(&field, &traction);
         assert!((energy / expected - 1.0).abs() < 1e-4, "{number}: {energy} {expected}");
     }
+}
+
+/// Values of all blocks, of the own rows of the coarse grid, and of the own blocks.
+type Parts = [Vec<f32>; 3];
+
+/// Computes all products at these places, by the processes of the response.
+fn products(response: &NormalResponse, places: &[usize]) -> (Parts, u64) {
+    let scattered = Scattered::of(response, [0.3, 0.0]).unwrap();
+    let blocks = Blocks::new(response.grid(), places.to_vec());
+    let mut memory = scattered.memory();
+    let noise = |i: usize| ((i as f32 + 1.0) * 0.618_034).fract();
+    let values: Vec<f32> = (0..LANES * blocks.len()).map(|i| (noise(i) - 0.3).max(0.0)).collect();
+    let own = |values: &[f32]| {
+        let own = scattered.own(&blocks);
+        values[own.start * LANES..own.end * LANES].to_vec()
+    };
+    let mut image = vec![f32::NAN; values.len()];
+    scattered.compliance(&blocks, &values, &mut memory, &mut image);
+    scattered.complete(&blocks, &mut image);
+    let mut field: Vec<f32> = scattered.rows().own().map(noise).collect();
+    let mut out = vec![f32::NAN; values.len()];
+    scattered.interpolate(&blocks, &field, &mut memory, &mut out);
+    let interpolated = own(&out);
+    let coupled = scattered.coupled(&blocks);
+    assert!(coupled.into_iter().all(|some| out[some.start * LANES..some.end * LANES].iter().all(|x| x.is_finite())));
+    let gap: Vec<f32> = out.clone();
+    scattered.stiffness(&blocks, &gap, &mut memory, &mut out);
+    let rest = own(&out);
+    scattered.stiffen(&blocks, &mut field, &mut out, &mut memory);
+    let cells = scattered.cells(&blocks, &field);
+    let rows = scattered.coarse().points()[0];
+    let around = scattered.own(&blocks).flat_map(|block| cells.row((blocks.row(block) + 2) / 4 % rows));
+    ([image, field.clone(), [interpolated, rest, around.copied().collect()].concat()], memory.computed())
+}
+
+#[test]
+fn products_over_ranks_have_the_bits_of_one_process_and_a_part_of_its_work() {
+    // Blocks everywhere, in a few rows, and in one row, so that some processes have none.
+    let everywhere = |grid: &Grid| places(grid);
+    let some_rows = |grid: &Grid| {
+        let width = grid.points()[1] / LANES;
+        (0..grid.len() / LANES).filter(|place| matches!(place / width, 3..9 | 40 | 120..)).collect()
+    };
+    let one_row = |grid: &Grid| (50..60).map(|place| 7 * grid.points()[1] / LANES + place % 16).collect();
+    for ([rows, columns], lengths) in [([128, 128], [1.0, 1.0]), ([240, 192], [1.3, 1.0])] {
+        let grid = Grid::new([rows, columns], lengths).unwrap();
+        let body = Body::half_space(Material::from_contact_modulus(2.0, 0.3).unwrap());
+        type Places = dyn Fn(&Grid) -> Vec<usize>;
+        let kinds: [&Places; 3] = [&everywhere, &some_rows, &one_row];
+        for (kind, places) in kinds.into_iter().enumerate() {
+            let mut places = places(&grid);
+            places.sort_unstable();
+            places.dedup();
+            let (alone, work) = products(&NormalResponse::new(grid, &body), &places);
+            for size in 1..=4 {
+                let each = ThreadRanks::of(size, |ranks| {
+                    let share = Share::among(ranks, grid.points(), 1).unwrap();
+                    products(&NormalResponse::distributed(grid, &body, &share), &places)
+                });
+                assert!(each.iter().all(|([image, ..], _)| bits(image).eq(bits(&alone[0]))), "{kind} {size}");
+                let field = each.iter().flat_map(|([_, field, _], _)| bits(field));
+                assert!(field.eq(bits(&alone[1])), "{kind} {size}");
+                let total: usize = each.iter().map(|([_, _, own], _)| own.len()).sum();
+                assert_eq!(total, alone[2].len());
+                // All blocks are computed once, and interpolated again up to six rows away from the rows of a process.
+                let all: u64 = each.iter().map(|(_, work)| work).sum();
+                let most = each.iter().map(|(_, work)| *work).max().unwrap();
+                assert!(all >= work && most <= work, "{kind} {size}: {most} of {work}");
+                if kind == 0 {
+                    let beside = 12 * work / 3 / grid.points()[0] as u64;
+                    assert!(most <= work / size as u64 + 3 * beside, "{size}: {most} of {work}");
+                }
+            }
+        }
+    }
+}
+
+fn bits(values: &[f32]) -> impl Iterator<Item = u32> {
+    values.iter().map(|value| value.to_bits())
 }
