@@ -21,7 +21,7 @@ use gfmd_files::Output;
 use gfmd_flow::Wanted;
 use gfmd_interface::Path;
 use gfmd_law::LawKind;
-use gfmd_problem::{AnyState, Facts, Posed, Unknown, key, words};
+use gfmd_problem::{Facts, Posed, Unknown, key, words};
 use gfmd_record::{NOT_SOLVED, OnFinerGrid, Record, StateContext};
 use gfmd_response::Components;
 use gfmd_surface::{Interpolation, PowerSpectrum};
@@ -46,7 +46,7 @@ use gfmd_run::series::{
 };
 use gfmd_run::trace::{Trace, TraceArgs, Tracer};
 
-use crate::whole::Whole;
+use crate::whole::{Whole, shown_by_first};
 use gfmd_problem::options::Options;
 use law_file::{LawFile, LawFileArgs};
 pub use measure::measure;
@@ -335,7 +335,10 @@ impl Loads {
             let fields =
                 if args.vtk.is_some() { fields(&prepared.facts, state, prepared.base.as_ref()) } else { Vec::new() };
             let whole = Whole::of(prepared, shown, fields, state.lateral());
-            session.agree(whole.map_or(Ok(()), |whole| self.show(args, state, &whole, &gathered, &mut report)))?;
+            let below = state.lower().map(|lower| SceneFields::below(lower, state.lower_plastic_depth()));
+            let below = below.and_then(|shown| shown_by_first(&prepared.surface, shown));
+            let show = |whole| self.show(args, &whole, below.as_ref(), &gathered, &mut report);
+            session.agree(whole.map_or(Ok(()), show))?;
         }
         let law = self.law.as_ref().filter(|_| failure.is_none()).map(|law| law.write(&report, prepared)).transpose();
         let failure = match session.agree(law) {
@@ -367,8 +370,8 @@ impl Loads {
     fn show(
         &self,
         args: &Args,
-        state: &AnyState,
         whole: &Whole,
+        below: Option<&SceneFields>,
         gathered: &Gathered,
         report: &mut Report,
     ) -> Result<(), Failure> {
@@ -379,8 +382,7 @@ impl Loads {
         let Whole { surface, hardness, shown, .. } = whole;
         let variance = self.pressure_variance(surface, args.problem.components);
         let upper = Scene::upper(surface, shown, report.head.e_star, hardness.as_deref());
-        let below = state.lower().map(|lower| SceneFields::below(lower, state.lower_plastic_depth()));
-        let lower = below.as_ref().map(|shown| Scene { shown, face: Face::Lower, ..upper });
+        let lower = below.map(|shown| Scene { shown, face: Face::Lower, ..upper });
         let scenes: Vec<Scene> = [upper].into_iter().chain(lower).collect();
         report.plots = figures::draw(prefix, report, &scenes, variance)?;
         let repulsion = ArrayView2::from_shape(surface.grid.points(), &shown.repulsion);

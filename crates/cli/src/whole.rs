@@ -39,10 +39,7 @@ impl<'a> Whole<'a> {
                 lateral: Cow::Borrowed(lateral),
             });
         }
-        let columns = surface.grid.points()[1];
-        let SceneFields { pressure, repulsion, gap, level } = shown;
-        let [pressure, repulsion, gap, level] =
-            [pressure, repulsion, gap, level].map(|own| gathered(share, own, columns));
+        let shown = shown_by_first(surface, shown);
         let gathered = fields.into_iter().map(|Field { name, units, values }| {
             let values = rows::gathered(share, values.view())?;
             Some(Field { name, units, values: values.into() })
@@ -57,10 +54,21 @@ impl<'a> Whole<'a> {
             lateral.iter().map(|field| rows::gathered(share, field.view())).collect();
         let lateral = lateral.into_iter().flatten().collect();
         let surface = Cow::Owned(surface.gathered()?);
-        let shown = SceneFields { pressure: pressure?, repulsion: repulsion?, gap: gap?, level: level? };
+        let shown = shown?;
         let hardness = hardness.flatten().map(Cow::Owned);
         Some(Self { surface, hardness, shown, fields: fields.into_iter().flatten().collect(), lateral })
     }
+}
+
+/// Gathers fields for figures on the first process; `None` on the others. All processes must call it.
+pub(crate) fn shown_by_first(surface: &Surface, shown: SceneFields) -> Option<SceneFields> {
+    let (share, columns) = (&surface.share, surface.grid.points()[1]);
+    if share.is_whole() {
+        return Some(shown);
+    }
+    let SceneFields { pressure, repulsion, gap, level } = shown;
+    let [pressure, repulsion, gap, level] = [pressure, repulsion, gap, level].map(|own| gathered(share, own, columns));
+    Some(SceneFields { pressure: pressure?, repulsion: repulsion?, gap: gap?, level: level? })
 }
 
 /// Gathers all rows on the first process; `own` are the rows of this one.

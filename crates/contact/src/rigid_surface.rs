@@ -133,10 +133,9 @@ impl RigidSurface {
         let (true, Ok(grid)) = (found == expected, Grid::new([2 * nx, ny], upper.grid.lengths())) else {
             return Err(Refusal::Shape { found, expected });
         };
-        let [rows, columns] = grid.rows();
         Ok(Self {
             grid,
-            share: Share::whole(rows, columns),
+            share: upper.share.of_faces(),
             clearance: [&upper.clearance[..], &lower.clearance].concat(),
             mean_clearance: 0.5 * (upper.mean_clearance + lower.mean_clearance),
             rms_height: upper.rms_height.hypot(lower.rms_height),
@@ -314,7 +313,7 @@ impl RigidSurface {
 /// Returns the shape of the fields of a process on a grid.
 fn shape(share: &Share, grid: &Grid) -> [usize; 2] {
     let [nx, ny] = grid.points();
-    [if share.is_whole() { nx } else { share.rows().len() }, ny]
+    [if share.is_whole() { nx } else { share.faces() * share.rows().len() }, ny]
 }
 
 #[cfg(test)]

@@ -4,12 +4,12 @@ mod dual;
 
 use std::sync::Arc;
 
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, Plate};
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Ceiling, Upper, Variables as _, Visit, Watch, worst};
 use gfmd_response::{PlateResponse, PlateTransforms};
-use gfmd_vector::with_contiguous;
+use gfmd_vector::{add, with_contiguous};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
 use crate::refine::{Refined, coarsest, refine};
@@ -60,7 +60,23 @@ impl SqueezedContact {
     /// A body that is no slab and no stack of layers; heights that differ in shape from the grid, are not finite, or
     /// are both flat; E* h_rms / L too large or small for a number.
     pub fn new(body: &Body, grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::of_plate(Plate::of(body)?, body, grid, [upper, lower])
+        Self::distributed(&grid.whole(), body, grid, upper, lower)
+    }
+
+    /// Makes the contact as [`new`](Self::new), solved by the processes of a [`share`](crate::Contact::share). Each
+    /// process gives and gets only its rows of all fields, and all make the same calls. Fields and numbers have the
+    /// bits of a single process.
+    ///
+    /// # Errors
+    /// The errors of [`new`](Self::new), on all processes.
+    pub fn distributed(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        upper: &ArrayRef2<f64>,
+        lower: &ArrayRef2<f64>,
+    ) -> Result<Self, Refusal> {
+        Self::of_plate(share, Plate::of(body)?, body, grid, [upper, lower])
     }
 
     /// Makes the contact as [`new`](Self::new) of a slab whose faces have no lateral displacement: the two surfaces
@@ -74,18 +90,40 @@ impl SqueezedContact {
         upper: &ArrayRef2<f64>,
         lower: &ArrayRef2<f64>,
     ) -> Result<Self, Refusal> {
-        Self::of_plate(Plate::held_sideways(body)?, body, grid, [upper, lower])
+        Self::held_sideways_over(&grid.whole(), body, grid, upper, lower)
     }
 
-    fn of_plate(plate: Plate, body: &Body, grid: &Grid, [upper, lower]: [&ArrayRef2<f64>; 2]) -> Result<Self, Refusal> {
-        let surfaces = [RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()];
+    /// Makes the contact as [`held_sideways`](Self::held_sideways), solved by several processes as
+    /// [`distributed`](Self::distributed).
+    ///
+    /// # Errors
+    /// The errors of [`new`](Self::new), on all processes.
+    pub fn held_sideways_over(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        upper: &ArrayRef2<f64>,
+        lower: &ArrayRef2<f64>,
+    ) -> Result<Self, Refusal> {
+        Self::of_plate(share, Plate::held_sideways(body)?, body, grid, [upper, lower])
+    }
+
+    fn of_plate(
+        share: &Share,
+        plate: Plate,
+        body: &Body,
+        grid: &Grid,
+        [upper, lower]: [&ArrayRef2<f64>; 2],
+    ) -> Result<Self, Refusal> {
+        let surface = |heights: &ArrayRef2<f64>| RigidSurface::distributed(share, grid, heights).map(Arc::new);
+        let surfaces = [surface(upper)?, surface(lower)?];
         let rougher = rougher(&surfaces);
         if rougher.rms_height() == 0.0 {
             return Err(Refusal::Flat);
         }
         let units = Units::of(body, rougher)?;
         let plate = if units.are_one() { plate } else { plate.in_units(units.modulus(), units.lateral()) };
-        let response = PlateResponse::new(units.grid(grid), &plate).into();
+        let response = PlateResponse::distributed(units.grid(grid), &plate, share).into();
         let scaled = surfaces.each_ref().map(|surface| units.surface(surface));
         Ok(Self { plate, response, scaled, surfaces, hardness: None, contact_modulus: body.contact_modulus(), units })
     }
@@ -143,8 +181,8 @@ impl SqueezedContact {
         let stress = self.units.stress();
         let mut both = Vec::new();
         for pressure in pressures {
-            let [found, expected] = [pressure.dim().into(), self.response.grid().points()];
-            if found != expected {
+            let (found, expected) = (pressure.dim().into(), self.surfaces[0].shape());
+            if self.share().any(found != expected) {
                 return Err(Refusal::Shape { found, expected });
             }
             both.extend(pressure.iter().map(|p| p / stress));
@@ -154,13 +192,14 @@ impl SqueezedContact {
 
     /// Computes the state as [`certify`](Self::certify), for pressures on both faces, all in `units`.
     fn certified(&self, mut pressure: Vec<f64>, load: Load) -> SqueezedSolution {
-        let (points, hardness) = (self.response.grid().len(), self.hardness.as_ref());
+        let (share, points, hardness) = (self.share(), self.points(), self.hardness.as_ref());
+        let all = share.total() as f64;
         let mut transforms = PlateTransforms::of(&self.response);
         let mut displacement = vec![0.0; pressure.len()];
         transforms.compliance(0.0, &pressure, &mut displacement);
         displacement.iter_mut().for_each(|u| *u = -*u);
-        let [upper, lower] = [&pressure[..points], &pressure[points..]].map(gfmd_vector::total);
-        let sinking = self.response.uniform_compliance() * 0.5 * (upper + lower) / points as f64;
+        let [upper, lower] = [&pressure[..points], &pressure[points..]].map(|face| share.total_of(face));
+        let sinking = self.response.uniform_compliance() * 0.5 * (upper + lower) / all;
         let loads = match load {
             Load::MeanPressure(_) => [load; 2],
             Load::Approach(approach) => {
@@ -170,9 +209,11 @@ impl SqueezedContact {
                     let range = face * points..(face + 1) * points;
                     let (clearance, pressure) = (self.scaled[face].clearance(), &pressure[range.clone()]);
                     let displacement = &displacement[range];
-                    let touching = (0..points).filter(|i| pressure[*i] > 0.0 && pressure[*i] < ceiling.at(*i));
-                    let (sum, count) = touching
-                        .fold((0.0, 0.0), |(sum, count), i| (sum + clearance[i] - displacement[i], count + 1.0));
+                    let touches = |i: &usize| pressure[*i] > 0.0 && pressure[*i] < ceiling.at(*i);
+                    let of_range = |range: std::ops::Range<usize>| {
+                        range.filter(touches).fold([0.0; 2], |sums, i| add(sums, [clearance[i] - displacement[i], 1.0]))
+                    };
+                    let [sum, count] = share.reduce(&of_range, &add);
                     let mean = if count > 0.0 || hardness.is_none() {
                         sum / count
                     } else {
@@ -186,7 +227,7 @@ impl SqueezedContact {
         };
         let length_scale = self.length_scale(load);
         // A face on a flat surface need not move at all.
-        let extent = displacement.chunks_exact(points).map(extent_of).fold(0.0, f64::max);
+        let extent = displacement.chunks_exact(points).map(|face| extent_of(share, face)).fold(0.0, f64::max);
         let mut face = |index: usize| {
             let pressure = pressure.split_off(index * points);
             let displacement = displacement.split_off(index * points);
@@ -215,6 +256,16 @@ impl SqueezedContact {
         }
     }
 
+    /// Returns the rows of this process on each face.
+    fn share(&self) -> &Share {
+        self.response.share()
+    }
+
+    /// Returns the number of points of this process on each face.
+    fn points(&self) -> usize {
+        self.share().own().len()
+    }
+
     /// Returns the length scale of the residuals before the displacement is known, in `units`: the root of the sum of
     /// the squares of the two rms heights, unless the approach is very small.
     fn length_scale(&self, load: Load) -> f64 {
@@ -224,10 +275,11 @@ impl SqueezedContact {
 }
 
 /// Returns the largest minus the smallest value of a field.
-fn extent_of(field: &[f64]) -> f64 {
-    let [lowest, highest] = field
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[lowest, highest], value| [lowest.min(*value), highest.max(*value)]);
+fn extent_of(share: &Share, field: &[f64]) -> f64 {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let wider = |[lowest, highest]: [f64; 2], [low, high]: [f64; 2]| [lowest.min(low), highest.max(high)];
+    let own = field.iter().fold(none, |ends, value| wider(ends, [*value; 2]));
+    let [lowest, highest] = share.each(own).into_iter().fold(none, wider);
     highest - lowest
 }
 
@@ -251,7 +303,7 @@ impl Equilibrium for SqueezedContact {
             Load::MeanPressure(found) if found > 0.0 && found.is_finite() => {
                 Units::check_pressure(found)?;
                 if let Some(hardness) = self.hardness() {
-                    hardness.check_mean(found)?;
+                    hardness.check_mean_over(&self.surfaces[0], found)?;
                 }
             }
             Load::MeanPressure(found) => return Err(Refusal::MeanPressure { found }),
@@ -318,14 +370,16 @@ impl SqueezedContact {
     fn check_start(&self, start: &SqueezedSolution) -> Result<Vec<f64>, Refusal> {
         let mut both = Vec::new();
         for Solution { pressure, .. } in [&start.upper, &start.lower] {
-            let (found, expected) = (pressure.len(), self.response.grid().len());
-            if found != expected {
+            let (share, found, expected) = (self.share(), pressure.len(), self.points());
+            if share.any(found != expected) {
                 return Err(Refusal::Start { found, expected });
             }
-            if let Some(((i, j), &value)) = pressure.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0)) {
-                return Err(Refusal::StartPressure { index: [i, j], value });
+            let first = if share.is_whole() { 0 } else { share.rows().start };
+            let wrong = pressure.indexed_iter().find(|(_, p)| !(p.is_finite() && **p >= 0.0));
+            if let Some((index, value)) = share.first(wrong.map(|((i, j), value)| ([first + i, j], *value))) {
+                return Err(Refusal::StartPressure { index, value });
             }
-            if pressure.iter().all(|p| *p == 0.0) {
+            if !share.any(pressure.iter().any(|p| *p != 0.0)) {
                 return Err(Refusal::StartApart);
             }
             both.extend(pressure.iter().map(|p| p / self.units.stress()));
@@ -338,16 +392,16 @@ impl SqueezedContact {
 impl Resumable for SqueezedContact {
     fn keep(&self, state: &mut SqueezedSolution, visitor: &mut dyn Visit) {
         for face in [&mut state.upper, &mut state.lower] {
-            with_contiguous(&mut face.pressure, |pressure| visitor.field(pressure));
+            with_contiguous(&mut face.pressure, |pressure| visitor.rows(self.share(), pressure));
         }
         state.effort.visit(visitor);
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<SqueezedSolution, Refusal> {
         self.check(drive)?;
-        let points = self.response.grid().len();
+        let points = self.points();
         let mut pressure = vec![0.0; 2 * points];
-        pressure.chunks_exact_mut(points).for_each(|face| visitor.field(face));
+        pressure.chunks_exact_mut(points).for_each(|face| visitor.rows(self.share(), face));
         let stress = self.units.stress();
         pressure.iter_mut().for_each(|p| *p /= stress);
         let mut state = self.given_units(self.certified(pressure, self.units.drive(drive).load));

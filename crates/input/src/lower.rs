@@ -110,12 +110,17 @@ impl LowerArgs {
     }
 }
 
-/// Writes the group of the lower surface.
+/// Writes the group of the lower surface; of several processes, the first one has the `archive`.
 ///
 /// # Errors
-/// Returns an error if the file cannot be written.
-pub fn write(lower: &Surface, archive: &mut Archive, axes: [&Dimension; 2]) -> Result<(), Failure> {
-    lower.write_as(archive, GROUP, "height of the lower rigid surface, peaks towards the elastic body", axes)
+/// Returns an error, at the first process, if the file cannot be written.
+pub fn write(lower: &Surface, archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
+    let long_name = "height of the lower rigid surface, peaks towards the elastic body";
+    match archive {
+        Some(archive) if lower.share.is_whole() => lower.write_as(archive, GROUP, long_name, axes),
+        archive if !lower.share.is_whole() => lower.write_shared_as(archive, GROUP, long_name, axes),
+        _ => Ok(()),
+    }
 }
 
 /// Returns true if the file has a lower surface.

@@ -321,16 +321,30 @@ impl Surface {
     ///
     /// # Errors
     /// Returns an error, at the first process, if the file cannot be written.
-    pub fn write_shared(&self, mut archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
-        let height = Variable { dimensions: &axes, units: self.unit(), long_name: LONG_NAME };
-        let path = format!("{GROUP}/height");
+    pub fn write_shared(&self, archive: Option<&mut Archive>, axes: [&Dimension; 2]) -> Result<(), Failure> {
+        self.write_shared_as(archive, GROUP, LONG_NAME, axes)
+    }
+
+    /// Writes like [`write_as`](Self::write_as) if several processes have the rows of the heights.
+    ///
+    /// # Errors
+    /// Returns an error, at the first process, if the file cannot be written.
+    pub fn write_shared_as(
+        &self,
+        mut archive: Option<&mut Archive>,
+        group: &str,
+        long_name: &str,
+        axes: [&Dimension; 2],
+    ) -> Result<(), Failure> {
+        let height = Variable { dimensions: &axes, units: self.unit(), long_name };
+        let path = format!("{group}/height");
         let defined = archive.as_mut().map_or(Ok(()), |archive| archive.define_rows(&path, &height));
         let mut sum = Checksum::default();
         let see = |values: &[f64]| values.iter().for_each(|height| sum.bytes(&height.to_le_bytes()));
         let written = rows::write(&self.share, self.heights.view(), archive.as_deref_mut(), (&path, None), see);
         defined?;
         written?;
-        archive.map_or(Ok(()), |archive| self.write_about(archive, GROUP, sum.text()))
+        archive.map_or(Ok(()), |archive| self.write_about(archive, group, sum.text()))
     }
 
     /// Writes the attributes of a group, with the `checksum` of the heights.

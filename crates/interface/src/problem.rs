@@ -220,7 +220,7 @@ impl Interface {
             let Ok(grid) = Grid::new([nx / 2, ny], lengths) else {
                 return Err(Refusal::Start { found: nx, expected: 2 });
             };
-            Ok((PlateResponse::new(grid, &plate(body)?).into(), None))
+            Ok((PlateResponse::distributed(grid, &plate(body)?, &surface.share().face()).into(), None))
         })
     }
 

@@ -10,11 +10,12 @@ use gfmd_contact::{
     Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError, Solver,
     SqueezedContact, SqueezedSolution, Stiffness, Visit,
 };
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, GreenError, Plate};
 use gfmd_law::Law;
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Watch};
+use gfmd_vector::contiguous;
 use ndarray::{Array2, ArrayRef2, ArrayView2, Axis, CowArray, Ix2, Zip, concatenate, s};
 
 use crate::quasistatic::{Parts, QuasistaticContact, QuasistaticState, StiffnessError};
@@ -183,8 +184,10 @@ impl Interface {
     pub(crate) fn face_of(&self, both: &State, face: usize, surface: &Arc<RigidSurface>, length: f64) -> State {
         let rows = both.gap.nrows() / 2;
         let part = |field: &Array2<f64>| field.slice(s![face * rows..(face + 1) * rows, ..]).to_owned();
+        let share = surface.share();
         let means = |field: &ndarray::Array3<f64>| {
-            [0, 1].map(|face| field.slice(s![.., face * rows..(face + 1) * rows, ..]).mean().unwrap_or(f64::NAN))
+            let (points, field) = (field.len() / 2, contiguous(field));
+            [0, 1].map(|face| share.total_of(&field[face * points..(face + 1) * points]) / share.total() as f64)
         };
         let [above, below] = means(&both.displacement);
         let shift = if face == 0 { 0.5 * (above - below) } else { 0.5 * (below - above) };
@@ -198,7 +201,7 @@ impl Interface {
         State {
             displacement: vectors(&both.displacement) - shift,
             traction: vectors(&both.traction),
-            contact_fraction: touching as f64 / gap.len() as f64,
+            contact_fraction: share.each(touching).into_iter().sum::<usize>() as f64 / share.total() as f64,
             gap,
             wall_pressure,
             pressed_in: both.pressed_in.as_ref().map(part),
@@ -213,15 +216,16 @@ impl Interface {
 }
 
 /// Returns the surfaces of both faces.
-fn surfaces(grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<[Arc<RigidSurface>; 2], Refusal> {
-    Ok([RigidSurface::new(grid, upper)?.into(), RigidSurface::new(grid, lower)?.into()])
+fn surfaces(share: &Share, grid: &Grid, faces: [&ArrayRef2<f64>; 2]) -> Result<[Arc<RigidSurface>; 2], Refusal> {
+    let surface = |heights: &ArrayRef2<f64>| RigidSurface::distributed(share, grid, heights).map(Arc::new);
+    Ok([surface(faces[0])?, surface(faces[1])?])
 }
 
 /// Returns the hardness of both faces.
 fn of_both(hardness: &Hardness, surface: &RigidSurface) -> Result<Hardness, Refusal> {
     let Hardness::Field(field) = hardness else { return Ok(hardness.clone()) };
-    let (found, expected) = (field.dim().into(), surface.grid().points());
-    if found != expected {
+    let (found, expected) = (field.dim().into(), surface.shape());
+    if surface.share().any(found != expected) {
         return Err(Refusal::HardnessShape { found, expected });
     }
     Ok(Hardness::Field(stacked(field, field)))
@@ -246,7 +250,22 @@ impl Squeezed<Interface> {
         lower: &ArrayRef2<f64>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::of_plate(Plate::of, body, surfaces(grid, upper, lower)?, law)
+        Self::distributed(&grid.whole(), body, grid, [upper, lower], law)
+    }
+
+    /// Creates the contact as [`new`](Self::new), solved by the processes of a
+    /// [`share`](gfmd_contact::Contact::share), which give and get their rows of the fields of both faces.
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new), on all processes.
+    pub fn distributed(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        faces: [&ArrayRef2<f64>; 2],
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::of_plate(Plate::of, body, surfaces(share, grid, faces)?, law)
     }
 
     /// Creates the contact as [`new`](Self::new) of a slab whose faces have no lateral displacement: the two surfaces
@@ -261,7 +280,22 @@ impl Squeezed<Interface> {
         lower: &ArrayRef2<f64>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::of_plate(Plate::held_sideways, body, surfaces(grid, upper, lower)?, law)
+        Self::held_sideways_over(&grid.whole(), body, grid, [upper, lower], law)
+    }
+
+    /// Creates the contact as [`held_sideways`](Self::held_sideways), solved by several processes as
+    /// [`distributed`](Self::distributed).
+    ///
+    /// # Errors
+    /// Returns an error as [`new`](Self::new), on all processes.
+    pub fn held_sideways_over(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        faces: [&ArrayRef2<f64>; 2],
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::of_plate(Plate::held_sideways, body, surfaces(share, grid, faces)?, law)
     }
 
     fn of_plate(
@@ -292,7 +326,8 @@ impl Squeezed<QuasistaticContact> {
     /// Returns an error as [`QuasistaticContact::new`] and [`Squeezed::new`], and for shear, wear by slip, a body that
     /// relaxes in shear alone, and free boundaries.
     pub fn on_path(parts: &Parts, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let surfaces = surfaces(parts.grid, parts.heights, lower)?;
+        let share = &parts.share.cloned().unwrap_or_else(|| parts.grid.whole());
+        let surfaces = surfaces(share, parts.grid, [parts.heights, lower])?;
         let hardness = parts.hardness.as_ref().map(|hardness| of_both(hardness, &surfaces[0])).transpose()?;
         let contact = QuasistaticContact::squeezed(&Parts { hardness, ..parts.clone() }, &surfaces)?;
         Ok(Self { contact, surfaces })
@@ -356,11 +391,11 @@ impl<C: Stacked> Squeezed<C> {
     /// Returns an error for fields that do not fit the grid.
     pub fn recall(&self, upper: StoredFields<'_>, lower: StoredFields<'_>) -> Result<SqueezedState<C::State>, Refusal> {
         let clearance = self.surfaces[0].clearance();
-        let values = upper.gap.iter().zip(upper.displacement_z);
-        let sum: f64 = clearance.iter().zip(values).map(|(clearance, (gap, u))| clearance - gap - u).sum();
-        let approach = 0.5 * upper.approach;
-        let shift = sum / clearance.len() as f64 - approach;
+        let (share, approach) = (self.surfaces[0].share(), 0.5 * upper.approach);
         let pressure = self.stack(upper.pressure, lower.pressure)?;
+        let values = upper.gap.iter().zip(upper.displacement_z);
+        let above: Vec<f64> = clearance.iter().zip(values).map(|(clearance, (gap, u))| clearance - gap - u).collect();
+        let shift = share.total_of(&above) / share.total() as f64 - approach;
         let displacement_z = self.stack(&(upper.displacement_z + shift), &(lower.displacement_z - shift))?;
         let gap = self.stack(upper.gap, lower.gap)?;
         let both = StoredFields { pressure: &pressure, displacement_z: &displacement_z, gap: &gap, approach };
@@ -393,9 +428,10 @@ impl<C: Stacked> Squeezed<C> {
     }
 
     fn stack(&self, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Array2<f64>, Refusal> {
-        let [nx, ny] = self.surfaces[0].grid().points();
-        match [upper, lower].into_iter().find(|field| field.dim() != (nx, ny)) {
-            Some(wrong) => Err(Refusal::Start { found: wrong.len(), expected: nx * ny }),
+        let (surface, [nx, ny]) = (&self.surfaces[0], self.surfaces[0].shape());
+        let wrong = [upper, lower].into_iter().find(|field| field.dim() != (nx, ny)).map(|wrong| wrong.len());
+        match surface.share().first(wrong) {
+            Some(found) => Err(Refusal::Start { found, expected: nx * ny }),
             None => Ok(stacked(upper, lower)),
         }
     }

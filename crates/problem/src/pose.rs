@@ -134,8 +134,8 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
         if facts.has_law() {
             let law = Arc::clone(law);
             let contact = match facts.unknown {
-                Unknown::Held => Squeezed::held_sideways(body, grid, heights, lower, law)?,
-                _ => Squeezed::new(body, grid, heights, lower, law)?,
+                Unknown::Held => Squeezed::held_sideways_over(share, body, grid, [heights, lower], law)?,
+                _ => Squeezed::distributed(share, body, grid, [heights, lower], law)?,
             };
             return Ok(Posed::new(match hardness {
                 Some(hardness) => contact.with_hardness(hardness.clone())?,
@@ -143,8 +143,8 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
             }));
         }
         let contact = match facts.unknown {
-            Unknown::Held => SqueezedContact::held_sideways(body, grid, heights, lower)?,
-            _ => SqueezedContact::new(body, grid, heights, lower)?,
+            Unknown::Held => SqueezedContact::held_sideways_over(share, body, grid, heights, lower)?,
+            _ => SqueezedContact::distributed(share, body, grid, heights, lower)?,
         };
         return Ok(Posed::new(match hardness {
             Some(hardness) => contact.with_hardness(hardness.clone())?,

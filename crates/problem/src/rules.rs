@@ -325,8 +325,6 @@ parts! {
     History: |_| (key("history"), "given", key("history")), |f| f.history;
     /// Run that continues an earlier one.
     Resume: |_| (key("resume"), "given", key("resume")), |f| f.resume;
-    /// Processes that share a problem.
-    Several: |_| ("mpirun".into(), "given", "several processes".into()), |f| f.processes > 1;
 }
 
 impl Part {
@@ -446,7 +444,6 @@ pub const RULES: &[Rule] = {
         rule(Plate, Yield, "bonded, sliding or half-space", "the strain above a free lower face is not computed"),
         rule(Flowing, Line, "left out", "a profile has no flow"),
         rule(History, Resume, "left out", "it records a search from its beginning"),
-        rule(Lower, Several, "left out", "several processes do not share the two faces of a slab"),
         rule(FiniteSlope, Path, "left out", "points that move sideways would take their histories with them"),
         rule(All, Path, "normal", "lateral motion and friction make all components unknown"),
         rule(FlowThreshold, Path, "left out", "the load of a path may fall, and the gap close more than once"),
@@ -491,20 +488,20 @@ impl Facts {
 }
 
 /// Parts without derivatives.
-const WITHOUT_GRADIENT: [Part; 4] = {
+const WITHOUT_GRADIENT: [Part; 3] = {
     use Part::*;
-    [FiniteSlope, Lower, MovedBase, Several]
+    [FiniteSlope, Lower, MovedBase]
 };
 
 impl Facts {
     /// Checks that the derivatives of a state are known.
     ///
     /// # Errors
-    /// Returns an error that names the first part without derivatives.
+    /// Returns an error that names the first part without derivatives, or several processes.
     pub fn check_gradient(&self) -> Result<(), Unusable> {
-        let found = WITHOUT_GRADIENT.into_iter().find(|part| part.is_in(self));
-        found.map_or(Ok(()), |part| {
-            let (name, found, _) = part.words(self);
+        let found = WITHOUT_GRADIENT.into_iter().find(|part| part.is_in(self)).map(|part| part.words(self));
+        let several = (self.processes > 1).then(|| ("mpirun".into(), "given", Words::default()));
+        found.or(several).map_or(Ok(()), |(name, found, _)| {
             Err(Unusable::value(name, found, "left out for derivatives").because(NOT_IMPLEMENTED))
         })
     }

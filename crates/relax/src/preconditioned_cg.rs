@@ -73,10 +73,10 @@ impl PreconditionedCg {
         target: &Target,
         watch: &mut dyn Watch,
     ) -> Result<Minimum, RelaxError> {
-        let share = Share::whole(problem.linear().len(), 1);
-        target.check_between(x, &share, &problem.upper())?;
         let even = x.len().is_multiple_of(2);
         RelaxError::check_parameter("the number of variables", x.len() as f64, even, "even")?;
+        let share = problem.share();
+        target.check_between(x, &share, &problem.upper())?;
         Ok(search(pair::Pair::new(problem, x, target), target, &share, watch))
     }
 }

@@ -68,10 +68,7 @@ impl Elastic {
         match self {
             Self::Normal(response) => response.share().clone(),
             Self::Full(response) => response.share().clone(),
-            Self::Plate(response) => {
-                let [rows, columns] = response.grid().rows();
-                Share::whole(2 * rows, columns)
-            }
+            Self::Plate(response) => response.share().of_faces(),
         }
     }
 

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_field::{Grid, Transform, Workspace};
+use gfmd_field::{Grid, Share, Transform, Workspace};
 use gfmd_green::{Plate, PlateCompliance};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -16,6 +16,8 @@ const CHUNK: usize = 4096;
 #[derive(Debug)]
 pub struct PlateResponse {
     transform: Transform,
+    /// Rows of this process, of one face.
+    share: Share,
     compliance: Vec<Symmetric>,
     stiffness: Vec<Symmetric>,
     following: Vec<f64>,
@@ -55,8 +57,17 @@ impl Symmetric {
 impl PlateResponse {
     /// Tabulates the response of `plate` on `grid`.
     pub fn new(grid: Grid, plate: &Plate) -> Self {
+        Self::distributed(grid, plate, &grid.whole())
+    }
+
+    /// Tabulates the response of `plate` on `grid` for the `share` of rows of this process on both faces. Each process
+    /// has the modes of its own lanes, and all make the same calls.
+    pub fn distributed(grid: Grid, plate: &Plate, share: &Share) -> Self {
+        let transform = Transform::distributed(grid, share);
+        let ([_, positions], lanes) = (grid.spectrum_shape(), transform.lanes());
+        let (start, has_uniform) = (lanes.start * positions, lanes.contains(&0));
         let of_mode = |index: usize| {
-            let mode = grid.mode_at(index);
+            let mode = grid.mode_at(start + index);
             // The uniform mode is identified by its numbers, never by a small wavenumber.
             if mode.is_uniform() {
                 return Symmetric::ZERO;
@@ -65,27 +76,33 @@ impl PlateResponse {
             Symmetric { sum: squeezing, difference: bending, mixed }
         };
         let compliance: Vec<Symmetric> =
-            (0..grid.spectrum_len()).into_par_iter().with_min_len(CHUNK).map(of_mode).collect();
+            (0..lanes.len() * positions).into_par_iter().with_min_len(CHUNK).map(of_mode).collect();
         let mut range = [f64::INFINITY, 0.0_f64];
         let mut softest_squeezing = f64::INFINITY;
-        for matrix in &compliance[1..] {
+        for matrix in &compliance[usize::from(has_uniform)..] {
             softest_squeezing = softest_squeezing.min(1.0 / matrix.sum);
             for compliance in matrix.eigenvalues() {
                 range = [range[0].min(1.0 / compliance), range[1].max(1.0 / compliance)];
             }
         }
+        let all = share.each([range[0], range[1], softest_squeezing]).into_iter();
+        let [least, most, softest_squeezing] = all.fold([f64::INFINITY, 0.0, f64::INFINITY], |ends, own| {
+            [ends[0].min(own[0]), ends[1].max(own[1]), ends[2].min(own[2])]
+        });
         let mut stiffness: Vec<Symmetric> = compliance.par_iter().with_min_len(CHUNK).map(|m| m.inverse()).collect();
-        stiffness[0] = Symmetric::ZERO;
         let following = |m: &Symmetric| ((m.difference - m.sum) / (m.difference + m.sum)).max(0.0);
         let mut following: Vec<f64> = compliance.iter().map(following).collect();
-        following[0] = 1.0;
+        if has_uniform {
+            (stiffness[0], following[0]) = (Symmetric::ZERO, 1.0);
+        }
         Self {
-            transform: Transform::new(grid),
+            transform,
+            share: share.clone(),
             compliance,
             stiffness,
             following,
             uniform_compliance: plate.compliance(0.0).squeezing,
-            stiffness_range: range,
+            stiffness_range: [least, most],
             softest_squeezing,
             contact_modulus: plate.contact_modulus(),
         }
@@ -94,6 +111,11 @@ impl PlateResponse {
     /// Returns the grid of the faces.
     pub fn grid(&self) -> &Grid {
         self.transform.grid()
+    }
+
+    /// Returns the rows of this process, of one face; a single process has all rows.
+    pub fn share(&self) -> &Share {
+        &self.share
     }
 
     /// Returns the compliance of the uniform mode in length/stress: half of the plate compression due to a uniform
@@ -187,18 +209,21 @@ impl PlateTransforms {
     fn apply(&mut self, table: &[Symmetric], uniform: [f64; 2], field: &[f64], out: &mut [f64]) {
         self.singles += 4;
         let Self { response, workspace, spectra: [upper, lower], .. } = self;
-        let (transform, points) = (&response.transform, response.grid().len());
+        let (transform, points) = (&response.transform, response.share.own().len());
+        let has_uniform = transform.lanes().contains(&0);
         fits(transform.forward(&field[..points], upper, workspace));
         fits(transform.forward(&field[points..], lower, workspace));
-        let level = uniform[0] * 0.5 * (upper[0] + lower[0]);
-        let shift = uniform[1] * 0.5 * (upper[0] - lower[0]);
+        let means = has_uniform.then(|| [0.5 * (upper[0] + lower[0]), 0.5 * (upper[0] - lower[0])]);
         (&mut *upper, &mut *lower, table).into_par_iter().with_min_len(CHUNK).for_each(|(upper, lower, m)| {
             let (sum, difference) = (0.5 * (*upper + *lower), 0.5 * (*upper - *lower));
             let (in_sum, in_difference) =
                 (sum * m.sum + difference * m.mixed, sum * m.mixed + difference * m.difference);
             (*upper, *lower) = (in_sum + in_difference, in_sum - in_difference);
         });
-        (upper[0], lower[0]) = if uniform[1] == 0.0 { (level, level) } else { (level + shift, level - shift) };
+        if let Some([sum, difference]) = means {
+            let (level, shift) = (uniform[0] * sum, uniform[1] * difference);
+            (upper[0], lower[0]) = if uniform[1] == 0.0 { (level, level) } else { (level + shift, level - shift) };
+        }
         let (first, second) = out.split_at_mut(points);
         fits(transform.inverse(upper, first, workspace));
         fits(transform.inverse(lower, second, workspace));

@@ -20,6 +20,8 @@ pub struct Share {
     ranks: Arc<dyn Ranks>,
     columns: usize,
     rows: Arc<[Range<usize>]>,
+    /// Number of fields that follow one another, each divided by these rows.
+    faces: usize,
 }
 
 /// Error: more processes than can share a field.
@@ -50,7 +52,7 @@ impl std::error::Error for TooManyRanks {}
 impl Share {
     /// Returns all rows, for one process.
     pub fn whole(rows: usize, columns: usize) -> Self {
-        Self { ranks: Arc::new(Alone), columns, rows: std::iter::once(0..rows).collect() }
+        Self { ranks: Arc::new(Alone), columns, rows: std::iter::once(0..rows).collect(), faces: 1 }
     }
 
     /// Returns the rows of this rank. The `ranks` share all rows as evenly as whole leaves and whole rows of `levels`
@@ -70,7 +72,7 @@ impl Share {
         }
         let cut = |rank: usize| rows.min(units * rank / size * unit);
         let rows = (0..size).map(|rank| cut(rank)..cut(rank + 1)).collect();
-        Ok(Self { ranks, columns, rows })
+        Ok(Self { ranks, columns, rows, faces: 1 })
     }
 
     /// Returns the rows of this rank of another field, of `rows` × `columns` values, shared by the same ranks.
@@ -90,7 +92,8 @@ impl Share {
             end += length;
             start..end
         };
-        Self { ranks: Arc::clone(&self.ranks), columns, rows: self.each(own).into_iter().map(place).collect() }
+        let rows = self.each(own).into_iter().map(place).collect();
+        Self { ranks: Arc::clone(&self.ranks), columns, rows, faces: 1 }
     }
 
     /// Returns the rows of this rank of another field, of `rows` × `columns` values, shared by the same ranks as evenly
@@ -100,12 +103,30 @@ impl Share {
         let (size, units) = (self.rows.len(), rows.div_ceil(unit));
         let cut = |rank: usize| rows.min(units * rank / size * unit);
         let parts = (0..size).map(|rank| cut(rank)..cut(rank + 1)).collect();
-        (size <= units).then(|| Self { ranks: Arc::clone(&self.ranks), columns, rows: parts })
+        (size <= units).then(|| Self { ranks: Arc::clone(&self.ranks), columns, rows: parts, faces: 1 })
     }
 
     /// Returns the largest number of processes that can share a field of `rows` × `columns` values.
     pub fn most([rows, columns]: [usize; 2], levels: u32) -> usize {
         rows.div_ceil(unit(columns, levels)).max(1)
+    }
+
+    /// Returns the partition of two fields that follow one another, both divided by these rows, such as the faces of a
+    /// plate. Each rank has its rows of the first one, then its rows of the second one, and so do passes and sums.
+    #[must_use]
+    pub fn of_faces(&self) -> Self {
+        Self { faces: 2, ..self.clone() }
+    }
+
+    /// Returns the partition of one of the [faces](Self::of_faces).
+    #[must_use]
+    pub fn face(&self) -> Self {
+        Self { faces: 1, ..self.clone() }
+    }
+
+    /// Returns the number of fields that follow one another.
+    pub fn faces(&self) -> usize {
+        self.faces
     }
 
     /// Returns the processes.
@@ -133,13 +154,20 @@ impl Share {
         self.columns
     }
 
-    /// Returns the range of the values of this rank in the whole field.
+    /// Returns the range of the values of this rank in the whole field. The values of further faces extend it, since
+    /// they follow in the vectors of this rank.
     pub fn own(&self) -> Range<usize> {
-        self.values(self.ranks.rank())
+        let Range { start, end } = self.values(self.ranks.rank());
+        start..start + self.faces * (end - start)
     }
 
     /// Returns the number of values of all ranks.
     pub fn total(&self) -> usize {
+        self.faces * self.of_face()
+    }
+
+    /// Returns the number of values of all ranks in one face.
+    fn of_face(&self) -> usize {
         self.rows.last().map_or(0, |rows| rows.end * self.columns)
     }
 
@@ -159,10 +187,31 @@ impl Share {
         leaf: &(impl Fn(usize, V) -> R + Sync),
         merge: &(impl Fn(R, R) -> R + Sync),
     ) -> R {
+        if self.faces == 1 {
+            return self.pass_face(vectors, leaf, merge);
+        }
+        assert!(vectors.fits(self.own().len()), "the vectors of one pass must have the length of the share");
+        let points = self.values(self.ranks.rank()).len();
+        let mut rest = Some(vectors);
+        let results = (0..self.faces).filter_map(|face| {
+            let (part, after) = rest.take()?.split(points);
+            rest = Some(after);
+            Some(self.pass_face(part, &|start, part| leaf(face * points + start, part), merge))
+        });
+        results.reduce(merge).expect("there is at least one face")
+    }
+
+    /// Runs a pass over the values of one face.
+    fn pass_face<V: Split, R: Serialise>(
+        &self,
+        vectors: V,
+        leaf: &(impl Fn(usize, V) -> R + Sync),
+        merge: &(impl Fn(R, R) -> R + Sync),
+    ) -> R {
         if self.is_whole() {
             return pass(vectors, leaf, merge);
         }
-        let own = self.own();
+        let own = self.values(self.ranks.rank());
         assert!(vectors.fits(own.len()), "the vectors of one pass must have the length of the share");
         let mut rest = vectors;
         let mut parts = Vec::new();
@@ -182,7 +231,23 @@ impl Share {
         leaf: &(impl Fn(Range<usize>) -> R + Sync),
         merge: &(impl Fn(R, R) -> R + Sync),
     ) -> R {
-        let own = self.own();
+        if self.faces == 1 {
+            return self.reduce_face(leaf, merge);
+        }
+        let points = self.values(self.ranks.rank()).len();
+        let of_face = |face: usize| {
+            self.reduce_face(&|range| leaf(face * points + range.start..face * points + range.end), merge)
+        };
+        (1..self.faces).fold(of_face(0), |result, face| merge(result, of_face(face)))
+    }
+
+    /// Runs a reduction over the values of one face.
+    fn reduce_face<R: Serialise>(
+        &self,
+        leaf: &(impl Fn(Range<usize>) -> R + Sync),
+        merge: &(impl Fn(R, R) -> R + Sync),
+    ) -> R {
+        let own = self.values(self.ranks.rank());
         if self.is_whole() {
             return reduce(own.len(), leaf, merge);
         }
@@ -367,7 +432,7 @@ impl Share {
             find(middle..branch.end, own, found);
         }
         let mut found = Vec::new();
-        find(0..self.total(), &self.values(rank), &mut found);
+        find(0..self.of_face(), &self.values(rank), &mut found);
         found
     }
 
@@ -381,7 +446,7 @@ impl Share {
         let lengths: Vec<usize> = branches.iter().map(Vec::len).collect();
         let all = self.collect(&own, &lengths);
         let mut branches = branches.into_iter().flatten().zip(all).peekable();
-        walk(0..self.total(), &mut branches, merge)
+        walk(0..self.of_face(), &mut branches, merge)
     }
 }
 

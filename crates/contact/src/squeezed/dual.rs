@@ -1,7 +1,7 @@
 //! Both contacts in terms of their pressures: minimise ½⟨p, C p⟩ + ⟨p, clearance⟩ over p ≥ 0 on both faces, at most
 //! the hardness, with both means prescribed, or with equal means and the approach subtracted from the clearances.
 
-use gfmd_field::Rows;
+use gfmd_field::{Rows, Share};
 use gfmd_relax::{Budget, Ceiling, Ending, Paired, PreconditionedCg, RelaxError, Target, Upper, Visit, Watch};
 use gfmd_response::PlateTransforms;
 use gfmd_vector::for_each;
@@ -44,6 +44,8 @@ pub(super) fn solve(
 
 /// Quadratic function minimised by the pressures.
 struct Dual {
+    /// Rows of this process, of both faces.
+    share: Share,
     linear: Vec<f64>,
     /// Hardness of both faces, infinite without one.
     upper: Upper,
@@ -73,8 +75,11 @@ impl Dual {
         let longer = grid.lengths()[usize::from(points[1] > points[0])];
         let wave = |periods: usize| std::f64::consts::TAU * periods as f64 / longer;
         let floating = matches!(load, Load::MeanPressure(_));
-        let face = || PullPush::new(points, floating, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).squeezing);
-        let shared = PullPush::new(points, true, Edges::Joined, |n| 1.0 / plate.compliance(wave(n)).bending).bending();
+        let share = response.share();
+        let squeezing = |n: usize| 1.0 / plate.compliance(wave(n)).squeezing;
+        let bending = |n: usize| 1.0 / plate.compliance(wave(n)).bending;
+        let face = || PullPush::new(points, floating, Edges::Joined, squeezing).distributed(share);
+        let shared = PullPush::new(points, true, Edges::Joined, bending).bending().distributed(share);
         let indentation = vec![0.0; linear.len()];
         let upper = match hardness {
             None => Upper::All(f64::INFINITY),
@@ -83,11 +88,12 @@ impl Dual {
         };
         let [_, row] = grid.rows();
         Self {
+            share: share.of_faces(),
             upper,
             uniform,
             scale: length_scale,
             transforms: PlateTransforms::of(response),
-            extension: Extension::new([face(), face()], shared, linear.len(), row),
+            extension: Extension::new(share, [face(), face()], shared, linear.len(), row),
             indentation,
             linear,
         }
@@ -101,6 +107,10 @@ impl Paired for Dual {
 
     fn upper(&self) -> Upper {
         self.upper.clone()
+    }
+
+    fn share(&self) -> Share {
+        self.share.clone()
     }
 
     fn apply(&mut self, x: &[f64], out: &mut [f64]) {
@@ -131,6 +141,8 @@ impl Paired for Dual {
 ///   d_upper = w + E₁ (r_upper − w),  d_lower = −w + E₁ (r_lower + w)
 /// ```
 struct Extension {
+    /// Rows of this process on each face.
+    share: Share,
     faces: [PullPush; 2],
     shared: PullPush,
     row: usize,
@@ -156,9 +168,10 @@ fn is_between(p: f64, upper: f64) -> bool {
 }
 
 impl Extension {
-    fn new(faces: [PullPush; 2], shared: PullPush, variables: usize, row: usize) -> Self {
+    fn new(share: &Share, faces: [PullPush; 2], shared: PullPush, variables: usize, row: usize) -> Self {
         let points = variables / 2;
         Self {
+            share: share.clone(),
             faces,
             shared,
             row,
@@ -225,10 +238,11 @@ impl Extension {
     /// Replaces `out` by Eᵀ `out`, with the map E of the last call of [`extend`](Self::extend).
     fn transpose(&mut self, (x, upper): Between, (out, scale): (&mut [f64], f64), transforms: &mut PlateTransforms) {
         let points = self.joint.len();
-        let Self { joint_x, joint, own, rows, wave, followed, shared, faces, .. } = self;
+        let Self { share, joint_x, joint, own, rows, wave, followed, shared, faces, .. } = self;
         // Pressures may be too small or too large for single precision.
         let largest =
             gfmd_vector::reduce(out.len(), &|range| out[range].iter().fold(0.0_f64, |a, b| a.max(b.abs())), &f64::max);
+        let largest = share.each(largest).into_iter().fold(0.0, f64::max);
         let unit = if largest > 0.0 { largest } else { 1.0 };
         wave.fill(0.0);
         for (face, sign) in [1.0, -1.0].into_iter().enumerate() {

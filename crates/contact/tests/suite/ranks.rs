@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use gfmd_contact::{
     Boundary, Contact, Equilibrium as _, Fields as _, Hardness, Load, MemoryCheckpoint, Refusal, Resumable as _,
-    Solution, SolveError, Solver, SteepContact, SteepSolution, Stiffness,
+    Solution, SolveError, Solver, SqueezedContact, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, Material};
@@ -127,6 +127,59 @@ fn compare(case: &Case, load: Load, solver: Solver, size: usize) {
         for (place, field) in fields.iter().enumerate() {
             let rows = each.iter().flat_map(|found| &found[step].1[place]);
             assert!(rows.eq(field), "field {place}, {load:?} {solver:?} on {size}");
+        }
+    }
+}
+
+#[test]
+fn a_slab_between_two_surfaces_over_ranks_has_the_bits_of_one_process() {
+    let grid = Grid::new([128, 64], [1.0, 0.6]).unwrap();
+    let (upper, lower) = (rough(&grid, 3), rough(&grid, 4) * 0.5);
+    let field = Array2::from_shape_fn((128, 64), |(i, j)| 0.1 + 0.02 * ((i + 2 * j) % 5) as f64);
+    let cases = [
+        (Load::MeanPressure(0.01), None, false, 4),
+        (Load::Approach(0.01), None, true, 2),
+        (Load::MeanPressure(0.02), Some(Hardness::Field(field)), false, 3),
+    ];
+    for (load, hardness, is_held, size) in cases {
+        let solve = |share: &Share| {
+            let own = |field: &Array2<f64>| field.slice(s![share.rows(), ..]).to_owned();
+            let make = if is_held { SqueezedContact::held_sideways_over } else { SqueezedContact::distributed };
+            let contact = make(share, &slab(0.1), &grid, &own(&upper), &own(&lower)).unwrap();
+            let contact = match &hardness {
+                Some(Hardness::Field(field)) => contact.with_hardness(own(field)).unwrap(),
+                _ => contact,
+            };
+            let mut state = contact.equilibrate(load.into(), Solver::Auto, &Budget::default(), None, &mut ()).unwrap();
+            let mut kept = MemoryCheckpoint::default();
+            contact.keep(&mut state, &mut kept);
+            kept.rewind();
+            let restored = contact.restore(load.into(), &mut kept).unwrap();
+            let next = match load {
+                Load::MeanPressure(mean) => Load::MeanPressure(1.5 * mean),
+                Load::Approach(approach) => Load::Approach(1.2 * approach),
+            };
+            let then = contact.equilibrate(next.into(), Solver::Auto, &Budget::default(), Some(&restored), &mut ());
+            let none = Stiffness { value: 0.0, error: 0.0, effort: Default::default() };
+            [state, then.unwrap()].map(|state| {
+                let faces = [&state.upper, &state.lower].map(|face| bits(face, &none));
+                let numbers = [state.approach, state.effort.transform_pairs, state.worst()].map(f64::to_bits);
+                let [upper, lower] = faces;
+                (
+                    upper.0.into_iter().chain(lower.0).chain(numbers).chain([state.effort.iterations]).collect(),
+                    upper.1.into_iter().chain(lower.1).collect(),
+                )
+            })
+        };
+        let alone: [Bits; 2] = solve(&grid.whole());
+        let each = ThreadRanks::of(size, |ranks| solve(&Contact::share(ranks, &grid).unwrap()));
+        for (step, (numbers, fields)) in alone.iter().enumerate() {
+            let different = |found: &[Bits; 2]| (0..numbers.len()).find(|k| found[step].0[*k] != numbers[*k]);
+            assert_eq!(each.iter().find_map(different), None, "number that differs: {load:?} on {size}");
+            for (place, field) in fields.iter().enumerate() {
+                let rows = each.iter().flat_map(|found| &found[step].1[place]);
+                assert!(rows.eq(field), "field {place}, {load:?} on {size}");
+            }
         }
     }
 }

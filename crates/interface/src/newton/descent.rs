@@ -224,7 +224,7 @@ impl<'a, M: Model> Descent<'a, M> {
         let (traction, weight) = (reaction.traction(frame.z()), &model.weight()[frame.z() * frame.points()..]);
         let apart = |i: usize| weight[i].into() > 0.0 && traction[i].abs() < 1e-3 * frame.push.abs();
         let all = |start: usize, count: usize| {
-            reduce(frame.share, count, &|range| range.map(|i| start + i).all(apart), &|a, b| a && b)
+            reduce(&frame.share.face(), count, &|range| range.map(|i| start + i).all(apart), &|a, b| a && b)
         };
         let face = frame.points() / interface.elastic.faces();
         frame.push < 0.0 && (0..interface.elastic.faces()).any(|index| all(index * face, face))

@@ -21,14 +21,15 @@ impl<M: Model> Descent<'_, M> {
             self.lowest = 1.0;
             return false;
         }
-        // Points of each component count from the first one of all processes.
+        // Points of each component and face count from the first one of all processes.
         let share = self.frame.share;
-        let (own, others) = (share.own(), share.total() - share.own().len());
+        let (start_of_own, faces) = (share.own().start, share.faces());
+        let (points, others) = (share.own().len() / faces, (share.total() - share.own().len()) / faces);
         let noise = |start: usize, [noise]: [&mut [M::Value]; 1]| {
             for (k, noise) in noise.iter_mut().enumerate() {
                 // Multiples of the golden ratio are spread evenly and favour no wave.
                 let i = start + k;
-                let i = own.start + i + i / own.len() * others;
+                let i = start_of_own + i + i / points * others;
                 let spread = 0.618_033_988_749_895 * (i + 1) as f64 * (i % 7 + 1) as f64;
                 *noise = M::Value::of(spread.fract() - 0.5);
             }

@@ -62,7 +62,10 @@ impl QuasistaticContact {
                     dot(share, &contiguous(&normal.pressure()), &contiguous(&normal.fields().displacement_z()));
                 0.5 * (lateral - pressed) / all
             }
-            (None, None) => normal.fields().summary_in(&normal.fields().scales()).elastic_energy,
+            (None, None) => match &normal {
+                NormalState::Law(state) => state.elastic_energy,
+                NormalState::Wall(solution) => solution.summary().elastic_energy,
+            },
         };
         let mut losses = Losses { relaxation: energies.map_or(0.0, |energies| energies.lost), ..Losses::default() };
         let before = |of: fn(&QuasistaticState) -> Option<&Array2<f64>>| {

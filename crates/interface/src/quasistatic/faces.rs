@@ -37,7 +37,7 @@ impl QuasistaticContact {
         if relaxation.is_some_and(|(_, relaxes)| relaxes == Relaxes::Shear) {
             return Err(Refusal::ShearAlone { with: "a second surface" });
         }
-        let medium = parts.medium(given.grid(), &given.grid().whole(), 1)?;
+        let medium = parts.medium(given.grid(), given.share(), 1)?;
         let (scaled, hardness) = (units.surface(&given), hardness.as_ref().map(|h| h.times(1.0 / stress)));
         let plate = if *held { Plate::held_sideways } else { Plate::of };
         let interface = Interface::of_plate(plate, &units.body(body), &scaled, law)?;

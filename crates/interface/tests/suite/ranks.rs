@@ -7,7 +7,10 @@ use gfmd_contact::{
 };
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Base, Body, Material};
-use gfmd_interface::{Interface, Parts, Quasistatic as _, QuasistaticContact, QuasistaticState, Shear, State, Wear};
+use gfmd_interface::{
+    Interface, Parts, Quasistatic as _, QuasistaticContact, QuasistaticState, Shear, Squeezed, SqueezedState, Stacked,
+    State, Wear,
+};
 use gfmd_law::{Exponential, HardWall, Law, Limit, Morse, Npc, Separation};
 use gfmd_medium::{Prony, Relaxes};
 use gfmd_relax::{Budget, MemoryCheckpoint};
@@ -171,6 +174,117 @@ fn a_wall_that_gives_way_below_a_law_has_the_bits_of_one_process() {
     compare(&Case { springs: Some(Springs::Field(field(0.1))), ..case() }, loads, 3);
     let both = Case { hardness: Some(0.06.into()), springs: Some(Springs::Uniform(0.2)), ..case() };
     compare(&both, [Load::Approach(0.01), Load::Approach(0.03)], 2);
+}
+
+/// Solves loads on both faces of a slab, the second one from a restored copy of the first state.
+fn squeeze<C: Stacked>(contact: &Squeezed<C>, drives: &[Drive], bits: impl Fn(&C::State) -> Bits) -> Vec<[Bits; 2]> {
+    let mut last = None;
+    let reach = |drive: &Drive| {
+        let start = last.take();
+        let solved = contact.equilibrate(*drive, Solver::Auto, &Budget::default(), start.as_ref(), &mut ());
+        let mut state: SqueezedState<C::State> = solved.unwrap();
+        let mut kept = MemoryCheckpoint::default();
+        contact.keep(&mut state, &mut kept);
+        kept.rewind();
+        let restored = contact.restore(*drive, &mut kept).unwrap();
+        let stiffness = contact.stiffness(&state, 1e-8).map_or(f64::NAN, |stiffness| stiffness.value);
+        let found = [&state.upper, &state.lower].map(|face| {
+            let (mut numbers, fields) = bits(face);
+            numbers.extend([state.approach, stiffness].map(f64::to_bits));
+            (numbers, fields)
+        });
+        assert_eq!(
+            [&restored.upper, &restored.lower].map(|face| bits(face).1),
+            [&found[0].1, &found[1].1].map(Vec::clone)
+        );
+        last = Some(restored);
+        found
+    };
+    drives.iter().map(reach).collect()
+}
+
+/// Compares both faces on several ranks with one process.
+fn compare_faces(grid: &Grid, size: usize, solve: impl Fn(&Share) -> Vec<[Bits; 2]> + Sync) {
+    let alone = solve(&grid.whole());
+    let each = ThreadRanks::of(size, |ranks| solve(&Contact::share(ranks, grid).unwrap()));
+    for (step, faces) in alone.iter().enumerate() {
+        for (face, (numbers, fields)) in faces.iter().enumerate() {
+            let different =
+                |found: &Vec<[Bits; 2]>| (0..numbers.len()).find(|k| found[step][face].0[*k] != numbers[*k]);
+            let different = each.iter().find_map(different);
+            assert_eq!(different, None, "number that differs: face {face}, step {step} on {size}");
+            for (place, field) in fields.iter().enumerate() {
+                let rows = each.iter().flat_map(|found| &found[step][face].1[place]);
+                assert!(rows.eq(field), "field {place} of face {face}, step {step} on {size}");
+            }
+        }
+    }
+}
+
+#[test]
+fn slabs_between_two_surfaces_over_ranks_have_the_bits_of_one_process() {
+    let grid = Grid::new([128, 64], [1.0, 0.5]).unwrap();
+    let (upper, lower) = (rough(&grid, 5), rough(&grid, 6) * 0.7);
+    let slab = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.1).unwrap();
+    let law = || Exponential::new(2e-4, 4e-3).unwrap().into_shared();
+    let field = Array2::from_shape_fn((128, 64), |(i, j)| 0.05 * (1.0 + 0.1 * ((i + 2 * j) % 5) as f64));
+    let own = |share: &Share, field: &Array2<f64>| {
+        if share.is_whole() { field.clone() } else { field.slice(s![share.rows(), ..]).to_owned() }
+    };
+    let loads = [Load::MeanPressure(0.004), Load::MeanPressure(-0.0003), Load::Approach(0.01)].map(Drive::from);
+    compare_faces(&grid, 3, |share| {
+        let faces = [&upper, &lower].map(|heights| own(share, heights));
+        let contact = Squeezed::distributed(share, &slab, &grid, [&faces[0], &faces[1]], law()).unwrap();
+        squeeze(&contact, &loads, |state| bits(state, 0.0))
+    });
+    compare_faces(&grid, 2, |share| {
+        let faces = [&upper, &lower].map(|heights| own(share, heights));
+        let contact = Squeezed::held_sideways_over(share, &slab, &grid, [&faces[0], &faces[1]], law()).unwrap();
+        let contact = contact.with_hardness(own(share, &field)).unwrap();
+        squeeze(&contact, &loads[..1], |state| bits(state, 0.0))
+    });
+    // Along a path: a hard wall, a hardness, wear and relaxation.
+    let prony = Prony::from_fractions(&[(0.3, 0.2), (2.0, 0.4)]).unwrap();
+    for (with_law, with_hardness) in [(false, false), (false, true), (true, true)] {
+        compare_faces(&grid, 3, |share| {
+            let heights = own(share, &upper);
+            let parts = Parts {
+                share: Some(share),
+                law: with_law.then(law),
+                hardness: with_hardness.then(|| Hardness::Field(own(share, &field))),
+                wear: Some(Wear { by_distance: 1.0, by_slip: 0.0 }),
+                relaxation: with_law.then_some((&prony, Relaxes::Both)),
+                ..Parts::new(&slab, &grid, &heights)
+            };
+            let contact = Squeezed::on_path(&parts, &own(share, &lower)).unwrap();
+            let drives = drives().map(|drive| Drive { lateral: [0.0; 2], ..drive });
+            squeeze(&contact, &drives, |state: &QuasistaticState| {
+                let summary = state.summary();
+                let (worn, deepest) = state.wear_volume_and_depth().unwrap_or_default();
+                let numbers = [
+                    state.mean_pressure(),
+                    state.approach(),
+                    state.elastic_energy,
+                    state.losses.total(),
+                    state.work_imbalance,
+                    state.plastic_fraction,
+                    state.plastic_volume().unwrap_or_default(),
+                    worn,
+                    deepest,
+                    summary.area_fraction_corrected,
+                    summary.mean_gap,
+                ];
+                let residuals = state.residuals().into_iter().map(|(_, residual)| residual);
+                let depths = state.wear_depth().into_iter().chain(state.plastic_depth()).cloned();
+                let fields = [state.pressure().into_owned(), state.displacement_z().to_owned(), state.gap().to_owned()];
+                let all = fields.into_iter().chain(depths).chain(state.memory().unwrap_or_default());
+                (
+                    numbers.into_iter().chain(residuals).map(f64::to_bits).collect(),
+                    all.map(|field| field.iter().map(|x| x.to_bits()).collect()).collect(),
+                )
+            })
+        });
+    }
 }
 
 /// Drives of a path: mean pressure, lateral displacement, time, distance.

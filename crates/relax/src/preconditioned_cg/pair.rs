@@ -1,6 +1,6 @@
 //! Two fields coupled by the function and by their means, in double precision.
 
-use gfmd_vector::{Share, add, for_each, pass, reduce, sum};
+use gfmd_vector::{Share, add, for_each};
 
 use super::constants::{BOUNDED_MEAN, CHANGE, DOWNHILL, HALVINGS, PAIR_MEAN, SHIFTS};
 use super::path::middle;
@@ -30,6 +30,11 @@ pub trait Paired {
     /// positive (semi-)definite and approximates A⁻¹ on this set.
     fn precondition(&mut self, x: &[f64], gradient: &[f64], out: &mut [f64]);
 
+    /// Returns the rows of this process of both fields; by default, the process is alone.
+    fn share(&self) -> Share {
+        Share::whole(self.linear().len() / 2, 1).of_faces()
+    }
+
     /// Visits the variables that the problem itself changes during a search, for example an effort counter.
     fn visit(&mut self, visitor: &mut dyn Visit) {
         let _ = visitor;
@@ -47,6 +52,8 @@ enum Means {
 
 pub(super) struct Pair<'a, P> {
     problem: &'a mut P,
+    /// Rows of this process, of both halves.
+    share: Share,
     x: &'a mut [f64],
     means: Means,
     upper: Upper,
@@ -64,7 +71,7 @@ impl<'a, P: Paired> Pair<'a, P> {
     pub(super) fn new(problem: &'a mut P, x: &'a mut [f64], target: &Target) -> Self {
         let [gradient, direction, last_step, image] = std::array::from_fn(|_| vec![0.0; x.len()]);
         let means = target.mean.map_or(Means::Equal, Means::Both);
-        let upper = problem.upper();
+        let (upper, share) = (problem.upper(), problem.share());
         if upper.ceiling().is_finite() {
             let middle = x.len() / 2;
             for (half, x) in halves(x).into_iter().enumerate() {
@@ -72,17 +79,16 @@ impl<'a, P: Paired> Pair<'a, P> {
                     Upper::All(bound) => Upper::All(*bound),
                     Upper::Each(bounds) => Upper::Each(bounds[half * middle..(half + 1) * middle].into()),
                 };
-                begin(&Share::whole(middle, 1), x, target.mean, &upper);
+                begin(&share.face(), x, target.mean, &upper);
             }
         }
-        Self { problem, x, means, upper, scale: target.gradient_scale, gradient, direction, last_step, image }
+        Self { problem, share, x, means, upper, scale: target.gradient_scale, gradient, direction, last_step, image }
     }
 
     /// Subtracts β s from z, with β such that z is conjugate to s, where z ≠ 0 (free variables).
     fn conjugate(&mut self) {
-        let Self { gradient, direction, last_step, image, .. } = self;
-        let [z_image, s_image, z_gradient, s_gradient] = reduce(
-            direction.len(),
+        let Self { share, gradient, direction, last_step, image, .. } = self;
+        let [z_image, s_image, z_gradient, s_gradient] = share.reduce(
             &|range| {
                 range.fold([0.0; 4], |sums, k| {
                     let (z, s, y, g) = (direction[k], last_step[k], image[k], gradient[k]);
@@ -108,9 +114,9 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     }
 
     fn visit(&mut self, course: &mut Course, visitor: &mut dyn Visit) {
-        visitor.field(self.x);
+        visitor.rows(&self.share, self.x);
         for field in [&mut self.gradient, &mut self.last_step, &mut self.image] {
-            visitor.field(field);
+            visitor.rows(&self.share, field);
         }
         course.visit(visitor);
         self.problem.visit(visitor);
@@ -118,18 +124,19 @@ impl<P: Paired> Vectors for Pair<'_, P> {
 
     /// Rescales the means first, so that they are exact.
     fn refresh(&mut self) {
-        keep_means(self.x, self.means, self.upper.ceiling());
+        keep_means(&self.share.face(), self.x, self.means, self.upper.ceiling());
         self.problem.apply(self.x, &mut self.gradient);
-        add_linear(&Share::whole(self.x.len(), 1), self.problem.linear(), self.x, &mut self.gradient);
+        add_linear(&self.share, self.problem.linear(), self.x, &mut self.gradient);
     }
 
     /// Subtracts the multipliers from the gradient.
     fn settle(&mut self) -> Iterate {
-        let (x, upper) = (&*self.x, self.upper.ceiling());
+        let (x, upper, face) = (&*self.x, self.upper.ceiling(), self.share.face());
         let middle = x.len() / 2;
         let parts = [0..middle, middle..x.len()];
-        let found =
-            parts.clone().map(|part| HalfSums::of(&x[part.clone()], &self.gradient[part.clone()], upper.part(part)));
+        let found = parts
+            .clone()
+            .map(|part| HalfSums::of(&face, &x[part.clone()], &self.gradient[part.clone()], upper.part(part)));
         let multipliers = multipliers(&found, self.means);
         let judged = halves(&mut self.gradient).into_iter().zip(parts).zip(multipliers);
         let judged = judged.map(|((gradient, part), multiplier)| {
@@ -142,7 +149,7 @@ impl<P: Paired> Vectors for Pair<'_, P> {
                 }
                 (judged, highest)
             };
-            pass([gradient], &leaf, &merge)
+            face.pass([gradient], &leaf, &merge)
         });
         let (judged, highest) = judged.fold((OptimalitySums::EMPTY, f64::NEG_INFINITY), merge);
         let mut optimality = judged.optimality(self.scale);
@@ -159,10 +166,10 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     }
 
     fn steepest(&mut self) -> f64 {
-        let Self { problem, x, gradient, direction, image, upper, .. } = self;
+        let Self { problem, share, x, gradient, direction, image, upper, .. } = self;
         // The preconditioner may have left values that are not finite.
         direction.fill(0.0);
-        let mut squares = turn(&Share::whole(x.len(), 1), direction, x, gradient, 0.0, 0.0, &|x, g| x > 0.0 || g < 0.0);
+        let mut squares = turn(share, direction, x, gradient, 0.0, 0.0, &|x, g| x > 0.0 || g < 0.0);
         let upper = upper.ceiling();
         if upper.is_finite() {
             let leaf = |start: usize, [direction]: [&mut [f64]; 1]| {
@@ -173,20 +180,20 @@ impl<P: Paired> Vectors for Pair<'_, P> {
                 });
                 all.sum()
             };
-            squares = pass([&mut direction[..]], &leaf, &|a: f64, b| a + b);
+            squares = share.pass([&mut direction[..]], &leaf, &|a: f64, b| a + b);
         }
         problem.apply(direction, image);
-        squares / gfmd_vector::dot(direction, image)
+        squares / share.dot(direction, image)
     }
 
     fn downhill(&self, length: f64) -> Option<Path> {
-        let Self { x, direction, gradient, means, upper, .. } = self;
+        let Self { share, x, direction, gradient, means, upper, .. } = self;
         let upper = upper.ceiling();
         let middle = x.len() / 2;
         let mut path = Path { length, shifts: [0.0; 2], slope: 0.0 };
         for _ in 0..HALVINGS {
-            path.shifts = path.kept(*means, (x, direction, upper))?;
-            path.slope = sum(x.len(), &|range| {
+            path.shifts = path.kept(share, *means, (x, direction, upper))?;
+            path.slope = share.sum(&|range| {
                 let end = |k: usize| path.end(usize::from(k >= middle), x[k], direction[k], upper.at(k));
                 let term = |k: usize| gradient[k] * (end(k) - x[k]);
                 range.map(term).sum()
@@ -200,9 +207,9 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     }
 
     fn advance(&mut self, path: &Path) -> Advance {
-        let Self { problem, x, direction, last_step, image, upper, .. } = self;
+        let Self { problem, share, x, direction, last_step, image, upper, .. } = self;
         let (middle, upper) = (x.len() / 2, upper.ceiling());
-        let clipped = pass(
+        let clipped = share.pass(
             (&mut x[..], &direction[..], &mut last_step[..]),
             &|start, (x, direction, step)| {
                 let mut clipped = false;
@@ -218,7 +225,7 @@ impl<P: Paired> Vectors for Pair<'_, P> {
             &|a, b| a | b,
         );
         problem.apply(last_step, image);
-        let lowest = -path.slope / gfmd_vector::dot(last_step, image);
+        let lowest = -path.slope / share.dot(last_step, image);
         Advance { length: path.length, lowest: if lowest > 0.0 { lowest } else { f64::INFINITY }, clipped }
     }
 
@@ -258,11 +265,10 @@ struct HalfSums {
 }
 
 impl HalfSums {
-    fn of(x: &[f64], gradient: &[f64], upper: Ceiling) -> Self {
+    fn of(face: &Share, x: &[f64], gradient: &[f64], upper: Ceiling) -> Self {
         let none = ([0.0; 2], [f64::INFINITY; 2]);
         let least = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.min(d)];
-        let ([gradient, between], [lowest, minus_highest]) = reduce(
-            x.len(),
+        let ([gradient, between], [lowest, minus_highest]) = face.reduce(
             &|range| {
                 range.fold(none, |(sums, ends), k| {
                     let g = gradient[k];
@@ -340,10 +346,9 @@ impl Path {
 
     /// Returns the sum of one half at the end of the path with a shift, and the number of its variables between the
     /// bounds.
-    fn total(&self, (x, direction, upper): Start, shift: f64) -> [f64; 2] {
+    fn total(&self, face: &Share, (x, direction, upper): Start, shift: f64) -> [f64; 2] {
         let path = Self { shifts: [shift; 2], ..*self };
-        reduce(
-            x.len(),
+        face.reduce(
             &|range| {
                 let all = range.clone().zip(x[range.clone()].iter().zip(&direction[range]));
                 all.fold([0.0; 2], |sums, (k, (x, z))| {
@@ -357,15 +362,15 @@ impl Path {
     }
 
     /// Returns the shifts that keep the means, if they exist.
-    fn kept(&self, means: Means, (x, direction, upper): Start) -> Option<[f64; 2]> {
-        let (middle, size) = (x.len() / 2, upper.highest(&Share::whole(x.len(), 1)));
+    fn kept(&self, share: &Share, means: Means, (x, direction, upper): Start) -> Option<[f64; 2]> {
+        let (middle, size, face) = (x.len() / 2, upper.highest(share), share.face());
         let total = |half: usize, shift: f64| {
             let range = half * middle..(half + 1) * middle;
-            self.total((&x[range.clone()], &direction[range.clone()], upper.part(range)), shift)
+            self.total(&face, (&x[range.clone()], &direction[range.clone()], upper.part(range)), shift)
         };
         match means {
             Means::Both(mean) => {
-                let asked = mean * middle as f64;
+                let asked = mean * face.total() as f64;
                 let shift = |half: usize| {
                     root(size, &|shift| {
                         let [sum, positive] = total(half, shift);
@@ -417,18 +422,18 @@ fn root(size: f64, excess: &dyn Fn(f64) -> [f64; 3]) -> Option<f64> {
 }
 
 /// Scales the variables of each half below their upper bounds to remove rounding errors from the prescribed means.
-fn keep_means(x: &mut [f64], means: Means, upper: Ceiling) {
+fn keep_means(face: &Share, x: &mut [f64], means: Means, upper: Ceiling) {
     let points = x.len() / 2;
     let sums = [0..points, points..2 * points].map(|part| {
         if !upper.is_finite() {
-            return [gfmd_vector::total(&x[part]), 0.0];
+            return [face.total_of(&x[part]), 0.0];
         }
         let (x, upper) = (&x[part.clone()], upper.part(part));
         let at = |k: usize| if x[k] < upper.at(k) { [x[k], 0.0] } else { [0.0, x[k]] };
-        reduce(points, &|range| range.map(at).fold([0.0; 2], add), &add)
+        face.reduce(&|range| range.map(at).fold([0.0; 2], add), &add)
     });
     let asked = match means {
-        Means::Both(mean) => mean * points as f64,
+        Means::Both(mean) => mean * face.total() as f64,
         Means::Equal => 0.5 * sums.into_iter().map(|[below, at_bound]| below + at_bound).sum::<f64>(),
     };
     for (index, (half, [below, at_bound])) in halves(x).into_iter().zip(sums).enumerate() {

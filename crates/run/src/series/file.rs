@@ -228,7 +228,7 @@ impl<'a> StateFile<'a> {
         if let Some(base) = base {
             session.agree(base.write(file.archive.as_mut(), &file.share, [&x, &y], &file.units))?;
         }
-        lower.as_ref().map_or(Ok(()), |lower| file.write_lower(lower))?;
+        session.agree(lower.as_ref().map_or(Ok(()), |lower| file.write_lower(lower)))?;
         session.agree(file.write_hardness(hardness.as_ref(), surface))?;
         Ok(file)
     }
@@ -239,7 +239,7 @@ impl<'a> StateFile<'a> {
     /// Returns an error if the file cannot be written.
     pub fn write_lower(&mut self, lower: &Surface) -> Result<(), Failure> {
         let [x, y] = axes(&lower.grid, lower.unit());
-        self.archive.as_mut().map_or(Ok(()), |archive| lower::write(lower, archive, [&x, &y]))
+        lower::write(lower, self.archive.as_mut(), [&x, &y])
     }
 
     /// Writes the hardness if it is a field.

@@ -121,7 +121,7 @@ impl Prepared {
         let facts = asked.facts(series, surface.grid.is_line());
         facts.check()?;
         let lower = asked.lower.read(asked.source, &surface, session)?;
-        if lower.is_some() && surface.heights.iter().all(|height| *height == surface.heights[[0, 0]]) {
+        if lower.is_some() && is_flat(&surface) {
             return Err(Failure::input(
                 asked.source.name(),
                 "the heights are all equal; only the lower surface may be flat",
@@ -499,6 +499,15 @@ fn rise_of(share: &Share, heights: &Array2<f64>, boundary: Boundary) -> f64 {
         Boundary::Free => top_inside_of_shared(share, heights.view()),
     };
     top - highest(share, heights)
+}
+
+/// Returns true if the heights of all processes are equal.
+fn is_flat(Surface { heights, share, .. }: &Surface) -> bool {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
+    let own = heights.iter().fold(none, |ends, height| wider(ends, [*height; 2]));
+    let [lowest, highest] = share.each(own).into_iter().fold(none, wider);
+    lowest == highest
 }
 
 /// Returns the number of points of all cells per point of the surface. If several processes share them, the first one

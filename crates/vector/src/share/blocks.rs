@@ -7,13 +7,24 @@ use crate::{Messages, Serialise, Word};
 
 impl Share {
     /// Sends a field to the first rank. Each rank passes its `own` rows, of `columns` values each. On the first rank,
-    /// `take` gets blocks of `height` rows in order, with their row numbers. The other ranks only send.
+    /// `take` gets blocks of `height` rows in order, with their row numbers, which count on over all faces. The other
+    /// ranks only send.
     ///
     /// # Panics
     /// If `own` does not have the rows of this rank, or if `height` is zero.
     pub fn to_first(&self, own: &[f64], columns: usize, height: usize, mut take: impl FnMut(Range<usize>, &[f64])) {
+        let (points, all) = (self.rows().len() * columns, self.rows.last().map_or(0, |rows| rows.end));
+        assert_eq!(own.len(), self.faces * points, "a field has the own rows");
+        for face in 0..self.faces {
+            let own = &own[face * points..(face + 1) * points];
+            self.face_to_first(own, columns, height, &mut |rows: Range<usize>, values: &[f64]| {
+                take(face * all + rows.start..face * all + rows.end, values);
+            });
+        }
+    }
+
+    fn face_to_first(&self, own: &[f64], columns: usize, height: usize, take: &mut dyn FnMut(Range<usize>, &[f64])) {
         let rows = self.rows();
-        assert_eq!(own.len(), rows.len() * columns, "a field has the own rows");
         let mut messages = Messages::default();
         for block in self.blocks(height) {
             if self.is_whole() {
@@ -39,7 +50,8 @@ impl Share {
     }
 
     /// Distributes a field of the first rank: each rank gets its `own` rows, of `columns` values each. On the first
-    /// rank, `give` fills blocks of `height` rows in order, with their row numbers. The other ranks only receive.
+    /// rank, `give` fills blocks of `height` rows in order, with their row numbers, as [`to_first`](Self::to_first).
+    /// The other ranks only receive.
     ///
     /// # Panics
     /// If `own` does not have the rows of this rank, or if `height` is zero.
@@ -50,8 +62,24 @@ impl Share {
         height: usize,
         mut give: impl FnMut(Range<usize>, &mut [f64]),
     ) {
+        let (points, all) = (self.rows().len() * columns, self.rows.last().map_or(0, |rows| rows.end));
+        assert_eq!(own.len(), self.faces * points, "a field has the own rows");
+        for face in 0..self.faces {
+            let own = &mut own[face * points..(face + 1) * points];
+            self.face_from_first(own, columns, height, &mut |rows: Range<usize>, values: &mut [f64]| {
+                give(face * all + rows.start..face * all + rows.end, values);
+            });
+        }
+    }
+
+    fn face_from_first(
+        &self,
+        own: &mut [f64],
+        columns: usize,
+        height: usize,
+        give: &mut dyn FnMut(Range<usize>, &mut [f64]),
+    ) {
         let (rows, is_first) = (self.rows(), self.ranks.rank() == 0);
-        assert_eq!(own.len(), rows.len() * columns, "a field has the own rows");
         let mut messages = Messages::default();
         let (mut start, mut sent) = (0, Vec::new());
         for block in self.blocks(height) {
