@@ -143,7 +143,7 @@ fn laws_that_shear_move_a_patch_sideways() {
         let shear = |step: usize, axis: usize| number(&steps[step]["mean_shear"][axis]);
         let energy = number(&steps[2]["elastic_energy"]);
         for (place, step) in steps.iter().enumerate() {
-            assert!(step["converged"] == true && step["stiffness"].is_null(), "{flags}: {step}");
+            assert!(step["converged"] == true && number(&step["stiffness"]) > 0.0, "{flags}: {step}");
             assert!(place == 0 || step["passed_instability"] == false, "{flags}: {step}");
             assert!(number(&step["dissipated"]).abs() < 1e-3 * energy, "{flags}: {step}");
         }

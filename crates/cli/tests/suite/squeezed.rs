@@ -34,7 +34,7 @@ fn both_faces_are_recorded_recomputed_and_drawn() {
             let (larger, own) = (number(&load["residual"][key]), number(&lower["residual"][key]));
             assert!(own <= larger && larger <= 1e-8, "{key}");
         }
-        assert!(load["stiffness"].is_null() && load["converged"] == true);
+        assert!(load["stiffness"].as_f64().is_some_and(|found| found > 0.0) && load["converged"] == true);
     }
     let file = Reader::open(folder.join("s.h5")).unwrap();
     assert_eq!(file.shape("/fields/lower_gap").unwrap(), [2, 32, 32]);
