@@ -117,9 +117,9 @@ impl StepCheck<'_> {
         let faces = self.faces(waypoint)?;
         let fields: Vec<[&ArrayRef2<f64>; 2]> = faces.iter().map(|face| [&*face.pressure, &*face.gap]).collect();
         let found = self.args.stiffness.of_fields(file.contact, &fields);
-        // Infinite in full contact, which a file says by its reason.
-        let finite = |value: f64| if value.is_finite() { value } else { f64::NAN };
-        let [value, error] = found.map_or([f64::NAN; 2], |found| [found.value, found.error].map(finite));
+        // Infinite in full contact, which a file says by its reason, without a value or an error.
+        let found = found.ok().filter(|found| found.value.is_finite());
+        let [value, error] = found.map_or([f64::NAN; 2], |found| [found.value, found.error]);
         comparison.number("/path/stiffness", file.number("stiffness", step), value, 0.0);
         comparison.number("/path/stiffness_error", file.number("stiffness_error", step), error, 1e-3);
         Ok(())
