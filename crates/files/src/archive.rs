@@ -167,8 +167,8 @@ impl<'a> Archive<'a> {
 
     /// Writes whole rows, starting at row `first`, of a variable defined with [`Archive::define_rows`], or of entry
     /// `index` of a variable of more dimensions defined with [`Archive::define`]; entries are counted along all
-    /// dimensions but the last two, row-major. If blocks begin and end at multiples
-    /// of [`rows_of_chunk`], the bytes are the same as for a whole field.
+    /// dimensions but the last two, row-major. If blocks begin and end at multiples of [`rows_of_chunk`], the bytes are
+    /// the same as for a whole field.
     pub fn write_rows(
         &mut self,
         path: &str,
@@ -179,7 +179,11 @@ impl<'a> Archive<'a> {
         let (dataset, shape) = self.defined(path)?;
         let [rows, columns] = match (&shape[..], index) {
             (&[rows, columns], None) => [rows, columns],
-            (&[ref before @ .., rows, columns], Some(index)) if index < before.iter().product() => [rows, columns],
+            (&[first, ref others @ .., rows, columns], Some(index))
+                if index < first * others.iter().product::<usize>() =>
+            {
+                [rows, columns]
+            }
             _ => [0, 0],
         };
         let count = values.len() / columns.max(1);
