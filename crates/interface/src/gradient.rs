@@ -16,8 +16,8 @@ const ERROR: f64 = 1e-8;
 pub(crate) const EXACT: f64 = 1e-11;
 
 /// Reason why an approach in full contact has no derivatives.
-pub(crate) const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not determine \
-                    the pressure";
+pub(crate) const FULL: &str = "all points are in contact, of a body whose mean level is fixed; the approach does not \
+                               determine the pressure";
 
 impl Interface {
     /// Computes the derivatives of a scalar at the stable `state`, with respect to heights, load and modulus. `of`

@@ -88,8 +88,8 @@ pub trait Stacked: Quasistatic + Resumable {
     }
 }
 
-/// Computes the stiffness d(mean pressure)/d(approach) of a slab between two hard walls, in stress/length, to a relative
-/// error, as [`Interface::stiffness`]. The points in contact stay in contact, and points at the hardness keep their
+/// Computes the stiffness d(mean pressure)/d(approach) of a slab between two hard walls, in stress/length, to a
+/// relative error, as [`Interface::stiffness`]. The points in contact stay in contact, and points at the hardness keep their
 /// pressure.
 ///
 /// # Errors

@@ -1,5 +1,5 @@
-//! Linear problem of small changes of an equilibrium state, (K + J) v + μ = b on the points not held by the wall, in u_z
-//! alone or in all components.
+//! Linear problem of small changes of an equilibrium state, (K + J) v + μ = b on the points not held by the wall, in
+//! u_z alone or in all components.
 
 use gfmd_vector::for_each;
 
@@ -173,8 +173,8 @@ impl<'a> Linear<'a> {
         level
     }
 
-    /// Returns the least energy ½⟨v, K v⟩ + ½⟨v − e, J (v − e)⟩, twice and as a sum over the points, of a displacement v
-    /// that is e at the points held and has no mean where the mean is held; `followed` is e. Its excess ⟨r, A⁻¹ r⟩ with
+    /// Returns the least energy ½⟨v, K v⟩ + ½⟨v − e, J (v − e)⟩, twice and as a sum over the points, of a displacement
+    /// v that is e at the points held and has no mean where the mean is held; `followed` is e. Its excess ⟨r, A⁻¹ r⟩ with
     /// the residual r and the matrix A of the problem is estimated by the preconditioner and the lowest curvature that
     /// the search finds.
     pub(crate) fn least_energy(&mut self, followed: &[f64], tolerance: f64) -> Energy {
@@ -220,8 +220,8 @@ impl<'a> Linear<'a> {
         }
     }
 
-    /// Solves the problem in u_z alone to a residual of `tolerance` relative to the first one; if the mean is held, `sum` is the sum
-    /// of v.
+    /// Solves the problem in u_z alone to a residual of `tolerance` relative to the first one; if the mean is held,
+    /// `sum` is the sum of v.
     pub(crate) fn solve(&mut self, source: &[f64], sum: f64, tolerance: f64) -> Adjoint {
         let accuracy = (OF_TOLERANCE * tolerance).max(ACCURACY);
         let share = self.model.share().unwrap_or(&self.free);

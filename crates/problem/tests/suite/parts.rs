@@ -23,6 +23,9 @@ fn heights(grid: &Grid) -> Array2<f64> {
     })
 }
 
+/// Hardness, stress; E is 1.
+pub(crate) const HARDNESS: f64 = 0.04;
+
 /// Owner of the parts that a problem borrows.
 pub(crate) struct Parts {
     pub(crate) facts: Facts,
@@ -95,7 +98,7 @@ impl Parts {
             sideways: &[],
             lower: self.lower.as_deref(),
             law: Arc::clone(&self.law),
-            hardness: self.facts.hardness.then_some(0.04.into()),
+            hardness: self.facts.hardness.then_some(HARDNESS.into()),
             inelastic: Inelastic {
                 plasticity: self.plasticity.clone(),
                 shear: shear.map(Into::into),

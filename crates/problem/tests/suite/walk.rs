@@ -4,7 +4,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-use crate::parts::{Parts, all_facts};
+use crate::parts::{HARDNESS, Parts, all_facts};
 use gfmd_contact::{
     Boundary, Contact, Drive, Equilibrium, Fields, Load, Refusal, Resumable as _, SolveError, SqueezedContact,
     SteepContact, Visit,
@@ -33,7 +33,7 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let wall = || Contact::new(&body, &grid, &heights).unwrap();
     same(&solved(plain), &wall().press(load).solve().unwrap());
     let facts = Facts { hardness: true, ..plain };
-    same(&solved(facts), &wall().with_hardness(0.04).unwrap().press(load).solve().unwrap());
+    same(&solved(facts), &wall().with_hardness(HARDNESS).unwrap().press(load).solve().unwrap());
     let facts = Facts { law: LawKind::Exponential, ..plain };
     let law = Parts::of(facts);
     let interface = Interface::new(&law.body, &law.grid, &law.heights, Arc::clone(&law.law)).unwrap();
@@ -46,7 +46,7 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let squeezed = SqueezedContact::new(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
     let state = solved(facts);
     same(&state, &squeezed.press(load).solve().unwrap());
-    let hard = squeezed.with_hardness(0.04).unwrap().press(load).solve().unwrap();
+    let hard = squeezed.with_hardness(HARDNESS).unwrap().press(load).solve().unwrap();
     same(&solved(Facts { hardness: true, ..facts }), &hard);
     let held = SqueezedContact::held_sideways(&slab.body, &slab.grid, &slab.heights, lower).unwrap();
     same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
@@ -54,7 +54,7 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let law = || Arc::clone(&Parts::of(facts).law);
     let glued = Squeezed::new(&slab.body, &slab.grid, &slab.heights, lower, law()).unwrap();
     same(&solved(facts), &glued.press(load).solve().unwrap());
-    let hard = glued.with_hardness(0.04).unwrap().press(load).solve().unwrap();
+    let hard = glued.with_hardness(HARDNESS).unwrap().press(load).solve().unwrap();
     same(&solved(Facts { hardness: true, ..facts }), &hard);
     let held = Squeezed::held_sideways(&slab.body, &slab.grid, &slab.heights, lower, law()).unwrap();
     same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
@@ -155,7 +155,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         let direct: Vec<_> = match (facts.law, facts.wear.is_some()) {
             _ if facts.lower.is_some() => {
                 let law = Some(Arc::clone(&parts.law));
-                let hardness = facts.hardness.then(|| 0.04.into());
+                let hardness = facts.hardness.then(|| HARDNESS.into());
                 let all = gfmd_interface::Parts { law, hardness, ..gfmd_interface::Parts::new(body, grid, heights) };
                 let contact = Squeezed::on_path(&all, parts.lower.as_ref().unwrap()).unwrap();
                 let mut direct = Path::new(&contact, Budget::default(), refinement);
@@ -168,7 +168,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
             }
             (_, wears) => {
                 let contact = QuasistaticContact::new(&gfmd_interface::Parts {
-                    hardness: facts.hardness.then(|| 0.04.into()),
+                    hardness: facts.hardness.then(|| HARDNESS.into()),
                     shear: given.inelastic.shear,
                     wear: wears.then_some(Wear { by_distance: 0.5, by_slip: 0.0 }),
                     ..gfmd_interface::Parts::new(body, grid, heights)
@@ -269,9 +269,9 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let parts = Parts::of(facts);
         let far = facts.boundary == Boundary::Periodic || gfmd_green::has_level(&parts.body, &parts.grid);
         assert_eq!(facts.is_level_near(), !far, "{facts:?}");
-        // Two faces share the approach.
-        let approach = if facts.lower.is_some() { 0.022 } else { 0.009 };
-        let load = if facts.approach { Load::Approach(approach) } else { Load::MeanPressure(0.01) };
+        // Two faces share the approach, and have more contact; the pressure shall reach the hardness.
+        let [approach, mean] = if facts.lower.is_some() { [0.022, 0.013] } else { [0.009, 0.01] };
+        let load = if facts.approach { Load::Approach(approach) } else { Load::MeanPressure(mean) };
         let far = if facts.lateral { 1e-4 } else { 0.0 };
         let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
             let press = |time: f64, start: Option<&_>| {
