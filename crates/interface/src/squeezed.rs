@@ -89,8 +89,8 @@ pub trait Stacked: Quasistatic + Resumable {
 }
 
 /// Computes the stiffness d(mean pressure)/d(approach) of a slab between two hard walls, in stress/length, to a
-/// relative error, as [`Interface::stiffness`]. The points in contact stay in contact, and points at the hardness keep their
-/// pressure.
+/// relative error, as [`Interface::stiffness`]. The points in contact stay in contact, and points at the hardness keep
+/// their pressure.
 ///
 /// # Errors
 /// Returns the reason why there is none.
