@@ -175,8 +175,8 @@ impl<'a> Linear<'a> {
 
     /// Returns the least energy ½⟨v, K v⟩ + ½⟨v − e, J (v − e)⟩, twice and as a sum over the points, of a displacement
     /// v that is e at the points held and has no mean where the mean is held; `followed` is e. Its excess ⟨r, A⁻¹ r⟩
-    /// with the residual r and the matrix A of the problem is estimated by the preconditioner and the lowest curvature that
-    /// the search finds.
+    /// with the residual r and the matrix A of the problem is estimated by the preconditioner and the lowest
+    /// curvature that the search finds.
     pub(crate) fn least_energy(&mut self, followed: &[f64], tolerance: f64) -> Energy {
         let (points, frame) = (self.frame.points(), self.frame);
         let mut values = vec![0.0; followed.len()];
