@@ -20,7 +20,7 @@ pub struct PlasticStrain {
 /// Points of a cell that have yielded, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Yielded {
-    /// Numbers of the points among those of this process on the grid of the cell.
+    /// Numbers of the points, counted from the first point of this process on the grid of the cell.
     pub(crate) points: Vec<u32>,
     /// Plastic strain, in the orthonormal basis.
     pub(crate) strain: Vec<[f64; COMPONENTS]>,

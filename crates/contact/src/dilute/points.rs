@@ -96,7 +96,7 @@ impl Points {
     /// not free. Free points are in contact, or about to enter: with a negative gap below the gap continued to them.
     pub(crate) fn press(&mut self, gaps: impl Fn(usize) -> Gaps + Sync, out: &mut [f32]) {
         self.pairs += 1;
-        // Other points than those of the coupled blocks keep stale values.
+        // Points outside the coupled blocks keep stale values.
         for vector in [&mut self.rest, &mut self.free] {
             vector.resize(out.len(), 0.0);
         }
