@@ -17,7 +17,7 @@
 //! }
 //! ```
 //!
-//! The default of a field is `default_value_t` or `default_values_t` of its clap attribute, else
+//! The default of a field is `default_value`, `default_value_t` or `default_values_t` of its clap attribute, else
 //! `#[option(default = ..)]`, else the default of its type.
 
 use proc_macro2::TokenStream;
@@ -63,6 +63,11 @@ impl Described {
                         Some("default_values_t") if of_clap => {
                             let values: Expr = meta.value()?.parse()?;
                             described.default = Some(parse_quote!((#values).into_iter().collect()));
+                            return Ok(());
+                        }
+                        Some("default_value") if of_clap => {
+                            let text: Expr = meta.value()?.parse()?;
+                            described.default = Some(parse_quote!(::std::convert::Into::into(#text)));
                             return Ok(());
                         }
                         Some("default") if !of_clap => &mut described.default,

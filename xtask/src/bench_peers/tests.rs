@@ -371,6 +371,12 @@ fn args(flags: &[&str]) -> Args {
 }
 
 #[test]
+fn default_flags_are_an_empty_command_line() {
+    let (built, parsed) = (Args::default().resolved(), args(&[]));
+    assert_eq!(serde_json::to_value(built).unwrap(), serde_json::to_value(parsed).unwrap());
+}
+
+#[test]
 fn every_package_is_pinned() {
     let requirements = include_str!("../../peers/requirements.txt");
     assert!(requirements.lines().all(|line| line.split_once("==").is_some_and(|(_, version)| !version.is_empty())));
