@@ -187,8 +187,8 @@ def cards(text: str) -> str:
 
 
 def notebook(name: str, text: str, docs: Path) -> dict[str, bytes]:
-    """Returns a page that offers itself as a notebook, the notebook, and the repository files that it reads. Links
-    of the notebook to other pages become text."""
+    """Returns a page with a link to its notebook, the notebook, and the repository files that it reads. Links of the
+    notebook to other pages become text."""
     import nbformat
     from myst_nb.core.read import read_myst_markdown_notebook
 
