@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "docs" / "site"))
 
 import formulas  # noqa: E402
+import pages  # noqa: E402
 
 project = "gfmd"
 author = "The gfmd developers"
@@ -28,7 +29,7 @@ extensions = [
     "sphinx_design",
 ]
 source_suffix = {".md": "myst-nb"}
-exclude_patterns = ["site/README.md", "_build"]
+exclude_patterns = ["site/README.md", "downloads", "_build"]
 suppress_warnings = ["misc.highlighting_failure"]  # tables of formulas in fenced text
 nitpicky = False
 
@@ -61,6 +62,7 @@ html_theme = "furo"
 html_title = f"gfmd {release}"
 html_static_path = ["site/static"]
 html_css_files = ["gfmd.css"]
+html_js_files = [("search.js", {"defer": "defer"}), ("wide.js", {"defer": "defer"})]
 html_search_scorer = str(Path(__file__).parent / "site" / "scorer.js")
 html_favicon = "site/static/icon.svg"
 html_show_sphinx = False
@@ -156,6 +158,18 @@ def _thumbnails(app, tree):
     next(tree.findall(nodes.paragraph)).parent.insert(2, nodes.bullet_list("", *items, classes=["thumbnails"]))
 
 
+def _columns(app, tree):
+    """Cells of tables that are numbers, which stay whole, and cells of words, which need room."""
+    from docutils import nodes
+
+    for entry in tree.findall(nodes.entry):
+        text = entry.astext()
+        if len(text) <= 40 and re.match(r"[\W_]*\d[^a-z]*([a-zµ°*/^ ]{1,8}[^a-z]*)?$", text, re.I):
+            entry["classes"].append("number")
+        elif len(text) > 40:
+            entry["classes"].append("text")
+
+
 def _folded(app, tree):
     """Three or more notes (block quotes) in a row become one list that opens on demand."""
     from docutils import nodes
@@ -180,6 +194,13 @@ def _joined(app, what, name, obj, options, lines):
     for place, line in enumerate(lines):
         if found := re.match(r":(?:ivar|param) ([^:]*,[^:]*):", line):
             lines[place] = line.replace(found[1], found[1].replace(", ", ",\u200b"), 1)
+
+
+def _members(app, what, name, obj, options, lines):
+    """After its first paragraph a class has tables of its properties and methods."""
+    if what == "class":
+        end = lines.index("") if "" in lines else len(lines)
+        lines[end:end] = ["", *pages.members(obj)]
 
 
 # Pages whose text is no mathematics: lists of changes, of names in code, and of flags.
@@ -252,9 +273,11 @@ def setup(app):
     app.connect("source-read", _inside)
     app.connect("include-read", _included)
     app.connect("autodoc-process-docstring", _joined, priority=600)
+    app.connect("autodoc-process-docstring", _members, priority=700)
     app.connect("doctree-read", _described)
     app.connect("doctree-read", _warned)
     app.connect("doctree-read", _thumbnails)
+    app.connect("doctree-read", _columns)
     app.connect("doctree-read", _folded)
     app.connect("doctree-read", _typeset)
     app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))

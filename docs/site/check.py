@@ -1,7 +1,7 @@
 """Checks the built site: links and anchors in its files; in headless Chromium at two widths, light and dark, each page
 without errors, requests to other hosts, overflow, code that is cut, missing images or empty formulas, and without
-formulas in plain text where they are typeset; the height of long pages; and the search.
-`.ci/site --check` runs it.
+formulas in plain text where they are typeset, with tables that show where they go on and fit on paper; the height of
+long pages; the downloads of notebooks; the search, and the search as you type. `.ci/site --check` runs it.
 
 Usage: check.py FOLDER [SCREENSHOTS]
 """
@@ -36,8 +36,22 @@ SEARCHES = {
     "sphere": "classical.html",
 }
 FIRST = 2
-# Pages that are divided, and the largest height of each in pixels at the larger width.
+# Words being typed, and a page that must be in the list.
+TYPED = {
+    "adhes": "tutorials/adhesion.html",
+    "notebook": "tutorials/kappa.html",
+    "leak": "tutorials/leak.html",
+    "self_aff": "python-api/functions/self_affine.html",
+    "Surface.ps": "python-api/classes/Surface.html",
+    "contact": "python-api/functions/contact.html",
+    "contact of rough": "index.html",
+    "p*": "glossary.html",
+    "material": "python-api/functions/material.html",
+}
+# Pages that are divided, and the largest height of each in pixels at the larger width. A class is one page, which
+# begins with tables of its members.
 DIVIDED = ("theory", "interface", "python-api")
+WHOLE = "python-api/classes/"
 HEIGHT = 8000
 SHOTS = ("index.html", "start.html", "gallery.html", "glossary.html", "how-it-works.html", "tutorials/leak.html")
 # Pages that are no page of the site.
@@ -59,6 +73,18 @@ class Page(HTMLParser):
                 self.ids.add(value)
             if name in ("href", "src") and value:
                 self.links.append(value)
+
+
+def notebooks(folder: Path, sources: Path) -> list[str]:
+    """Pages that are notebooks and offer no file."""
+    wrong = []
+    for source in sources.rglob("*.md"):
+        if source.read_text(encoding="utf-8").startswith("---\nfile_format: mystnb\n"):
+            path = folder / source.relative_to(sources).with_suffix(".html")
+            files = [link for link in Page(path.read_text(encoding="utf-8")).links if link.endswith(".ipynb")]
+            if not files:
+                wrong.append(f"{path.relative_to(folder)} offers no notebook")
+    return wrong
 
 
 def links(folder: Path) -> list[str]:
@@ -86,21 +112,74 @@ class Quiet(SimpleHTTPRequestHandler):
         pass
 
 
+# Fonts are there, and sizes known to the scripts of the page.
+SETTLED = "document.fonts.ready.then(() => new Promise(done => requestAnimationFrame(() => setTimeout(done, 20))))"
 OVERFLOW = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
 IMAGES = """[...document.images].filter(i => { i.loading = 'eager'; return i.offsetParent !== null; })
     .filter(i => !(i.complete && i.naturalWidth > 0)).map(i => i.src)"""
 NAMELESS = """[...document.images].filter(i => !i.alt || i.alt.endsWith(i.src.split('/').pop())).map(i => i.src)"""
 FONT = """document.querySelector('math') === null ||
     [...document.fonts].some(font => font.family.includes('STIX Two Math') && font.status === 'loaded')"""
-CUT = "[...document.querySelectorAll('article pre')].filter(p => p.scrollWidth > p.clientWidth + 1).length"
+CUT = """[...document.querySelectorAll('article pre')].filter(p => p.scrollWidth > p.clientWidth + 1 &&
+    !p.classList.contains('more-right')).length"""
 HIGH = "document.documentElement.scrollHeight"
 # Marks of an index or a power that are left in the text of a page.
 PLAIN = """[...document.querySelectorAll('article p, article li, article td, div.formulas')].flatMap(e => {
     const copy = e.cloneNode(true); copy.querySelectorAll('math, code, pre, a').forEach(x => x.remove());
     return copy.textContent.match(/(^|[^A-Za-z0-9])[A-Za-z\\u0391-\\u03c9][_^][A-Za-z{(]\\S*/g) || []; })"""
+# Tables that are wider than the page and do not show it; numbers in more than one line.
+HIDDEN = """[...document.querySelectorAll('article table')].filter(t => t.scrollWidth > t.clientWidth + 1
+    && !t.classList.contains('more-right')).length"""
+BROKEN = """[...document.querySelectorAll('article td')].filter(cell => {
+    if (!/^[-−+±~<>≤≥≈ ]*[0-9][-−+0-9.,()±e ]*$/.test(cell.textContent.trim())) return false;
+    const lines = new Set(), walk = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT);
+    while (walk.nextNode()) {
+        const range = document.createRange();
+        range.selectNode(walk.currentNode);
+        [...range.getClientRects()].filter(r => r.width > 1).forEach(r => lines.add(Math.round(r.bottom / 10)));
+    }
+    return lines.size > 1; }).map(cell => cell.textContent)"""
+# Tables that paper cuts, whose width at 96 points per inch is A4 without margins.
+PAPER = 718
+CUT_ON_PAPER = """[...document.querySelectorAll('article table')].filter(t => t.getBoundingClientRect().right >
+    document.documentElement.clientWidth + 1 || t.scrollWidth > t.clientWidth + 2).length"""
+ROWS = "all => all.map(a => a.pathname + a.hash)"
 LINKS = "all => all.map(a => a.getAttribute('href'))"
 FORMULAS = """[...document.querySelectorAll('math')].filter(m => { const r = m.getBoundingClientRect();
     return r.width < 2 || r.height < 2; }).length"""
+
+
+def typed(page, home: str) -> list[str]:
+    """Types words into the search field of the sidebar, and opens pages by keys."""
+    wrong = []
+    field, row = page.locator("input.sidebar-search"), page.locator("#search-list a")
+    for word, wanted in TYPED.items():
+        page.goto(f"{home}/start.html")
+        page.keyboard.press("/")
+        page.keyboard.type(word, delay=20)
+        row.first.wait_for()
+        page.wait_for_timeout(200)
+        found = [address.split("#")[0].lstrip("/") for address in row.evaluate_all(ROWS)]
+        if wanted not in found:
+            wrong.append(f"typing {word!r}: {wanted} is not in the list: {', '.join(found)}")
+            continue
+        for _ in range(found.index(wanted)):
+            page.keyboard.press("ArrowDown")
+        page.keyboard.press("Enter")
+        page.wait_for_url(lambda address: urlsplit(address).path == f"/{wanted}")
+    page.goto(f"{home}/start.html")
+    page.keyboard.press("Control+k")
+    page.keyboard.type("creep")
+    row.first.wait_for()
+    page.keyboard.press("ArrowUp")
+    if "search.html?q=creep" not in page.locator("#search-list a[aria-selected=true]").get_attribute("href"):
+        wrong.append("the last row of the list is no link to the search page")
+    page.keyboard.press("Escape")
+    if row.first.is_visible() or field.input_value() != "creep":
+        wrong.append("Escape does not close the list, or empties the field")
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/search.html?q=creep*")
+    return wrong
 
 
 def is_elsewhere(address: str, home: str) -> bool:
@@ -131,7 +210,7 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                 for name in names:
                     heard.clear()
                     page.goto(f"{home}/{name}", wait_until="load")
-                    page.wait_for_load_state("networkidle")
+                    page.evaluate(SETTLED)
                     where = f"{name} at {width}, {scheme}"
                     wrong += [f"{where}: {told}" for told in heard]
                     if (wide := page.evaluate(OVERFLOW)) > 1:
@@ -144,7 +223,12 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                         wrong.append(f"{where}: the font of formulas is not loaded")
                     if cut := page.evaluate(CUT):
                         wrong.append(f"{where}: {cut} blocks of code are cut")
-                    if width == max(WIDTHS) and name.startswith(DIVIDED) and (high := page.evaluate(HIGH)) > HEIGHT:
+                    if hidden := page.evaluate(HIDDEN):
+                        wrong.append(f"{where}: {hidden} tables do not show that they go on")
+                    if broken := page.evaluate(BROKEN):
+                        wrong.append(f"{where}: numbers in two lines: {' '.join(broken[:5])}")
+                    is_divided = name.startswith(DIVIDED) and not name.startswith(WHOLE)
+                    if width == max(WIDTHS) and is_divided and (high := page.evaluate(HIGH)) > HEIGHT:
                         wrong.append(f"{where}: {high} pixels high, more than {HEIGHT}")
                     if name.startswith(("theory", "results")) and (left := page.evaluate(PLAIN)):
                         wrong.append(f"{where}: formulas in plain text: {' '.join(left[:5])}")
@@ -153,6 +237,14 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                         shot = shots / f"{name.replace('/', '-')[:-5]}-{width}-{scheme}.png"
                         page.screenshot(path=shot, full_page=name == "index.html")
                 context.close()
+        page = browser.new_page(viewport={"width": PAPER, "height": 900})
+        page.emulate_media(media="print")
+        for name in names:
+            page.goto(f"{home}/{name}", wait_until="load")
+            if cut := page.evaluate(CUT_ON_PAPER):
+                wrong.append(f"{name} on paper: {cut} tables are cut")
+        for size in ({"width": 1200, "height": 900}, {"width": 390, "height": 900}):
+            wrong += typed(browser.new_page(viewport=size), home)
         page = browser.new_page()
         for word, wanted in SEARCHES.items():
             page.goto(f"{home}/search.html?q={word.replace('*', '%2A')}")
@@ -164,13 +256,14 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                 wrong.append(f"search for {word!r}: {wanted} is not among the first {FIRST}: {', '.join(first)}")
         browser.close()
     server.shutdown()
-    print(f"{len(names)} pages, {len(WIDTHS)} widths, {len(SCHEMES)} schemes, {len(SEARCHES)} searches")
+    print(f"{len(names)} pages, {len(WIDTHS)} widths, {len(SCHEMES)} schemes, {len(SEARCHES) + len(TYPED)} searches")
     return wrong
 
 
 def main() -> int:
     folder = Path(sys.argv[1]).resolve()
-    wrong = links(folder) + visited(folder, Path(sys.argv[2]) if len(sys.argv) > 2 else None)
+    wrong = links(folder) + notebooks(folder, Path(__file__).parents[1])
+    wrong += visited(folder, Path(sys.argv[2]) if len(sys.argv) > 2 else None)
     print("\n".join(wrong) or "no link, page or search is wrong")
     return 1 if wrong else 0
 

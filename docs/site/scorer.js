@@ -1,7 +1,9 @@
-/* Scores of the search: guides stand before reference pages, which name every word. The numbers beside `score` are the
-   defaults of Sphinx. */
+/* Scores of the search page and of the search as you type (static/search.js): guides stand before reference pages,
+   which name every word, and names of Python between titles and text. The numbers beside `score` are the defaults of
+   Sphinx. */
 var Scorer = {
-    score: ([page, , , , score]) => {
+    score: ([page, , , , score, , kind]) => {
+        if (kind === "object") return score - 6;
         const reference = ["interface", "options", "columns", "together", "trust", "python-api", "theory", "benchmarks",
             "creep-peers", "any-load", "site/changelog"];
         const below = ["interface/", "python-api/", "theory/"];

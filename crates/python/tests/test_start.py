@@ -1,4 +1,5 @@
-"""The commands and the Python lines of README and docs/start.md run, as a newcomer types them, in one folder."""
+"""The commands and the Python lines of README, docs/index.md and docs/start.md run, as a newcomer types them, in one
+folder."""
 
 import re
 import subprocess
@@ -33,10 +34,10 @@ def folder(tmp_path_factory):
 
 
 def test_there_are_commands():
-    assert len(list(commands("docs/start.md"))) > 8 and list(commands("README.md"))
+    assert len(list(commands("docs/start.md"))) > 8 and list(commands("README.md")) and list(commands("docs/index.md"))
 
 
-@pytest.mark.parametrize("command", [*commands("docs/start.md"), *commands("README.md")])
+@pytest.mark.parametrize("command", [*commands("docs/start.md"), *commands("README.md"), *commands("docs/index.md")])
 def test_the_command_runs(command, folder):
     program = [sys.executable, "-c", "from gfmd._program import main; main()"]
     assert command.startswith("gfmd "), command
@@ -45,15 +46,19 @@ def test_the_command_runs(command, folder):
     # The page has the table of one command.
     if command.endswith("--plots contact --out contact.h5"):
         assert blocks("docs/start.md", "text")[0] in done.stdout
+    if command in commands("docs/index.md"):
+        assert blocks("docs/index.md", "text")[1] in done.stdout
 
 
-@pytest.mark.parametrize("page", ["docs/start.md", "README.md"])
-def test_the_lines_of_python_run(page, folder, monkeypatch):
+@pytest.mark.parametrize("page", ["docs/start.md", "README.md", "docs/index.md"])
+def test_the_lines_of_python_run(page, folder, monkeypatch, capsys):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(folder)
     for block in blocks(page, "python"):
         if not block.startswith(LEFT):
             exec(block, {})
+    if page == "docs/index.md":
+        assert blocks(page, "text")[0].removesuffix("  ...\n") in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
