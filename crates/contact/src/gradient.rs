@@ -71,6 +71,18 @@ pub struct ClearanceGradient {
 }
 
 impl ClearanceGradient {
+    /// Adds the derivatives of another number of the same contact, with their effort. The error is kept.
+    pub fn add(&mut self, other: &Self) {
+        self.clearance += &other.clearance;
+        self.load += other.load;
+        self.modulus += other.modulus;
+        if let (Some(sum), Some(by)) = (&mut self.hardness, &other.hardness) {
+            *sum += by;
+        }
+        self.effort.iterations += other.effort.iterations;
+        self.effort.transform_pairs += other.effort.transform_pairs;
+    }
+
     /// Converts the clearance to the heights of a `surface`, with an approach measured from its highest point.
     pub fn by_heights(self, surface: &RigidSurface) -> Gradient {
         let Self { clearance, load, modulus, hardness, error, effort } = self;
@@ -156,7 +168,7 @@ pub enum GradientError {
 /// Relative difference to the hardness below which a pressure is the hardness up to rounding errors.
 const ROUNDING_OF_HARDNESS: f64 = 8.0 * f64::EPSILON;
 
-/// Residual at which the iterations end, relative to the residual at the start.
+/// Smallest residual at which the iterations end, relative to the residual at the start.
 const TOLERANCE: f64 = 1e-11;
 
 /// Largest error of a result.
@@ -184,13 +196,15 @@ impl Contact {
     /// approach that does not determine its pressure; derivatives that differ in shape, are not finite, or belong to
     /// fields that the contact does not have; a linear problem that was not solved.
     pub fn gradient(&self, solution: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
-        let found = self.gradient_by_clearance((&solution.pressure, &solution.displacement), load, of)?;
+        let Solution { pressure, displacement, .. } = solution;
+        let found = self.gradient_by_clearance((pressure, displacement), load, of, TOLERANCE)?;
         Ok(found.by_heights(&self.scaled))
     }
 
     /// Computes the derivatives as [`gradient`](Self::gradient), with the clearance in the place of the heights, in the
-    /// state with this pressure and displacement u_z. Springs below the surface have a share in the derivative by the
-    /// modulus if the displacement contains them.
+    /// state with this pressure and displacement u_z, from a linear problem solved to a relative residual of
+    /// `tolerance`, at least 1e-11. Springs below the surface have a share in the derivative by the modulus if the
+    /// displacement contains them.
     ///
     /// # Errors
     /// As [`gradient`](Self::gradient).
@@ -199,6 +213,7 @@ impl Contact {
         (pressure, displacement): (&ArrayRef2<f64>, &ArrayRef2<f64>),
         load: Load,
         of: &Cotangents,
+        tolerance: f64,
     ) -> Result<ClearanceGradient, GradientError> {
         let grid = *self.response.grid();
         let (shape, n) = (grid.points(), grid.len());
@@ -253,7 +268,7 @@ impl Contact {
         let by_pressure = self.hardness.as_ref().map(|_| source.clone());
         source.iter_mut().zip(&inside).for_each(|(source, inside)| *source *= inside);
         let sum = if is_driven { None } else { Some(opened - approach) };
-        let Adjoint { pressure: adjoint, level, error } = problem.solve(&source, sum);
+        let Adjoint { pressure: adjoint, level, error } = problem.solve(&source, sum, tolerance.max(TOLERANCE));
         // ∂L/∂p less the share of the adjoint, where the pressure is the hardness.
         let hardness = by_pressure.map(|mut by_pressure| {
             let mut image = vec![0.0; n];
@@ -264,7 +279,7 @@ impl Contact {
             Array2::from_shape_fn(shape, |(i, j)| by_pressure[i * shape[1] + j])
         });
         let effort = Effort { iterations: problem.iterations, transform_pairs: problem.pairs() };
-        if error.is_nan() || error > ERROR {
+        if error.is_nan() || error > ERROR.max(2.0 * tolerance) {
             return Err(GradientError::Inexact { error, iterations: problem.iterations });
         }
         let by_approach = total(&adjoint) - opened;
@@ -425,7 +440,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Solves G y + μ = a on the contact for the given `sum` of y; without a `sum`, solves G y = a.
-    fn solve(&mut self, source: &[f64], sum: Option<f64>) -> Adjoint {
+    fn solve(&mut self, source: &[f64], sum: Option<f64>, tolerance: f64) -> Adjoint {
         let n = source.len();
         let start = sum.map_or(0.0, |sum| sum / self.count);
         let mut pressure: Vec<f64> = self.inside.iter().map(|inside| start * inside).collect();
@@ -448,7 +463,7 @@ impl<'a> Problem<'a> {
             if self.iterations == 0 {
                 first = slope.max(LEAST * LEAST * whole);
             }
-            let least = (TOLERANCE * TOLERANCE * first).max(ROUNDING * ROUNDING * whole);
+            let least = (tolerance * tolerance * first).max(ROUNDING * ROUNDING * whole);
             let goes_on = slope > least && self.iterations < ITERATIONS;
             if !goes_on {
                 break;

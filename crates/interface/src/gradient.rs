@@ -30,20 +30,7 @@ impl Interface {
     /// finite, or of fields that the interface does not have; if the load does not determine the state, or the state
     /// jumps; or if the linear problem was not solved.
     pub fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, GradientError> {
-        Ok(self.gradient_by_clearance(state, load, of)?.by_heights(&self.surface))
-    }
-
-    /// Computes the derivatives as [`gradient`](Self::gradient), with the clearance in the place of the heights.
-    ///
-    /// # Errors
-    /// Returns an error as [`gradient`](Self::gradient).
-    pub(crate) fn gradient_by_clearance(
-        &self,
-        state: &State,
-        load: Load,
-        of: &Cotangents,
-    ) -> Result<ClearanceGradient, GradientError> {
-        self.derivatives(state, load, of, EXACT)
+        Ok(self.derivatives(state, load, of, EXACT)?.by_heights(&self.surface))
     }
 
     /// Computes the derivatives by the clearance, from a linear problem solved to a relative residual of `tolerance`;

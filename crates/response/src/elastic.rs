@@ -300,6 +300,12 @@ impl FullTransforms {
         fits(self.response.compliance().apply_laterally(traction, displacement, &mut self.workspace));
     }
 
+    /// Computes the lateral traction of a lateral displacement without u_z: t_x, t_y from u_x, u_y (x alone on a line).
+    pub fn lateral_stiffness(&mut self, displacement: &[f64], traction: &mut [f64]) {
+        self.pairs += self.response.components().len() as u64 - 1;
+        fits(self.response.stiffness().apply_laterally(displacement, traction, &mut self.workspace));
+    }
+
     /// Returns the number of pairs of forward and inverse transforms of one component so far.
     pub fn pairs(&self) -> f64 {
         self.pairs as f64

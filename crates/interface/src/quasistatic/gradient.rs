@@ -12,12 +12,15 @@ use super::shear::Effect;
 use super::shear::adjoint::{ByShear, ShearAdjoint, ShearGradient};
 use super::step::Step;
 use super::{QuasistaticContact, QuasistaticState, Wear};
+use crate::gradient::EXACT;
 
 /// Largest change of the last round of pressure and shear, relative to the derivatives by the pressure.
 const TOLERANCE: f64 = 1e-10;
 /// Maximum number of rounds of pressure and shear, and number of rounds that are mixed.
 const ROUNDS: u64 = 100;
 const DEPTH: usize = 5;
+/// Largest relative residual of a round.
+const LOOSEST: f64 = 0.1;
 /// Largest error of a result.
 const ERROR: f64 = 1e-8;
 
@@ -318,7 +321,7 @@ impl QuasistaticContact {
         let mut modulus = at_end.modulus + by_modulus * self.contact_modulus / self.units.modulus();
         let wear = match self.wear {
             Some(_) => {
-                let by = solved.by_compliance(&by_step, &at_end);
+                let by = solved.by_compliance(&by_step, at_end.worn.as_ref());
                 let slipped = solved.slipped.iter().zip(&by).map(|(slipped, by)| slipped * by).sum();
                 Wear { by_distance: moved * total(&by), by_slip: slipped }
             }
@@ -450,20 +453,20 @@ impl<'a> Solved<'a> {
 
     /// Returns the derivatives with respect to the compliance that stands for the wear at each point, not divided, from
     /// those with respect to the clearance of the step and to the depth worn off.
-    fn by_compliance(&self, by_step: &ArrayRef2<f64>, at_end: &AtEnd) -> Vec<f64> {
+    fn by_compliance(&self, by_step: &ArrayRef2<f64>, by_worn: Option<&Array2<f64>>) -> Vec<f64> {
         let mut by = by_step.to_owned();
-        at_end.worn.iter().for_each(|worn| by += worn);
+        by_worn.iter().for_each(|worn| by += *worn);
         by *= &self.repulsion;
         by.into_iter().collect()
     }
 
     /// Returns the derivatives with respect to the slip vectors, by which the surfaces wear.
-    fn by_slip(&self, by_step: &ArrayRef2<f64>, at_end: &AtEnd) -> Vec<f64> {
+    fn by_slip(&self, by_step: &ArrayRef2<f64>, by_worn: Option<&Array2<f64>>) -> Vec<f64> {
         let slip = self.end.sheared.as_ref().map_or(&[][..], |sheared| &sheared.slip);
         let Some(wear) = self.step.contact.wear.filter(|_| !self.slipped.is_empty()) else {
             return vec![0.0; slip.len()];
         };
-        let by_compliance = self.by_compliance(by_step, at_end);
+        let by_compliance = self.by_compliance(by_step, by_worn);
         let points = by_compliance.len();
         let of = |(k, slip): (usize, &f64)| match self.slipped[k % points] {
             0.0 => 0.0,
@@ -472,62 +475,96 @@ impl<'a> Solved<'a> {
         slip.iter().enumerate().map(of).collect()
     }
 
-    /// Transposes the normal contact.
-    fn transpose_normal(&self, load: Load, of: &Cotangents) -> Result<ClearanceGradient, Reason> {
+    /// Transposes the normal contact, to a relative residual of `tolerance`.
+    fn transpose_normal(&self, load: Load, of: &Cotangents, tolerance: f64) -> Result<ClearanceGradient, Reason> {
         Ok(match (&self.contact, &self.normal) {
             (Normal::Wall(contact), NormalState::Wall(state)) => {
                 let displacement = match &self.unpressed {
                     Some(depth) => &state.displacement + depth,
                     None => state.displacement.clone(),
                 };
-                contact.gradient_by_clearance((&state.pressure, &displacement), load, of)?
+                contact.gradient_by_clearance((&state.pressure, &displacement), load, of, tolerance)?
             }
-            (Normal::Law(interface), NormalState::Law(state)) => interface.gradient_by_clearance(state, load, of)?,
+            (Normal::Law(interface), NormalState::Law(state)) => interface.derivatives(state, load, of, tolerance)?,
             _ => return Err(Refusal::OtherKind.into()),
         })
     }
 
-    /// Transposes normal contact and shear in turn, until both agree.
+    /// Transposes normal contact and shear in turn, until both agree. Both problems are linear: each round solves for
+    /// the change of the last one alone, to the same absolute error.
     fn transpose(&mut self, load: Load, at_end: &AtEnd) -> Result<(ClearanceGradient, Option<ShearGradient>), Reason> {
         let Some((shear, ended)) = self.step.shear.take().zip(self.end.sheared.as_ref()) else {
-            return Ok((self.transpose_normal(load, &at_end.normal)?, None));
+            return Ok((self.transpose_normal(load, &at_end.normal, EXACT)?, None));
         };
         let mut adjoint = shear.adjoint(&self.normal, &ended.slip);
-        let mut by_step = Array2::zeros(self.repulsion.raw_dim());
-        let sheared = self.transpose_shear(&mut adjoint, &by_step, at_end);
-        let (mut by_pressure, mut mixing) = (sheared.pressure, Anderson::new(DEPTH));
-        let (mut effort, mut change) = (Effort::default(), f64::INFINITY);
+        let mut sheared = self.transpose_shear(&mut adjoint, &Array2::zeros(self.repulsion.raw_dim()), Some(at_end));
+        let (mut by_pressure, mut mixing) = (self.field(&sheared.pressure), Anderson::new(DEPTH));
+        let mut sum = at_end.normal.pressure.as_ref().map_or_else(|| by_pressure.clone(), |by| by + &by_pressure);
+        let mut of = Cotangents { pressure: Some(sum.clone()), ..at_end.normal.clone() };
+        let mut found: Option<ClearanceGradient> = None;
+        let (mut tolerance, mut error, mut left) = (EXACT, 0.0_f64, f64::INFINITY);
         for _ in 0..ROUNDS {
-            let mut of = at_end.normal.clone();
-            let sum = of.pressure.get_or_insert_with(|| Array2::zeros(by_step.raw_dim()));
-            sum.iter_mut().zip(&by_pressure).for_each(|(sum, by)| *sum += by);
-            let size = sum.iter().map(|by| by * by).sum::<f64>();
-            let found = self.transpose_normal(load, &of)?;
-            effort.iterations += found.effort.iterations;
-            effort.transform_pairs += found.effort.transform_pairs;
-            by_step.assign(&found.clearance);
-            let sheared = self.transpose_shear(&mut adjoint, &by_step, at_end);
-            let apart = sheared.pressure.iter().zip(&by_pressure).map(|(new, by)| (new - by).powi(2)).sum::<f64>();
-            change = if apart == 0.0 { 0.0 } else { (apart / size).sqrt() };
-            if change <= TOLERANCE {
-                effort.iterations += adjoint.iterations;
-                effort.transform_pairs += adjoint.pairs();
-                let error = found.error.max(sheared.error).max(change);
+            let change = self.transpose_normal(load, &of, tolerance)?;
+            error = error.max(change.error * EXACT / tolerance);
+            let by_change = self.transpose_shear(&mut adjoint, &change.clearance, None);
+            sheared.add(&by_change);
+            let found = match &mut found {
+                Some(found) => {
+                    found.add(&change);
+                    found
+                }
+                None => found.insert(change),
+            };
+            let size = norm(sum.iter().copied());
+            let apart = sheared.pressure.iter().zip(&by_pressure).map(|(new, by)| new - by);
+            left = match norm(apart) {
+                0.0 => 0.0,
+                apart => apart / size,
+            };
+            if left <= TOLERANCE {
+                let error = error.max(sheared.error).max(left);
                 if error.is_nan() || error > ERROR {
                     break;
                 }
-                return Ok((ClearanceGradient { error, effort, ..found }, Some(sheared)));
+                let Effort { iterations, transform_pairs } = found.effort;
+                let (iterations, transform_pairs) =
+                    (iterations + adjoint.iterations, transform_pairs + adjoint.pairs());
+                let effort = Effort { iterations, transform_pairs };
+                return Ok((ClearanceGradient { error, effort, ..found.clone() }, Some(sheared)));
             }
-            mixing.advance(&mut by_pressure, &sheared.pressure);
+            let before = by_pressure.clone();
+            let Some(values) = by_pressure.as_slice_mut() else { break };
+            mixing.advance(values, &sheared.pressure);
+            let moved = &by_pressure - &before;
+            sum += &moved;
+            tolerance = (EXACT * size / norm(moved.iter().copied())).clamp(EXACT, LOOSEST);
+            of = Cotangents { pressure: Some(moved), ..Cotangents::default() };
         }
-        Err(GradientError::Inexact { error: change, iterations: effort.iterations }.into())
+        let iterations = found.map_or(0, |found| found.effort.iterations);
+        Err(GradientError::Inexact { error: left, iterations }.into())
     }
 
-    /// Transposes the shear, from the derivatives with respect to the clearance of the normal contact. This clearance
-    /// contains the displacement caused by the shear, with a minus sign.
-    fn transpose_shear(&self, adjoint: &mut ShearAdjoint, by_step: &Array2<f64>, at_end: &AtEnd) -> ShearGradient {
+    /// Transposes the shear, from the derivatives with respect to the clearance of the normal contact and to the state
+    /// `at_end`, if they are not zero. The clearance contains the displacement caused by the shear, with a minus sign.
+    fn transpose_shear(
+        &self,
+        adjoint: &mut ShearAdjoint,
+        by_step: &Array2<f64>,
+        at_end: Option<&AtEnd>,
+    ) -> ShearGradient {
         let lift: Vec<f64> = by_step.iter().map(|by| -by).collect();
-        let slip = self.by_slip(by_step, at_end);
-        adjoint.solve(&ByShear { traction: &at_end.shear, displacement: &at_end.sideways, slip: &slip, lift: &lift })
+        let slip = self.by_slip(by_step, at_end.and_then(|at_end| at_end.worn.as_ref()));
+        let none = vec![0.0; slip.len()];
+        let (traction, displacement) = at_end.map_or((&none, &none), |at_end| (&at_end.shear, &at_end.sideways));
+        adjoint.solve(&ByShear { traction, displacement, slip: &slip, lift: &lift })
     }
+
+    fn field(&self, values: &[f64]) -> Array2<f64> {
+        self.step.contact.field(values.to_vec())
+    }
+}
+
+/// Returns the Euclidean norm.
+fn norm(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|value| value * value).sum::<f64>().sqrt()
 }

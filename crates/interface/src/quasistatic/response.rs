@@ -56,11 +56,12 @@ impl Transforms {
         }
     }
 
-    /// Computes `traction` = K `displacement`; false with free boundaries, whose stiffness is not known.
-    pub(super) fn stiffness(&mut self, displacement: &[f64], traction: &mut [f64]) -> bool {
+    /// Computes the lateral traction of a lateral displacement without u_z; false with free boundaries, whose stiffness
+    /// is not known.
+    pub(super) fn lateral_stiffness(&mut self, displacement: &[f64], traction: &mut [f64]) -> bool {
         match self {
             Self::Periodic(transforms) => {
-                transforms.stiffness(displacement, traction);
+                transforms.lateral_stiffness(displacement, traction);
                 true
             }
             Self::Free(_) => false,

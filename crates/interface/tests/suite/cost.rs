@@ -1,10 +1,10 @@
 //! Cost of contacts with a law or friction in transform pairs, which do not depend on the machine, and the states
 //! reached. The bounds are about a fifth above the numbers needed when they were set.
 
-use gfmd_contact::{Boundary, Budget, Drive, Equilibrium, Fields, Load};
+use gfmd_contact::{Boundary, Budget, Cotangents, Drive, Equilibrium, Fields, Load};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
-use gfmd_interface::{Interface, Path, Refinement, State};
+use gfmd_interface::{Increment, Interface, Path, QuasistaticContact, QuasistaticState, Refinement, State};
 use gfmd_law::{Exponential, Law, Limit, Morse};
 use gfmd_surface::{Discretisation, SelfAffine};
 
@@ -95,30 +95,56 @@ fn a_law_without_a_wall() {
 }
 
 /// A rough surface is pressed and then sheared in five steps, in single increments and with divided steps.
+/// Creates a rough contact with friction on 64 x 64 points, and six drives under a load that push it sideways.
+fn pushed(poisson: f64) -> (QuasistaticContact, [Drive; 6]) {
+    let n = 64;
+    let grid = Grid::square(n, 1.0).unwrap();
+    let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
+    let spectrum = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) };
+    let heights = numbers.self_affine(1.0, spectrum).heights(&grid, 1).unwrap();
+    let body = Body::half_space(Material::from_young(1.0, poisson).unwrap());
+    let load = Load::MeanPressure(0.05 * 0.1 * body.contact_modulus());
+    let drive = |step: u8| Drive { lateral: [2e-4 * f64::from(step), 0.0], ..load.into() };
+    let contact = rubbing(Boundary::Periodic, &body, &grid, &heights, Limit::Coulomb(0.3));
+    (contact, [0, 1, 2, 3, 4, 5].map(drive))
+}
+
 #[test]
 fn steps_with_friction() {
     let mut found = Vec::new();
     for (poisson, bounds) in [(0.0, [400.0, 2450.0]), (0.3, [315.0, 1970.0])] {
-        let n = 64;
-        let grid = Grid::square(n, 1.0).unwrap();
-        let numbers = Discretisation { eps_t_inv: 2.0, eps_f_inv: n as f64 / 8.0, eps_c_inv: 4.0 };
-        let spectrum = SelfAffine { hurst: 0.8, ..SelfAffine::with_rms_gradient(0.1) };
-        let heights = numbers.self_affine(1.0, spectrum).heights(&grid, 1).unwrap();
-        let body = Body::half_space(Material::from_young(1.0, poisson).unwrap());
-        let pressure = 0.05 * 0.1 * body.contact_modulus();
-        let contact = rubbing(Boundary::Periodic, &body, &grid, &heights, Limit::Coulomb(0.3));
+        let (contact, drives) = pushed(poisson);
         for (solves_per_step, bound) in [0, 10].into_iter().zip(bounds) {
             let mut path = Path::new(&contact, Budget::default(), Refinement { tolerance: 1e-3, solves_per_step });
-            let pairs = (0..6).map(|step| {
-                let lateral = [2e-4 * f64::from(step), 0.0];
-                let drive = Drive { lateral, ..Load::MeanPressure(pressure).into() };
-                let made = path.step(drive, &mut ()).unwrap();
+            let pairs = drives.iter().map(|drive| {
+                let made = path.step(*drive, &mut ()).unwrap();
                 assert!(path.state().unwrap().worst() <= 1e-8 && (solves_per_step == 0 || !made.is_unsettled));
                 made.effort.transform_pairs
             });
             let mean = pairs.sum::<f64>() / 6.0;
             found.push((format!("poisson {poisson}, {solves_per_step} solves"), vec![mean], vec![bound]));
         }
+    }
+    assert_within(&found);
+}
+
+#[test]
+fn derivatives_along_a_path_with_friction() {
+    let mut found = Vec::new();
+    for (poisson, bound) in [(0.0, 1360.0), (0.3, 980.0)] {
+        let (contact, drives) = pushed(poisson);
+        let mut states: Vec<QuasistaticState> = Vec::new();
+        for drive in drives {
+            let state = contact.press(drive).starting_from(states.last()).solve().unwrap();
+            states.push(state);
+        }
+        let of = Cotangents { elastic_energy: 1.0, mean_shear: [1.0, 0.0], ..Cotangents::default() };
+        let increments: Vec<Increment> =
+            states.iter().map(|state| Increment { load: drives[0].load, state, of: Some(&of) }).collect();
+        let gradient = contact.gradient_along(&increments).unwrap();
+        assert!(gradient.error <= 1e-9, "{}", gradient.error);
+        let mean = gradient.effort.transform_pairs / 6.0;
+        found.push((format!("poisson {poisson}"), vec![mean], vec![bound]));
     }
     assert_within(&found);
 }

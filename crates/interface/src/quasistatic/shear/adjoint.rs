@@ -7,8 +7,8 @@ use super::{AT_LIMIT, ShearStep, lengths, limits_of};
 use crate::quasistatic::normal::NormalState;
 use crate::quasistatic::parts::LimitingPressure;
 
-/// Residual at which the iterations end, relative to the residual at the start.
-const TOLERANCE: f64 = 1e-12;
+/// Residual at which the iterations end, relative to the largest residual at the start of a solve so far.
+const TOLERANCE: f64 = 1e-11;
 /// Largest number of iterations.
 const ITERATIONS: u64 = 5000;
 
@@ -49,8 +49,21 @@ pub(in crate::quasistatic) struct ShearGradient {
     pub(in crate::quasistatic) modulus: f64,
     /// With respect to the friction coefficient and the shear strength.
     pub(in crate::quasistatic) limit: [f64; 2],
-    /// Relative error of the linear problem, from its residual with fresh transforms.
+    /// Error of the linear problem, from its residual with fresh transforms, relative to the largest problem so far.
     pub(in crate::quasistatic) error: f64,
+}
+
+impl ShearGradient {
+    /// Adds the derivatives of another number.
+    pub(in crate::quasistatic) fn add(&mut self, other: &Self) {
+        let fields = [(&mut self.pressure, &other.pressure), (&mut self.stuck, &other.stuck)];
+        for (sum, by) in fields.into_iter().chain([(&mut self.base, &other.base)]) {
+            sum.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
+        }
+        self.modulus += other.modulus;
+        self.limit = gfmd_vector::add(self.limit, other.limit);
+        self.error = self.error.max(other.error);
+    }
 }
 
 /// Linear problem of small changes of the shear of a solved increment.
@@ -63,6 +76,8 @@ pub(in crate::quasistatic) struct ShearAdjoint {
     elastic: Vec<f64>,
     /// Stiffness of a wave of middle length.
     stiffness: f64,
+    /// Square of the largest residual at the start of a solve so far.
+    largest: f64,
     /// Number of iterations so far.
     pub(in crate::quasistatic) iterations: u64,
 }
@@ -111,7 +126,7 @@ impl ShearStep {
         let mut elastic = vec![0.0; traction.len()];
         self.transforms.compliance(&traction, &mut elastic);
         let stiffness = (self.softest * self.stiffest).sqrt();
-        ShearAdjoint { step: self, motions, limiting, elastic, stiffness, iterations: 0 }
+        ShearAdjoint { step: self, motions, limiting, elastic, stiffness, largest: 0.0, iterations: 0 }
     }
 }
 
@@ -193,8 +208,7 @@ impl ShearAdjoint {
 
     /// Computes `out` = (P G P + D) `shear`, with the projection P and the compliances D of the points that slip.
     fn apply(&mut self, shear: &[f64], out: &mut [f64]) {
-        let image = self.displaced(shear, &vec![0.0; self.motions.len()]);
-        out.copy_from_slice(&image[..shear.len()]);
+        self.step.transforms.lateral_compliance(shear, out);
         self.project(out);
         let points = self.motions.len();
         for (out, shear) in out.chunks_exact_mut(points).zip(shear.chunks_exact(points)) {
@@ -212,11 +226,7 @@ impl ShearAdjoint {
         let k = self.stiffness;
         let mut own = residual.to_vec();
         self.scale(&mut own, |compliance| (1.0 + k * compliance).sqrt().recip());
-        let padded = [&own[..], &vec![0.0; self.motions.len()][..]].concat();
-        let mut image = vec![0.0; padded.len()];
-        if self.step.transforms.stiffness(&padded, &mut image) {
-            out.copy_from_slice(&image[..residual.len()]);
-        } else {
+        if !self.step.transforms.lateral_stiffness(&own, out) {
             out.iter_mut().zip(&own).for_each(|(out, own)| *out = k * own);
         }
         self.project(out);
@@ -231,19 +241,19 @@ impl ShearAdjoint {
         }
     }
 
-    /// Solves (P G P + D) z = `source`; also returns the error relative to the source.
+    /// Solves (P G P + D) z = `source`; also returns the error relative to the largest source so far.
     fn conjugate_gradients(&mut self, source: &[f64]) -> (Vec<f64>, f64) {
         let n = source.len();
         let (mut z, mut residual) = (vec![0.0; n], source.to_vec());
         let (mut image, mut direction) = (vec![0.0; n], vec![0.0; n]);
-        let (mut first, mut last) = (0.0, f64::INFINITY);
-        for iteration in 0..ITERATIONS {
+        let mut last = f64::INFINITY;
+        for _ in 0..ITERATIONS {
             self.precondition(&residual, &mut image);
             let slope = dot(&residual, &image);
-            if iteration == 0 {
-                first = slope;
+            if last == f64::INFINITY {
+                self.largest = self.largest.max(slope);
             }
-            let goes_on = slope > TOLERANCE * TOLERANCE * first;
+            let goes_on = slope > TOLERANCE * TOLERANCE * self.largest;
             if !goes_on {
                 break;
             }
@@ -260,6 +270,6 @@ impl ShearAdjoint {
         residual.iter_mut().zip(source).zip(&image).for_each(|((r, source), image)| *r = source - image);
         self.precondition(&residual, &mut image);
         let left = dot(&residual, &image).abs();
-        (z, if left == 0.0 { 0.0 } else { (left / first).sqrt() })
+        (z, if left == 0.0 { 0.0 } else { (left / self.largest).sqrt() })
     }
 }
