@@ -545,7 +545,8 @@ impl Report {
         self.numbers.cells().map(|(column, cell)| Number::of(column, cell, column.meaning(&self.facts))).collect()
     }
 
-    /// Returns the numbers that have a value as texts: name, number with its unit apart, definition.
+    /// Returns the numbers that have a value as texts: name, number with its unit apart, definition. A number without the
+    /// periodic seam has the unit of the number with it, unless it is less than a thousandth of this unit.
     fn readable(&self) -> impl Iterator<Item = (&'static str, (String, String), &'static str)> + '_ {
         let units = Units::new(self.unit.as_deref(), None);
         self.numbers.cells().filter_map(move |(column, cell)| {
@@ -553,7 +554,10 @@ impl Report {
             let value = value?;
             // Zeros of lengths have the unit of the rms height.
             let beside = (unit == "length").then(|| self.numbers.value("rms_height")).flatten();
-            let text = match units.shown(unit, size_for_unit(value.abs(), || beside.into_iter())) {
+            let own = units.shown(unit, size_for_unit(value.abs(), || beside.into_iter()));
+            let with_seam = name.strip_suffix("_inside").and_then(|whole| self.numbers.value(whole));
+            let common = with_seam.and_then(|whole| units.shown(unit, whole.abs()));
+            let text = match common.filter(|shown| value == 0.0 || (value * shown.factor).abs() >= 1e-3).or(own) {
                 _ if matches!(cell, Cell::Count(_)) => (value.to_string(), String::new()),
                 Some(shown) => (format!("{:.6}", value * shown.factor), shown.name),
                 None => (format!("{value:.6e}"), units.name(unit)),
@@ -586,9 +590,14 @@ impl fmt::Display for Report {
         if let Some(scan) = &self.scan {
             write!(f, "{scan}")?;
         }
+        let units = Units::new(self.unit.as_deref(), None);
+        let text = |length: f64| match units.shown("length", length) {
+            Some(shown) => shown.text(length),
+            None => format!("{length:?} {}", self.unit_of(1)),
+        };
         match ny {
-            1 => writeln!(f, "{nx} points on a length of {lx:?} {}", self.unit_of(1))?,
-            _ => writeln!(f, "{nx} x {ny} points on {lx:?} x {ly:?} {}", self.unit_of(1))?,
+            1 => writeln!(f, "{nx} points on a length of {}", text(lx))?,
+            _ => writeln!(f, "{nx} x {ny} points on {} x {}", text(lx), text(ly))?,
         }
         let asked = |name: &str| {
             let asked = self.asked.as_ref()?;
@@ -652,6 +661,21 @@ mod tests {
         assert!((report.numbers.number("hurst") - asked.hurst).abs() < 4.0 * report.numbers.number("hurst_error"));
         assert_eq!((report.n, report.size), ([128, 128], [2.0, 2.0]));
         assert!(report.to_string().contains("asked 3.000000e-1"), "{report}");
+    }
+
+    #[test]
+    fn numbers_with_and_without_the_seam_have_one_unit() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("tilted.txt");
+        let row = |i: usize| (0..16).map(|j| format!("{} ", j as f64 + 0.1 * (i % 2) as f64)).collect::<String>();
+        std::fs::write(&file, (0..16).map(row).collect::<Vec<_>>().join("\n")).unwrap();
+        let report = run_line(&format!("--surface {} --size 16um --unit um", file.display())).unwrap();
+        let shown: Vec<(String, String)> =
+            report.readable().filter(|(name, ..)| name.starts_with("m4")).map(|(_, number, _)| number).collect();
+        let [(with, unit), (without, same)] = &shown[..] else { panic!("{shown:?}") };
+        let [with, without] = [with, without].map(|number| number.parse::<f64>().unwrap());
+        assert!(unit == same && without > 0.0 && with > 1e3 * without, "{shown:?}");
+        assert!(report.to_string().contains("16 x 16 points on 16 µm x 16 µm\n"), "{report}");
     }
 
     #[test]
