@@ -170,7 +170,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     ];
     let cases = kinds.map(|(kind, count)| (0..count).map(move |number| Case::new(kind, number, args.first_seed)));
     let cases: Vec<Case> = cases.into_iter().flatten().collect();
-    let progress = Progress::new(session, "surfaces", cases.len() as f64);
+    let progress = Progress::new(session, "surfaces", cases.len());
     let folder = tempfile::tempdir().map_err(|error| Failure::computation(error.to_string()))?;
     let of_surface = |case: Case| {
         let found = rows(&case, folder.path())?;

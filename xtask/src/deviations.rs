@@ -380,7 +380,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let of_finite: finite::Report =
         serde_json::from_str(&text).map_err(|error| Failure::refused(format!("data/results/finite.json: {error}")))?;
     let kinds = Kind::all();
-    let progress = Progress::new(session, "surfaces", kinds.iter().map(|kind| kind.surfaces as f64).sum());
+    let progress = Progress::new(session, "surfaces", kinds.iter().map(|kind| kind.surfaces as usize).sum());
     let of_kind = |kind: &Kind| {
         let of_seed = |seed: u64| {
             let found = kind.found(seed);

@@ -227,7 +227,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let kinds = HURST.into_iter().flat_map(|hurst| LEVELS.map(|level| (hurst, level)));
     let surfaces = |all: u64| ((args.share * all as f64).round() as u64).max(2);
     let count = LEVELS.iter().map(|level| surfaces(level.2)).sum::<u64>() * HURST.len() as u64;
-    let progress = Progress::new(session, "surfaces", count as f64);
+    let progress = Progress::new(session, "surfaces", count as usize);
     let of_kind = |(hurst, (eps_f_inv, points, all)): (f64, (usize, usize, u64))| {
         let of_surface = |number: u64| {
             let found = found(hurst, (eps_f_inv, points), args.first_seed + number);

@@ -98,7 +98,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     let mut runs = Runs { program, folder, reference, reports: BTreeMap::new() };
     let wanted = |figure: &&Figure| args.figure.is_empty() || args.figure.iter().any(|number| number == figure.number);
     let chosen: Vec<&Figure> = FIGURES.iter().filter(wanted).collect();
-    let progress = Progress::new(session, "figures", chosen.len() as f64);
+    let progress = Progress::new(session, "figures", chosen.len());
     let mut written = Vec::new();
     for figure in &chosen {
         if session.is_interrupted() {

@@ -69,7 +69,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
         return Err(Failure::refused(format!("--write-docs is {}; it must be an existing folder", folder.display())));
     }
-    let progress = Progress::new(session, "topics", TOPICS.len() as f64);
+    let progress = Progress::new(session, "topics", TOPICS.len());
     let mut topics = Vec::new();
     for topic in &TOPICS {
         if session.is_interrupted() {

@@ -330,7 +330,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Report, Failure> {
     }
     let mut pictures = is_drawn.then(|| Pictures::new(&components, section, depths.len()));
 
-    let progress = Progress::new(session, "depths", planes_below.len() as f64);
+    let progress = Progress::new(session, "depths", planes_below.len());
     let mut ws = interior.workspace();
     let mut levels = Vec::new();
     let mut drawn = 0;

@@ -280,7 +280,7 @@ impl Loads {
             ends_with_file: !args.flow_threshold,
         };
         let mut file = series.file(output.as_ref(), config, args.out.is_some())?;
-        let progress = Progress::new(session, "loads", drives.len() as f64);
+        let progress = Progress::new(session, "loads", drives.len());
         let finer = Finer::pose(&args.problem, prepared, session)?.into_iter().map(|finer| {
             let conducting = Conducting::new(&args.measure, &finer.prepared, args.problem.solver.solver)?;
             Ok((finer, conducting))

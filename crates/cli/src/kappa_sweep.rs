@@ -301,7 +301,7 @@ impl<'a> Keeper<'a> {
     /// The keeper of these runs of a plan.
     fn new(plan: &'a Plan, runs: &[usize], journal: Journal, finished: Finished, session: &'a Session) -> Self {
         let work = runs.iter().map(|run| plan.work(&plan.points[plan.runs[*run].point])).sum();
-        let progress = Progress::new(session, "kappa sweep", work);
+        let progress = Progress::of_sizes(session, "runs", runs.len(), work);
         Self { plan, journal, finished: Mutex::new(finished), progress, session }
     }
 
@@ -337,7 +337,7 @@ impl Keep for Keeper<'_> {
         let target = 100.0 * plan.config.statistics.target;
         let more = plan.runs.len();
         tracing::info!("statistical error {:.2} %, target {target:.2} %: up to {more} surfaces", 100.0 * reached);
-        self.progress.extend(plan.runs.iter().map(|run| plan.work(&plan.points[run.point])).sum());
+        self.progress.extend(more, plan.runs.iter().map(|run| plan.work(&plan.points[run.point])).sum());
     }
 
     fn is_interrupted(&self) -> bool {

@@ -319,7 +319,7 @@ impl Prepared {
 
     fn run(&self, args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
         self.warn_about_large_strain(args, session);
-        let progress = Progress::new(session, "grids", self.grids.len() as f64);
+        let progress = Progress::new(session, "grids", self.grids.len());
         let (mut report, solution, mut failure) = self.press(args, &self.grids[0], session, &progress)?;
         let reference = self.reference.as_ref();
         if let Some((reference, name)) = reference.zip(args.compare.as_ref()) {

@@ -435,7 +435,7 @@ impl SlideInput {
         let mut finer = Finer::pose(args, prepared)?;
         let file = output.map(|output| StatesFile::new(output, &provenance, prepared, self.facts(), count));
         let mut file = file.transpose()?;
-        let progress = Progress::new(session, "states", count as f64);
+        let progress = Progress::new(session, "states", count);
         let (mut failure, mut last): (Option<Failure>, Option<SteadyState>) = (None, None);
         let finished = kept.as_ref().map_or(0, |kept| kept.finished());
         let names: Vec<&str> = fields(self.facts()).map(|field| field.name).collect();

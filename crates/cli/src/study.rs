@@ -12,7 +12,7 @@ mod solve;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use clap::Args as ClapArgs;
@@ -275,8 +275,16 @@ impl Study<'_> {
     ) -> Result<BTreeMap<usize, Member>, Failure> {
         let work = |member: usize| self.config.points(member) as f64;
         let total = members.iter().map(|member| work(*member)).sum();
-        let progress = Progress::new(self.session, "members", total);
+        let progress = Arc::new(Progress::of_sizes(self.session, "members", members.len(), total));
         let finished = Mutex::new(finished);
+        // A member is silent, but its progress is a note on the progress of the study.
+        let within = |place: &str| {
+            let (progress, place) = (Arc::clone(&progress), place.to_owned());
+            let shown = tracing::dispatcher::get_default(Clone::clone);
+            self.session.within(move |reading| {
+                tracing::dispatcher::with_default(&shown, || progress.advance(0.0, &format!("{place}: {reading}")));
+            })
+        };
         let one = |member: usize| -> Result<(usize, Member), Failure> {
             let place = self.config.place(member);
             let known = finished.lock().unwrap_or_else(std::sync::PoisonError::into_inner).remove(&member);
@@ -286,7 +294,7 @@ impl Study<'_> {
                     if self.session.is_interrupted() {
                         return Err(Failure::interrupted(format!("interrupted before {place}")));
                     }
-                    let found = solve::solve(self.config.command, self.config.table(member), self.session)
+                    let found = solve::solve(self.config.command, self.config.table(member), &within(&place))
                         .map_err(|failure| failure.at(place.clone()))?;
                     if !found.is_refused {
                         journal.record(member, &found)?;

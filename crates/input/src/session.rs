@@ -68,30 +68,50 @@ pub struct NamedMap {
 }
 
 /// Progress of a run, shared with a caller that shows it.
-#[derive(Clone, Debug, Default)]
-pub struct Meter(Arc<Mutex<Reading>>);
+#[derive(Clone, Default)]
+pub struct Meter {
+    reading: Arc<Mutex<Reading>>,
+    listener: Option<Listener>,
+}
+
+/// Function that is told of each new state of a run.
+type Listener = Arc<dyn Fn(&Reading) + Send + Sync>;
 
 /// State of a [`Meter`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Reading {
     /// Pieces of the work, such as loads.
     pub pieces: String,
+    /// Number of finished pieces.
+    pub done: usize,
+    /// Number of all pieces.
+    pub count: usize,
     /// Finished share of the work, 0 to 1.
     pub share: f64,
     /// Note on the state of the work.
     pub note: String,
 }
 
+impl fmt::Display for Reading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { pieces, done, count, note, .. } = self;
+        write!(f, "{done} of {count} {pieces}{}{note}", if note.is_empty() { "" } else { ", " })
+    }
+}
+
 impl Meter {
     /// Returns the state of the run.
     pub fn read(&self) -> Reading {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        self.reading.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Shows another state of the run.
-    pub fn show(&self, pieces: &str, share: f64, note: &str) {
-        let mut reading = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        *reading = Reading { pieces: pieces.into(), share, note: line(note) };
+    /// Shows another state of the run, with a note in one line.
+    pub fn show(&self, reading: Reading) {
+        let reading = Reading { note: line(&reading.note), ..reading };
+        if let Some(listener) = &self.listener {
+            listener(&reading);
+        }
+        *self.reading.lock().unwrap_or_else(PoisonError::into_inner) = reading;
     }
 }
 
@@ -143,11 +163,12 @@ impl Session {
     }
 
     /// Returns a session for one of many runs within this one: it prints nothing, has its own warnings and no output in
-    /// memory, and is interrupted with this one.
+    /// memory, and is interrupted with this one. Its progress is told to a `listener`.
     #[must_use]
-    pub fn within(&self) -> Self {
+    pub fn within(&self, listener: impl Fn(&Reading) + Send + Sync + 'static) -> Self {
         let (interrupted, is_embedded) = (Arc::clone(&self.interrupted), self.is_embedded);
-        Self { interrupted, is_embedded, ..Self::silent() }
+        let meter = Meter { listener: Some(Arc::new(listener)), ..Meter::default() };
+        Self { interrupted, is_embedded, meter, ..Self::silent() }
     }
 
     /// Returns the warnings of the run.

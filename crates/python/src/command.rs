@@ -121,7 +121,7 @@ fn stoppable<T>(shared: &Shared, session: &Session, work: impl FnOnce() -> T) ->
         scope.spawn(move || {
             // The sender is dropped when the work ends, also by a panic.
             while wait.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout) {
-                if shared.see(0, f64::NAN).is_break() {
+                if shared.show(session.meter().read()).is_break() {
                     session.interrupt();
                 }
             }

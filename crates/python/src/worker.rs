@@ -8,6 +8,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use gfmd_input::session::Reading;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -25,13 +26,24 @@ pub(crate) struct Shared {
     stop: AtomicBool,
     iteration: AtomicU64,
     residual: AtomicU64,
+    reading: Mutex<Reading>,
 }
 
 impl Shared {
-    /// Reports the progress and returns whether to continue.
+    /// Reports the progress of a search and returns whether to continue.
     pub(crate) fn see(&self, iteration: u64, residual: f64) -> ControlFlow<()> {
         self.iteration.store(iteration, Ordering::Relaxed);
         self.residual.store(residual.to_bits(), Ordering::Relaxed);
+        self.go_on()
+    }
+
+    /// Reports the progress of a command and returns whether to continue.
+    pub(crate) fn show(&self, reading: Reading) -> ControlFlow<()> {
+        *self.reading.lock().unwrap_or_else(PoisonError::into_inner) = reading;
+        self.go_on()
+    }
+
+    fn go_on(&self) -> ControlFlow<()> {
         if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
@@ -79,8 +91,8 @@ fn give_back(threads: usize, pool: Arc<ThreadPool>) {
 }
 
 /// Runs `work` in `threads` threads (0: all cores) without the interpreter lock. Several times a second, signals are
-/// handled and `tick(iteration, residual)` is called. An exception of either asks the work to stop, and is returned
-/// beside the result.
+/// handled and `tick(note, done, count)` is called, with the numbers of finished and all pieces of a command, 0 of a
+/// search. An exception of either asks the work to stop, and is returned beside the result.
 ///
 /// # Errors
 /// Returns an error if the threads cannot be started or the work panics.
@@ -159,8 +171,15 @@ impl Write for Notes {
 fn look(py: Python<'_>, tick: Option<&Py<PyAny>>, shared: &Shared) -> PyResult<()> {
     py.check_signals()?;
     let Some(tick) = tick else { return Ok(()) };
-    let residual = f64::from_bits(shared.residual.load(Ordering::Relaxed));
-    tick.call1(py, (shared.iteration.load(Ordering::Relaxed), residual)).map(|_| ())
+    let iteration = shared.iteration.load(Ordering::Relaxed);
+    let Reading { note, done, count, .. } = match iteration {
+        0 => shared.reading.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+        _ => {
+            let residual = f64::from_bits(shared.residual.load(Ordering::Relaxed));
+            Reading { note: format!("iteration {iteration}, residual {residual:.1e}"), ..Reading::default() }
+        }
+    };
+    tick.call1(py, (note, done, count)).map(|_| ())
 }
 
 /// Runs short work like [`run`]; an exception replaces the result.

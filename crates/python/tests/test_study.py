@@ -1,6 +1,9 @@
 """Studies of many contacts."""
 
 import pickle
+import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -75,6 +78,29 @@ def test_a_study_is_shown_kept_and_compared(made, tmp_path):
     assert len(made.plot("mean_gap").get_legend().get_texts()) == 4
     with pytest.raises(gfmd.InputError, match="nothing is no number of the study|no number of the study"):
         made.plot("nothing")
+
+
+LONG = {"command": "contact", "contact": {"n": 512, "p_star": [0.02, 0.1]}, "study": {"seed": "1:4"}}
+
+
+@pytest.mark.parametrize(
+    ("shown", "call", "wanted"),
+    [
+        (True, f"study({LONG}, threads=1)", r"study: 2 of 4, .*seed 3, .*: [01] of 2 loads"),
+        (True, "kappa_sweep('smoke', threads=1)", r"kappa-sweep: [1-9]\d* of \d\d+, H = 0\.8, n = \d+"),
+        (True, f"study({LONG}, progress=False)", ""),
+        (False, f"study({LONG})", ""),
+    ],
+)
+def test_progress_counts_members_and_runs(shown, call, wanted):
+    code = (
+        "import sys\nsys.modules['tqdm'] = None\nimport gfmd, gfmd._progress\ngfmd._progress._PATIENCE = 0.0\n"
+        f"gfmd.progress({shown})\ngfmd.{call}\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout == "", done.stderr
+    lines = done.stderr.splitlines()
+    assert any(re.match(wanted, line) for line in lines) if wanted else not done.stderr, lines[-5:]
 
 
 def test_a_member_that_fails_is_in_the_state():

@@ -118,7 +118,7 @@ impl PathInput {
         if let Some(file) = &mut file {
             strain::define_waypoints(file, prepared, places.count(drives.len()))?;
         }
-        let progress = Progress::new(session, "steps", drives.len() as f64);
+        let progress = Progress::new(session, "steps", drives.len());
         let finer = on_finer_grids(asked, prepared, session)?;
         let finer = finer.iter().map(|(finer, contact)| {
             Ok(Beside {

@@ -227,19 +227,19 @@ impl Member {
     }
 }
 
-/// Solves a member. A member that fails has its error, and the numbers of the states before.
+/// Solves a member in a session `within` the study. A member that fails has its error, and the numbers of the states
+/// before.
 ///
 /// # Errors
 /// Returns an error after an interruption.
-pub(super) fn solve(command: Command, table: Table, session: &Session) -> Result<Member, Failure> {
+pub(super) fn solve(command: Command, table: Table, within: &Session) -> Result<Member, Failure> {
     let mut member = Member { files: checksums(&table), ..Member::default() };
-    let within = session.within();
     // The warnings of the members are in the file, not on the terminal.
     let silent = tracing::subscriber::NoSubscriber::default();
     let solved = tracing::subscriber::with_default(silent, || {
         let (problem, written) = Problem::of(command, table)?;
         member.config = problem.config()?;
-        problem.run(&within, &mut member).map_err(|failure| failure.as_written(&written))
+        problem.run(within, &mut member).map_err(|failure| failure.as_written(&written))
     });
     let failure = match solved {
         Ok(failure) => failure,

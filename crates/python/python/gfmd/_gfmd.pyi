@@ -56,7 +56,7 @@ VERSION: str
 GIT_COMMIT: str
 
 _Array = npt.NDArray[np.float64]
-_Tick = Optional[Callable[[int, float], None]]
+_Tick = Optional[Callable[[str, int, int], None]]
 
 @final
 class FileDraft:

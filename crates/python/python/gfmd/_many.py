@@ -117,6 +117,6 @@ def _solved(
 
 def _next(running: deque[Future[Union[Contact, Contacts]]], progress: Progress) -> Union[Contact, Contacts]:
     found = running.popleft().result()
-    progress.tick(0, 0.0)
+    progress.tick()
     progress.piece()
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import time
 from collections.abc import Iterator
@@ -62,7 +63,7 @@ def hidden(is_hidden: bool) -> Iterator[None]:
 
 
 class Progress:
-    """Bar over `total` pieces that shows the iterations of each."""
+    """Bar over `total` pieces, with a note on the current one. A command counts its pieces itself."""
 
     def __init__(self, what: str, total: int = 1) -> None:
         self._what, self._total, self._done = what, total, 0
@@ -71,13 +72,15 @@ class Progress:
         self._beside = BESIDE.get()
         self._wanted = self._beside is None and _wanted()
 
-    def tick(self, iteration: int, residual: float) -> None:
+    def tick(self, note: str = "", done: int = 0, count: int = 0) -> None:
+        if count:
+            self._done, self._total = done, count
         if self._beside is not None:
             self._beside()
         if not self._wanted or time.monotonic() - self._started < _PATIENCE:
             return
         try:
-            self._show(f"iteration {iteration}, residual {residual:.1e}" if iteration else "")
+            self._show(note)
         except (OSError, ValueError):  # stderr is closed or cannot be written
             self._wanted, self._bar = False, None
 
@@ -92,9 +95,12 @@ class Progress:
             except ImportError:
                 self._bar = False
         if self._bar:
+            self._bar.total, self._bar.n = self._total, self._done
             self._bar.set_postfix_str(note)
         else:
-            print(f"\r{self._what}: {self._done} of {self._total}, {note}", end="", file=sys.stderr, flush=True)
+            width = shutil.get_terminal_size().columns - 1
+            line = f"{self._what}: {self._done} of {self._total}, {note}"[:width]
+            print(f"\r{line:{width}}", end="", file=sys.stderr, flush=True)
 
     def piece(self) -> None:
         self._done += 1
