@@ -545,8 +545,8 @@ impl Report {
         self.numbers.cells().map(|(column, cell)| Number::of(column, cell, column.meaning(&self.facts))).collect()
     }
 
-    /// Returns the numbers that have a value as texts: name, number with its unit apart, definition. A number without the
-    /// periodic seam has the unit of the number with it, unless it is less than a thousandth of this unit.
+    /// Returns the numbers that have a value as texts: name, number with its unit apart, definition. A number without
+    /// the periodic seam has the unit of the number with it, unless it is less than a thousandth of this unit.
     fn readable(&self) -> impl Iterator<Item = (&'static str, (String, String), &'static str)> + '_ {
         let units = Units::new(self.unit.as_deref(), None);
         self.numbers.cells().filter_map(move |(column, cell)| {
@@ -669,7 +669,7 @@ mod tests {
         let file = folder.path().join("tilted.txt");
         let row = |i: usize| (0..16).map(|j| format!("{} ", j as f64 + 0.1 * (i % 2) as f64)).collect::<String>();
         std::fs::write(&file, (0..16).map(row).collect::<Vec<_>>().join("\n")).unwrap();
-        let report = run_line(&format!("--surface {} --size 16um --unit um", file.display())).unwrap();
+        let report = run_line(&format!("--surface {} --size 16 --unit um", file.display())).unwrap();
         let shown: Vec<(String, String)> =
             report.readable().filter(|(name, ..)| name.starts_with("m4")).map(|(_, number, _)| number).collect();
         let [(with, unit), (without, same)] = &shown[..] else { panic!("{shown:?}") };
