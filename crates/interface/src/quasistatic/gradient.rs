@@ -498,8 +498,9 @@ impl<'a> Solved<'a> {
         };
         let mut adjoint = shear.adjoint(&self.normal, &ended.slip);
         let mut sheared = self.transpose_shear(&mut adjoint, &Array2::zeros(self.repulsion.raw_dim()), Some(at_end));
-        let (mut by_pressure, mut mixing) = (self.field(&sheared.pressure), Anderson::new(DEPTH));
-        let mut sum = at_end.normal.pressure.as_ref().map_or_else(|| by_pressure.clone(), |by| by + &by_pressure);
+        let (mut by_pressure, mut mixing) = (sheared.pressure.clone(), Anderson::new(DEPTH));
+        let mut sum = self.field(&by_pressure);
+        at_end.normal.pressure.iter().for_each(|by| sum += by);
         let mut of = Cotangents { pressure: Some(sum.clone()), ..at_end.normal.clone() };
         let mut found: Option<ClearanceGradient> = None;
         let (mut tolerance, mut error, mut left) = (EXACT, 0.0_f64, f64::INFINITY);
@@ -526,16 +527,14 @@ impl<'a> Solved<'a> {
                 if error.is_nan() || error > ERROR {
                     break;
                 }
-                let Effort { iterations, transform_pairs } = found.effort;
-                let (iterations, transform_pairs) =
-                    (iterations + adjoint.iterations, transform_pairs + adjoint.pairs());
-                let effort = Effort { iterations, transform_pairs };
-                return Ok((ClearanceGradient { error, effort, ..found.clone() }, Some(sheared)));
+                found.error = error;
+                found.effort.iterations += adjoint.iterations;
+                found.effort.transform_pairs += adjoint.pairs();
+                return Ok((found.clone(), Some(sheared)));
             }
-            let before = by_pressure.clone();
-            let Some(values) = by_pressure.as_slice_mut() else { break };
-            mixing.advance(values, &sheared.pressure);
-            let moved = &by_pressure - &before;
+            let before = self.field(&by_pressure);
+            mixing.advance(&mut by_pressure, &sheared.pressure);
+            let moved = self.field(&by_pressure) - before;
             sum += &moved;
             tolerance = (EXACT * size / norm(moved.iter().copied())).clamp(EXACT, LOOSEST);
             of = Cotangents { pressure: Some(moved), ..Cotangents::default() };
