@@ -4,11 +4,12 @@ use std::sync::Arc;
 use gfmd_field::{Grid, Rows};
 use gfmd_green::{Body, Conductor};
 use gfmd_relax::Upper;
-use gfmd_response::{FreeCompliance, NormalResponse};
+use gfmd_response::{FreeCompliance, FullResponse, NormalResponse};
 use gfmd_vector::{Ranks, Share, for_each};
 use ndarray::{Array2, ArrayRef2, ArrayView2};
 
 use crate::compliance::Compliance;
+use crate::full;
 use crate::pull_push::PullPush;
 use crate::solution::{Conditions, field};
 use crate::springs::{Springs, SpringsInUnits};
@@ -22,6 +23,8 @@ pub struct Contact {
     pub(crate) response: Arc<NormalResponse>,
     /// Compliance of the body with free boundaries, in `units`.
     pub(crate) free: Option<Arc<FreeCompliance>>,
+    /// Response of all components, which the dynamics move.
+    pub(crate) all_components: Option<Arc<FullResponse>>,
     /// Largest pressure, in `units`.
     pub(crate) hardness: Option<Upper>,
     /// Compliance of the spring at each point beyond the one that the response contains, in `units`.
@@ -112,6 +115,7 @@ impl Contact {
         let contact = Self {
             response: response(units.grid(grid), &units.body(body), share).into(),
             free: None,
+            all_components: None,
             hardness: None,
             springs: None,
             share: share.clone(),
@@ -179,6 +183,7 @@ impl Contact {
         Ok(Self {
             response: NormalResponse::of_conductor(grid, &conductor).into(),
             free,
+            all_components: None,
             hardness: None,
             springs: None,
             share: grid.whole(),
@@ -208,6 +213,7 @@ impl Contact {
         Ok(Self {
             response,
             free,
+            all_components: None,
             hardness,
             springs: None,
             share,
@@ -231,8 +237,9 @@ impl Contact {
     /// Where the pressure reaches it, the surfaces are pressed into each other by the [plastic depth](crate::Plastic).
     ///
     /// # Errors
-    /// A hardness that is not positive and finite, or differs in shape from the heights.
+    /// A hardness that is not positive and finite, or differs in shape from the heights; a contact in all components.
     pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
+        self.check_normal("a hardness")?;
         let hardness = Some(hardness.into().in_units(&self.surface, &self.units)?);
         Ok(Self { hardness, ..self })
     }
@@ -268,8 +275,9 @@ impl Contact {
     ///
     /// # Errors
     /// A compliance that is negative or not finite, or differs in shape from the heights; a contact of several
-    /// processes.
+    /// processes, or in all components.
     pub fn softened(&self, springs: impl Into<Springs>) -> Result<Self, Refusal> {
+        self.check_normal("springs")?;
         let SpringsInUnits { common, rest } = springs.into().in_units(&self.surface, &self.units)?;
         let free = self.free.as_ref().map(|free| free.softened(common).into());
         let springs = match (&self.springs, rest) {
@@ -280,10 +288,16 @@ impl Contact {
     }
 
     /// Returns this contact on a body with waves that are stiffer by `factors`, laid out as the
-    /// [modes](gfmd_field::Grid::modes) of this process, the uniform one first. The boundary is periodic.
+    /// [modes](gfmd_field::Grid::modes) of this process, the uniform one first. The boundary is periodic, and u_z is
+    /// the only unknown.
     #[must_use]
     pub fn stiffened(&self, factors: &[f64]) -> Self {
-        Self { response: self.response.stiffened(factors).into(), ..self.clone() }
+        Self { response: self.response.stiffened(factors).into(), all_components: None, ..self.clone() }
+    }
+
+    /// Checks that u_z is the only unknown.
+    fn check_normal(&self, with: &'static str) -> Result<(), Refusal> {
+        if self.all_components.is_some() { Err(Refusal::NotNormal { with }) } else { Ok(()) }
     }
 
     /// Returns the hardness, in stress.
@@ -354,7 +368,11 @@ impl Contact {
 
     /// Computes the state as [`certify`](Self::certify), from the rows of this process, in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
-        self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load)
+        let solution = self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load);
+        match &self.all_components {
+            Some(response) => full::with_lateral(solution, response),
+            None => solution,
+        }
     }
 
     /// Computes the state as [`certified`](Self::certified), by the transforms of a solver, which continue their count.
@@ -463,6 +481,7 @@ impl Contact {
     /// Checks that the contact can carry `load`.
     pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
         match load {
+            Load::Approach(_) if self.all_components.is_some() => Err(Refusal::NoApproach),
             Load::MeanPressure(found) if !(found > 0.0 && found.is_finite()) => Err(Refusal::MeanPressure { found }),
             Load::Approach(found) => {
                 // With a hardness points yield, and any approach has a state.

@@ -4,7 +4,7 @@
 //! Start at [`Contact`]; use a free [`Boundary`] for a surface that does not repeat. Types common to all contacts are
 //! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
 //! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. The states of [`Resumable`] contacts can be saved outside the
-//! process. [`FullContact`] includes the lateral displacement of the surface, [`Contact::held_sideways`] excludes it;
+//! process. [`Contact::in_all_components`] moves the surface sideways, too, [`Contact::held_sideways`] holds it;
 //! [`Springs`] between the surfaces act point by point; [`Dynamics`] sets time step and damping. [`SqueezedContact`] is
 //! a slab between two rigid surfaces, [`SteepContact`] allows finite slopes, [`SteadyContact`] has a complex stiffness
 //! of each wave, and [`Conductors`] touch at the contact points of any contact.
@@ -58,7 +58,6 @@ pub use dynamics::Dynamics;
 pub use effort::Effort;
 pub use equilibrium::{Equilibrium, Press};
 pub use fields::{Fields, Solved};
-pub use full::{FullContact, FullSolution};
 pub use gfmd_field::Grid;
 pub use gfmd_green::{Body, Material};
 pub use gfmd_measure::{Boundary, UnknownBoundary};
@@ -70,7 +69,7 @@ pub use ndarray;
 pub use refusal::Refusal;
 pub use resumable::Resumable;
 pub use rigid_surface::RigidSurface;
-pub use solution::{Plastic, Residual, Solution};
+pub use solution::{Lateral, Plastic, Residual, Solution};
 pub use solve_error::{SolveError, judge};
 pub use solver::{Solver, UnknownSolver};
 pub use springs::Springs;

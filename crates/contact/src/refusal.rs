@@ -293,6 +293,12 @@ pub enum Refusal {
          waves that relax by branches of their own"
     )]
     AllComponents,
+    /// Another part needs a contact of u_z alone.
+    #[error("all components of the displacement are unknown; u_z must be the only unknown with {with}")]
+    NotNormal {
+        /// Other part.
+        with: &'static str,
+    },
     /// Another part moves a surface that is held sideways.
     #[error("the surface is held sideways; it must be free to move sideways with {with}")]
     Held {

@@ -16,10 +16,11 @@ pub trait Resumable: Equilibrium {
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Self::State, Refusal>;
 }
 
-/// The state of a hard wall follows from its pressure.
+/// The state of a hard wall follows from its pressure, except for the lateral traction left by the dynamics.
 impl Resumable for Contact {
     fn keep(&self, state: &mut Solution, visitor: &mut dyn Visit) {
         with_contiguous(&mut state.pressure, |pressure| visitor.rows(&self.share, pressure));
+        state.lateral.iter_mut().for_each(|lateral| visitor.number(&mut lateral.traction));
         state.effort.visit(visitor);
     }
 
@@ -29,6 +30,7 @@ impl Resumable for Contact {
         visitor.rows(&self.share, &mut pressure);
         let pressure = pressure.into_iter().map(|p| p / self.units().stress()).collect();
         let mut state = self.given_units(self.certified(pressure, self.units().drive(drive).load));
+        state.lateral.iter_mut().for_each(|lateral| visitor.number(&mut lateral.traction));
         state.effort.visit(visitor);
         Ok(state)
     }

@@ -29,6 +29,8 @@ pub struct Solution {
     pub effort: Effort,
     /// Plastic part, if the contact has a hardness.
     pub plastic: Option<Plastic>,
+    /// Lateral part of a contact [in all components](crate::Contact::in_all_components).
+    pub lateral: Option<Lateral>,
     /// Length scale of the residuals.
     pub(crate) length_scale: f64,
     surface: Arc<RigidSurface>,
@@ -48,6 +50,15 @@ pub struct Plastic {
     /// Largest error at the points that reach the hardness: gap divided by the length scale, or excess of the pressure
     /// divided by the hardness, whichever is larger; zero for the exact solution.
     pub saturation: f64,
+}
+
+/// Lateral part of a contact in all components.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lateral {
+    /// u_x and u_y, or u_x on a line, by the pressure, in length.
+    pub displacement: Vec<Array2<f64>>,
+    /// Largest lateral traction left by the dynamics, relative to the largest pressure; zero for the exact solution.
+    pub traction: f64,
 }
 
 /// Residuals of the contact conditions; zero for the exact solution. They are computed from the final pressure with
@@ -133,7 +144,8 @@ impl Fields for Solution {
 
     fn residuals(&self) -> Vec<(&'static str, f64)> {
         let saturation = self.plastic.iter().map(|plastic| ("saturation", plastic.saturation));
-        self.residual.parts().into_iter().chain(saturation).collect()
+        let lateral = self.lateral.iter().map(|lateral| ("lateral_traction", lateral.traction));
+        self.residual.parts().into_iter().chain(saturation).chain(lateral).collect()
     }
 
     fn scales(&self) -> Scales {
@@ -158,6 +170,7 @@ impl Variables for Solution {
             residual,
             effort,
             plastic,
+            lateral,
             length_scale,
             surface,
             ..
@@ -172,6 +185,10 @@ impl Variables for Solution {
         if let Some(Plastic { depth, fraction, volume, saturation }) = plastic {
             with_contiguous(depth, |depth| visitor.rows(share, depth));
             visitor.numbers(&mut [fraction, volume, saturation]);
+        }
+        if let Some(Lateral { displacement, traction }) = lateral {
+            displacement.iter_mut().for_each(|u| with_contiguous(u, |u| visitor.rows(share, u)));
+            visitor.number(traction);
         }
         visitor.number(length_scale);
     }
@@ -207,6 +224,7 @@ impl Solution {
         self.pressure.mapv_inplace(|p| p * stress);
         self.displacement.mapv_inplace(|u| u * length);
         self.gap.mapv_inplace(|g| g * length);
+        self.lateral.iter_mut().flat_map(|lateral| &mut lateral.displacement).for_each(|field| *field *= length);
         if let Some(plastic) = &mut self.plastic {
             plastic.depth.mapv_inplace(|depth| depth * length);
             plastic.volume *= length;
@@ -330,6 +348,7 @@ impl Solution {
             residual,
             effort: Effort::default(),
             plastic,
+            lateral: None,
             length_scale,
             surface: Arc::clone(surface),
             contact_modulus,

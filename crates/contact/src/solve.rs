@@ -4,7 +4,7 @@ use crate::attempt::{Attempt, FoundPressure};
 use crate::dual::{self, Gradients};
 use crate::dynamics::{self, Motion};
 use crate::refine::{coarsest, refine};
-use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Units, judge};
+use crate::{Contact, Drive, Effort, Equilibrium, Load, Refusal, Solution, SolveError, Solver, Units, full, judge};
 
 impl Contact {
     /// Solvers for a hard wall: all except [`Solver::Newton`], which needs a law.
@@ -35,6 +35,7 @@ impl Equilibrium for Contact {
 
     fn solvers(&self) -> &'static [Solver] {
         match (&self.hardness, &self.free) {
+            _ if self.all_components.is_some() => &Self::ALL_COMPONENTS_SOLVERS,
             (Some(_), _) => &Self::HARDNESS_SOLVERS,
             (None, Some(_)) => &Self::FREE_SOLVERS,
             _ if self.springs.is_some() || !self.share.is_whole() => &Self::FREE_SOLVERS,
@@ -48,7 +49,10 @@ impl Equilibrium for Contact {
     }
 
     fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
-        let [softest, _] = self.response.stiffness_range();
+        let [softest, _] = match &self.all_components {
+            Some(response) => response.stiffness_range(),
+            None => self.response.stiffness_range(),
+        };
         self.surface().check_resolution(drive.load, softest * self.units().stiffness(), tolerance)
     }
 
@@ -67,6 +71,9 @@ impl Equilibrium for Contact {
         }
         self.check(drive)?;
         self.check_resolution(drive, budget.tolerance)?;
+        if let (Some(response), Load::MeanPressure(mean)) = (&self.all_components, drive.load) {
+            return full::solve(self, response, (mean, solver), budget, start, watch);
+        }
         let start = start.map(|start| self.check_start(start.pressure.view())).transpose()?;
         let load = self.units().drive(drive).load;
         let watch = &mut self.units().shown(watch);

@@ -123,7 +123,8 @@ pub struct Step {
     /// Number of equal increments, where the loss is [known](Loss::Known) or [certified](Loss::Certified), else 0. The
     /// last one may have been divided further, for the [sticking fraction](Quasistatic::change_of_stick).
     pub increments: u64,
-    /// [Change](Quasistatic::change) of the state from half as many increments; `None` if division changes nothing, NaN
+    /// [Change](Quasistatic::change) of the state from half as many increments, extrapolated if these were not made;
+    /// `None` if division changes nothing, NaN
     /// if it may but there were too few extra solves to halve the step.
     pub change: Option<f64>,
     /// True if more increments may change the state, its loss or its sticking fraction by more than the tolerance,
@@ -149,7 +150,8 @@ pub struct Step {
 ///
 /// With friction the state itself depends on the number of increments, as long as they are few: slip counts from the
 /// start of an increment, which is too early where the contact grows. A step (also the first one, which begins at zero
-/// load) is made in 1, 2, 4, ... equal increments until the state does not change. The last increment is then halved
+/// load) is made in 1, 2, 4, ... equal increments until the state does not change; after 4, in the number at which the
+/// last changes predict this (and the change by the last doubling follows from them). The last increment is then halved
 /// until the sticking fraction of the contact does not change. Steps that change neither the limits of the shear nor
 /// the direction of slip, or that have no shear, are made in one increment.
 ///
@@ -405,6 +407,12 @@ impl<'a, P: Quasistatic> Path<'a, P> {
     }
 }
 
+/// Returns the difference between states by the last of several doublings of the increments, relative to the
+/// difference by all of them, if each reduces it by the `ratio`.
+fn of_last_doubling(ratio: f64, doublings: u32) -> f64 {
+    ratio.powi(doublings as i32 - 1) * (1.0 - ratio) / (1.0 - ratio.powi(doublings as i32))
+}
+
 /// State within a step.
 struct StepPoint<S> {
     state: S,
@@ -423,6 +431,12 @@ const OF_A_JUMP: f64 = 0.25;
 /// Allowed change from half as many increments, relative to the tolerance. The next change would be a little more than
 /// half of it in the tractions, since their order in the length of an increment is slightly below one.
 const OF_A_CHANGE: f64 = 0.5;
+/// Difference between states after a doubling of the increments divided by the difference before, for an error of first
+/// order in their length, and the largest value used: the order is slightly below one.
+const FIRST_ORDER: f64 = 0.5;
+const SLOWEST: f64 = 0.6;
+/// Largest number of doublings at once.
+const MOST_DOUBLINGS: f64 = 6.0;
 /// Error of a certified loss divided by its change from half as many increments. Where a contact begins, the order in
 /// their length is about one, and the error is as large as the change.
 const OF_A_LOSS: f64 = 2.0;
@@ -463,7 +477,7 @@ impl<P: Quasistatic> Search<'_, P> {
     }
 
     /// Finds the state at the end of a step from `start`, doubling the number of equal increments until the state does
-    /// not change. `end` was found in one increment.
+    /// not change, from the third time on at once as often as is probably needed. `end` was found in one increment.
     fn divide(
         &mut self,
         start: Option<&SolvedState<P::State>>,
@@ -480,20 +494,26 @@ impl<P: Quasistatic> Search<'_, P> {
             self.step.change = Some(f64::NAN);
             self.increments_to = self.budget.tolerance.max(OF_AN_INCREMENT * tolerance);
         }
-        while !settles && self.can_make(2 * self.step.increments) {
-            let increments = 2 * self.step.increments;
+        let mut ratio = None;
+        while !settles {
+            let wanted = ratio.map_or(1, |ratio| self.doublings(ratio));
+            let made_by = |doublings: &u32| self.can_make(self.step.increments << doublings);
+            let Some(doublings) = (1..=wanted).rev().find(made_by) else { break };
+            let increments = self.step.increments << doublings;
             let finer = match self.in_increments(state, &begin, drive, increments) {
                 Ok(finer) => finer,
                 Err(error @ SolveError::Interrupted { .. }) => return Err(error),
                 // The step itself was solved; its change is not known.
                 Err(_) => break,
             };
-            let (change, error) =
-                (self.problem.change(state, &made.end.0, &finer.end.0), finer.losses.total() - made.losses.total());
-            let error = error.abs();
+            let of_last = of_last_doubling(ratio.unwrap_or(FIRST_ORDER), doublings);
+            let change = of_last.powi(2) * self.problem.change(state, &made.end.0, &finer.end.0);
+            let error = of_last * (finer.losses.total() - made.losses.total()).abs();
             change_of_stick = self.problem.change_of_stick(&made.end.0, &finer.end.0);
             settles = change <= OF_A_CHANGE * tolerance
                 && error <= tolerance * Balance::between(&begin, &finer.end.1).exchanged;
+            let before = self.step.change.filter(|before| *before > 0.0);
+            ratio = before.map(|before| (change / before).powf(0.5 / f64::from(doublings)).clamp(FIRST_ORDER, SLOWEST));
             (self.step.increments, self.step.change) = (increments, Some(change));
             self.step.dissipated_error = Some(error);
             made = finer;
@@ -515,6 +535,14 @@ impl<P: Quasistatic> Search<'_, P> {
         let made = self.finish(made, drive)?;
         (self.step.dissipated, self.step.losses) = (Some(made.losses.total()), made.losses);
         Ok(made.end)
+    }
+
+    /// Returns the number of doublings that are probably needed until the state does not change, if each of them
+    /// reduces the difference between states by the `ratio`.
+    fn doublings(&self, ratio: f64) -> u32 {
+        let excess = self.step.change.unwrap_or(f64::NAN) / (OF_A_CHANGE * self.tolerance);
+        let needed = -0.5 * excess.ln() / ratio.ln();
+        if needed.is_finite() { needed.ceil().clamp(1.0, MOST_DOUBLINGS) as u32 } else { 1 }
     }
 
     /// Makes a step, doubling the number of equal increments until the imbalance of work and energy is at most the

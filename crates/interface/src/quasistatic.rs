@@ -11,6 +11,7 @@ mod shear;
 mod state;
 mod step;
 mod stiffness;
+mod stuck;
 mod tangential;
 
 use std::sync::Arc;

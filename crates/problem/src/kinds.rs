@@ -1,8 +1,8 @@
 //! Kinds of contact.
 
 use gfmd_contact::{
-    Contact, Cotangents, Drive, FullContact, FullSolution, Gradient, Load, Refusal, RigidSurface, Solution,
-    SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
+    Contact, Cotangents, Drive, Gradient, Load, Refusal, RigidSurface, Solution, SqueezedContact, SqueezedSolution,
+    SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
     Increment, Interface, Loss, Losses, PathGradient, Quasistatic, QuasistaticContact, QuasistaticState, Reading,
@@ -13,7 +13,7 @@ use gfmd_relax::Why;
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
-use crate::posed::{AnyState, ContactKind, NoStiffness, OfState, of_fields, other_fields};
+use crate::posed::{ContactKind, NoStiffness, OfState, of_fields, other_fields};
 
 /// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
@@ -40,43 +40,12 @@ impl ContactKind for Contact {
         Contact::certify(self, stored.pressure, Load::Approach(stored.approach))
     }
 
-    fn adopt(&self, state: &AnyState) -> Option<Solution> {
-        Some(state.get::<FullSolution>()?.normal.clone())
-    }
-
     fn stiffness(&self, state: &Solution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         Contact::stiffness(self, state, tolerance).map_err(inexact)
     }
 
     fn gradient(&self, state: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
         Contact::gradient(self, state, load, of).map_err(|error| Unusable::of(error.to_string()))
-    }
-}
-
-impl ContactKind for FullContact {
-    fn surface(&self) -> &RigidSurface {
-        FullContact::surface(self)
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<FullSolution, Refusal> {
-        let [pressure] = all(fields)?;
-        FullContact::certify(self, pressure, drive.load)
-    }
-
-    fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<FullSolution, Refusal> {
-        let mean = stored.pressure.mean().unwrap_or(f64::NAN);
-        FullContact::certify(self, stored.pressure, Load::MeanPressure(mean))
-    }
-
-    fn adopt(&self, state: &AnyState) -> Option<FullSolution> {
-        let Solution { pressure, .. } = state.get()?;
-        FullContact::certify(self, pressure, Load::MeanPressure(pressure.mean()?)).ok()
-    }
-
-    fn stiffness(&self, _: &FullSolution, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined(
-            "not computed with all components: the Nyquist modes of an even grid have a stiffness of their own".into(),
-        ))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Parts of states that only one kind of contact has.
 
-use gfmd_contact::{Fields, FullSolution, Plastic, Solution, SqueezedSolution, SteepSolution};
+use gfmd_contact::{Fields, Lateral, Plastic, Solution, SqueezedSolution, SteepSolution};
 use gfmd_interface::{QuasistaticState, SqueezedState, State};
 use gfmd_plasticity::PlasticState;
 use ndarray::{Array2, ArrayView2};
@@ -20,10 +20,8 @@ impl AnyState {
 
     /// Returns the state of a hard wall; the upper face if there are two.
     pub fn wall(&self) -> Option<&Solution> {
-        let full = || self.get().map(|state: &FullSolution| &state.normal);
         let squeezed = || self.get().map(|state: &SqueezedSolution| &state.upper);
         self.get()
-            .or_else(full)
             .or_else(|| self.steep().map(|state| &state.normal))
             .or_else(squeezed)
             .or_else(|| self.yielding().map(|state| &state.solution))
@@ -57,8 +55,9 @@ impl AnyState {
 
     /// Returns the lateral displacement u_x, u_y (u_x of a profile), `[x, y]`, length, if it was also unknown.
     pub fn lateral(&self) -> &[Array2<f64>] {
-        let full = self.get().map(|state: &FullSolution| &state.lateral[..]);
-        full.or_else(|| self.steep().map(|state| &state.lateral[..])).unwrap_or_else(|| self.sideways())
+        let moved = self.get::<Solution>().and_then(|state| state.lateral.as_ref());
+        let moved = moved.map(|Lateral { displacement, .. }| displacement);
+        moved.or_else(|| self.steep().map(|state| &state.lateral)).map_or_else(|| self.sideways(), |fields| fields)
     }
 
     /// Returns the contact of the lower face of a slab between two surfaces, as seen from that face.

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Dynamics, FullContact, Hardness, Refusal, SqueezedContact, SteepContact};
+use gfmd_contact::{Contact, Dynamics, Hardness, Refusal, SqueezedContact, SteepContact};
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_interface::{Interface, Parts, QuasistaticContact, Squeezed};
@@ -66,8 +66,9 @@ impl<'a> Given<'a> {
 
     /// Builds the contact with a hard wall.
     fn wall(&self) -> Result<Contact, Refusal> {
-        let Self { facts, body, grid, share, heights, .. } = self;
+        let Self { facts, body, grid, share, heights, moves_all, .. } = self;
         let contact = match facts.unknown {
+            _ if *moves_all => Contact::in_all_components(body, grid, heights),
             Unknown::Held => Contact::held_sideways_over(share, body, grid, heights),
             _ => Contact::with_boundary_over(share, facts.boundary, body, grid, heights),
         };
@@ -96,7 +97,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
 
 /// Builds the contact in u_z, unless a dynamic solver moves all components.
 fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, body, grid, share, heights, lower, law, hardness, inelastic, dynamics, moves_all, .. } = given;
+    let Given { facts, body, grid, share, heights, lower, law, hardness, inelastic, .. } = given;
     // All parts, so that none of them is left out of the contact.
     let Inelastic { plasticity, shear, relaxation, wear } = inelastic;
     for (part, is_fact, is_given) in [
@@ -178,9 +179,6 @@ fn pose_normal(given: &Given) -> Result<Posed, Refusal> {
             Some(hardness) => interface.with_hardness(hardness.clone())?,
             None => interface,
         }));
-    }
-    if *moves_all {
-        return Ok(Posed::new(FullContact::new(body, grid, heights)?.with_dynamics(*dynamics)));
     }
     // The solvers for a hard wall alone are faster than the solvers for a law.
     Ok(Posed::new(given.wall()?))

@@ -37,11 +37,6 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
         self.certify(&[stored.pressure], Load::Approach(stored.approach).into())
     }
 
-    /// Returns the state of another kind as a start, if another solver of the same problem found it.
-    fn adopt(&self, _state: &AnyState) -> Option<Self::State> {
-        None
-    }
-
     /// Computes the stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
     ///
     /// # Errors
@@ -291,9 +286,7 @@ impl<K: ContactKind> DynContact for K {
         start: Option<&AnyState>,
         watch: &mut dyn Watch,
     ) -> Result<AnyState, SolveError<AnyState>> {
-        let adopted = start.filter(|start| start.get::<K::State>().is_none());
-        let adopted = adopted.map(|start| ContactKind::adopt(self, start).ok_or(Refusal::OtherKind)).transpose()?;
-        let start = adopted.as_ref().or_else(|| start.and_then(AnyState::get));
+        let start = start.map(|start| start.get().ok_or(Refusal::OtherKind)).transpose()?;
         let solved = Equilibrium::equilibrate(self, drive, solver, budget, start, watch);
         solved.map(AnyState::new).map_err(|error| error.map(AnyState::new))
     }

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use gfmd_contact::{Boundary, FullContact, Solver};
+use gfmd_contact::{Boundary, Contact, Solver};
 use gfmd_green::{BaseKind, Condition, Ground};
 use gfmd_law::LawKind;
 use gfmd_medium::Relaxes;
@@ -128,7 +128,7 @@ impl Facts {
     /// Returns true if the solver moves all components of the displacement by damped dynamics, as the source does.
     /// Other solvers find the pressure, which gives the lateral displacement.
     pub fn moves_all_by(&self, solver: Solver) -> bool {
-        let is_dynamic = solver != Solver::Auto && FullContact::SOLVERS.contains(&solver);
+        let is_dynamic = solver != Solver::Auto && Contact::ALL_COMPONENTS_SOLVERS.contains(&solver);
         let is_wall = !self.has_law() && !self.hardness && self.boundary == Boundary::Periodic;
         let all = self.task == Task::Loads && self.unknown == Unknown::All && !self.finite_slope && !self.approach;
         is_dynamic && is_wall && all

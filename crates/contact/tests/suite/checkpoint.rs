@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 
 use gfmd_contact::{
-    Budget, Contact, Equilibrium, FullContact, Load, MemoryCheckpoint, Progress, Resumable, Solution, Solver, Visit,
-    Watch,
+    Budget, Contact, Equilibrium, Load, MemoryCheckpoint, Progress, Resumable, Solution, Solver, Visit, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
@@ -138,7 +137,7 @@ fn all_components_continue_bit_for_bit() {
     let heights = contact(24, Height::Infinite).surface().clearance()[..225].to_vec();
     let heights = ndarray::Array2::from_shape_vec((15, 15), heights).unwrap();
     let body = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.5).unwrap();
-    let contact = FullContact::new(&body, &grid, &heights).unwrap();
+    let contact = Contact::in_all_components(&body, &grid, &heights).unwrap();
     let load = Load::MeanPressure(0.01);
     for &solver in contact.solvers() {
         let solve = |keeper: &mut Keeper| {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use gfmd_contact::{
-    Contact, Dynamics, Equilibrium, Factors, Fields, FullContact, Load, Progress, Solution, SolveError, Solver, Watch,
+    Contact, Dynamics, Equilibrium, Factors, Fields, Load, Progress, Solution, SolveError, Solver, Watch,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Height, Material};
@@ -120,13 +120,13 @@ fn a_watcher_sees_displacement_and_energy_in_the_units_of_the_input() {
 #[test]
 fn all_components_have_time_step_and_damping_too() {
     let grid = Grid::square(15, 1.0).unwrap();
-    let contact = FullContact::new(&body(Height::Finite(0.3)), &grid, &heights(&grid, 0.01)).unwrap();
+    let contact = Contact::in_all_components(&body(Height::Finite(0.3)), &grid, &heights(&grid, 0.01)).unwrap();
     let press = |solver, dynamics| {
         let contact = contact.clone().with_dynamics(dynamics);
         contact.press(Load::MeanPressure(0.01)).solver(solver).tolerance(1e-10).solve()
     };
     let expected = press(Solver::Auto, Dynamics::default()).unwrap();
-    let peak = expected.normal.pressure.iter().copied().fold(0.0, f64::max);
+    let peak = expected.pressure.iter().copied().fold(0.0, f64::max);
     for (solver, time_step, damping) in [
         (Solver::VerletModes, None, Factors::Softest(1.0)),
         (Solver::VerletModes, Some(0.5), Factors::Softest(1.0)),
@@ -134,7 +134,7 @@ fn all_components_have_time_step_and_damping_too() {
         (Solver::VerletCritical, Some(0.6), Factors::Components([1.0, 1.2, 0.8])),
     ] {
         let found = press(solver, Dynamics { time_step, damping }).unwrap();
-        assert!(worst(&found.normal.pressure, &expected.normal.pressure) < 1e-7 * peak, "{solver} {damping:?}");
+        assert!(worst(&found.pressure, &expected.pressure) < 1e-7 * peak, "{solver} {damping:?}");
         let pairs = found.effort().transform_pairs / found.effort().iterations as f64;
         assert!(pairs >= if solver == Solver::VerletModes { 6.0 } else { 3.0 }, "{solver}: {pairs} pairs a step");
     }
@@ -144,7 +144,7 @@ fn all_components_have_time_step_and_damping_too() {
 fn time_steps_and_dampings_out_of_their_range_are_refused() {
     let grid = Grid::square(9, 1.0).unwrap();
     let contact = |height| Contact::new(&body(height), &grid, &heights(&grid, 0.01)).unwrap();
-    let full = FullContact::new(&body(Height::Infinite), &grid, &heights(&grid, 0.01)).unwrap();
+    let full = Contact::in_all_components(&body(Height::Infinite), &grid, &heights(&grid, 0.01)).unwrap();
     for (solver, time_step, damping, word) in [
         (Solver::VerletCritical, Some(1.0), Factors::Softest(1.0), "below 1"),
         (Solver::VerletModes, Some(0.0), Factors::Softest(1.0), "above 0"),

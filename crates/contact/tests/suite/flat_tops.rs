@@ -6,8 +6,7 @@
 //! section 3.3).
 
 use gfmd_contact::{
-    Boundary, Contact, Equilibrium, Fields, FullContact, Hardness, Load, Refusal, SolveError, Solver, SqueezedContact,
-    SteepContact,
+    Boundary, Contact, Equilibrium, Fields, Hardness, Load, Refusal, SolveError, Solver, SqueezedContact, SteepContact,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
@@ -249,7 +248,7 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
     let (grid, heights) = disc(31);
     let body = Body::slab(material(), 0.4).unwrap();
     let other = heights.mapv(|h| 0.3 * h);
-    let full = FullContact::new(&body, &grid, &heights).unwrap();
+    let full = Contact::in_all_components(&body, &grid, &heights).unwrap();
     // The slopes at its edges are not larger than finite slopes may be.
     let steep = SteepContact::new(&body, &grid, &(0.02 * &heights)).unwrap();
     let squeezed = SqueezedContact::new(&body, &grid, &heights, &other).unwrap();
@@ -262,7 +261,7 @@ fn other_kinds_of_contacts_do_not_depend_on_the_size_of_a_small_load() {
         };
         let all = full.press(load).solve().unwrap_or_else(|error| panic!("{mean:e}, all: {error}"));
         let steep = steep.press(load).solve().unwrap_or_else(|error| panic!("{mean:e}, steep: {error}"));
-        [Some(all.normal.pressure), Some(steep.normal.pressure), squeezed]
+        [Some(all.pressure), Some(steep.normal.pressure), squeezed]
     };
     let expected = pressures(1e-4);
     let means = if long() { &[1e-5, 1e-7][..] } else { &[1e-7] };

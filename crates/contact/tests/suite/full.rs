@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Equilibrium, Fields, FullContact, Load, Progress, Refusal, SolveError, Solver, Why};
+use gfmd_contact::{Contact, Equilibrium, Fields, Load, Progress, Refusal, Solution, SolveError, Solver, Why};
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
 use gfmd_response::FullResponse;
@@ -33,7 +33,7 @@ fn frictionless_sideways_motion_does_not_change_the_normal_component() {
             let heights = heights(&grid);
             let full = Arc::new(FullResponse::new(grid, &body));
             let mean = 0.01;
-            let contact = FullContact::with_response(Arc::clone(&full), &heights).unwrap();
+            let contact = Contact::with_full_response(Arc::clone(&full), &heights).unwrap();
             let press = contact.press(Load::MeanPressure(mean)).tolerance(1e-11).max_iterations(200_000);
             let found = press.solve().unwrap_or_else(|error| panic!("{case}: {error}"));
             let contact = Contact::new(&body, &grid, &heights).unwrap();
@@ -43,25 +43,30 @@ fn frictionless_sideways_motion_does_not_change_the_normal_component() {
             assert!((5..grid.len() - 5).contains(&touching), "{case}: {touching}");
             let worst =
                 |a: &Array2<f64>, b: &Array2<f64>| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(worst(&found.normal.pressure, &expected.pressure) < 1e-9 * peak, "{case}");
-            assert!(worst(&found.normal.displacement, &expected.displacement) < 1e-9 * 0.01, "{case}");
-            assert!((found.normal.approach - expected.approach).abs() < 1e-9 * expected.approach, "{case}");
+            assert!(worst(&found.pressure, &expected.pressure) < 1e-9 * peak, "{case}");
+            assert!(worst(&found.displacement, &expected.displacement) < 1e-9 * 0.01, "{case}");
+            assert!((found.approach - expected.approach).abs() < 1e-9 * expected.approach, "{case}");
 
             // The traction from the stiffness is the pressure only, except for means that do not affect the
             // displacement.
-            let mut displacement: Vec<f64> = found.lateral.iter().flatten().copied().collect();
-            displacement.extend(&found.normal.displacement);
+            let mut displacement: Vec<f64> =
+                found.lateral.iter().flat_map(|lateral| &lateral.displacement).flatten().copied().collect();
+            displacement.extend(&found.displacement);
             let mut traction = vec![0.0; displacement.len()];
             full.stiffness().apply(&displacement, &mut traction, &mut full.workspace()).unwrap();
             let lateral = traction.len() - grid.len();
             let drift = if full.uniform_compliance()[2] == 0.0 { mean } else { 0.0 };
             for (i, t) in traction.iter().enumerate() {
-                let expected =
-                    if i < lateral { 0.0 } else { drift - found.normal.pressure.as_slice().unwrap()[i - lateral] };
+                let expected = if i < lateral { 0.0 } else { drift - found.pressure.as_slice().unwrap()[i - lateral] };
                 assert!((t - expected).abs() < 1e-10 * peak, "{case}, {i}: {t} {expected}");
             }
-            let sideways = found.lateral.iter().flatten().fold(0.0, |m, u| f64::max(m, u.abs()));
-            let down = found.normal.displacement.iter().fold(0.0, |m, u| f64::max(m, u.abs()));
+            let sideways = found
+                .lateral
+                .iter()
+                .flat_map(|lateral| &lateral.displacement)
+                .flatten()
+                .fold(0.0, |m, u| f64::max(m, u.abs()));
+            let down = found.displacement.iter().fold(0.0, |m, u| f64::max(m, u.abs()));
             assert!(sideways > 0.01 * down, "{case}: the surface moves sideways");
         }
     }
@@ -71,8 +76,8 @@ fn frictionless_sideways_motion_does_not_change_the_normal_component() {
 fn unusable_input_and_too_few_steps_are_errors() {
     let grid = Grid::square(9, 1.0).unwrap();
     let body = Body::half_space(Material::from_young(1.0, 0.3).unwrap());
-    assert!(matches!(FullContact::new(&body, &grid, &Array2::zeros((9, 8))), Err(Refusal::Shape { .. })));
-    let contact = FullContact::new(&body, &grid, &heights(&grid)).unwrap();
+    assert!(matches!(Contact::in_all_components(&body, &grid, &Array2::zeros((9, 8))), Err(Refusal::Shape { .. })));
+    let contact = Contact::in_all_components(&body, &grid, &heights(&grid)).unwrap();
     let press = |mean| contact.press(Load::MeanPressure(mean));
     let refused = press(-0.1).solve().unwrap_err();
     assert!(matches!(refused, SolveError::Refused(Refusal::MeanPressure { found: -0.1 })));
@@ -82,12 +87,13 @@ fn unusable_input_and_too_few_steps_are_errors() {
     let expected = press(0.01).solve().unwrap();
     for solver in [Solver::VerletCritical, Solver::VerletModes, Solver::Fire] {
         let found = press(0.01).solver(solver).solve().unwrap();
-        let differences = found.normal.pressure.iter().zip(&expected.normal.pressure).map(|(a, b)| (a - b).abs());
+        let differences = found.pressure.iter().zip(&expected.pressure).map(|(a, b)| (a - b).abs());
         assert!(differences.fold(0.0, f64::max) < 1e-6 * 0.2, "{solver}");
     }
     // A state follows from its pressure.
-    let again = contact.certify(&expected.normal.pressure, Load::MeanPressure(0.01)).unwrap();
-    assert_eq!((&again.normal.gap, &again.lateral), (&expected.normal.gap, &expected.lateral));
+    let again = contact.certify(&expected.pressure, Load::MeanPressure(0.01)).unwrap();
+    let fields = |state: &Solution| (state.gap.clone(), state.lateral.clone().unwrap().displacement);
+    assert_eq!(fields(&again), fields(&expected));
     assert!(contact.certify(&Array2::zeros((9, 8)), Load::MeanPressure(0.01)).is_err());
     let refused = contact.press(Load::Approach(0.1)).solve().unwrap_err();
     assert!(matches!(refused, SolveError::Refused(Refusal::NoApproach)));
@@ -106,6 +112,27 @@ fn unusable_input_and_too_few_steps_are_errors() {
     let again = press(0.001).starting_from(Some(&resting)).solve().unwrap();
     // Number of steps during which the set of touching points must not change.
     assert!(again.effort().iterations <= 25 && again.effort().iterations < resting.effort().iterations);
+}
+
+/// The stiffness is the difference quotient of loads a little apart, also on an even grid, and other parts are refused.
+#[test]
+fn all_components_have_the_stiffness_of_their_pressures() {
+    let grid = Grid::square(12, 1.0).unwrap();
+    let body = Body::slab(Material::from_young(1.0, 0.3).unwrap(), 0.4).unwrap();
+    let contact = Contact::in_all_components(&body, &grid, &heights(&grid)).unwrap();
+    let solve = |mean: f64| contact.press(Load::MeanPressure(mean)).tolerance(1e-11).max_iterations(200_000).solve();
+    let [below, at, above] = [0.99999e-2, 1e-2, 1.00001e-2].map(|mean| solve(mean).unwrap());
+    let touching = |state: &Solution| state.pressure.mapv(|p| p > 0.0);
+    assert_eq!(touching(&below), touching(&above));
+    let quotient = (above.mean_pressure - below.mean_pressure) / (above.approach - below.approach);
+    let stiffness = contact.stiffness(&at, 1e-9).unwrap();
+    assert!((stiffness.value / quotient - 1.0).abs() < 1e-5, "{} {quotient}", stiffness.value);
+    let normal = Contact::new(&body, &grid, &heights(&grid)).unwrap().stiffness(&at, 1e-9).unwrap();
+    assert!((normal.value / quotient - 1.0).abs() > 1e-4, "the shortest waves have another stiffness");
+
+    for refused in [contact.clone().with_hardness(1.0).map(|_| ()), contact.softened(1.0).map(|_| ())] {
+        assert!(matches!(refused, Err(Refusal::NotNormal { .. })), "{refused:?}");
+    }
 }
 
 /// Without lateral displacement the waves of a half-space are stiffer by the factor 1/(1 − s²) (theory.md, section 3),

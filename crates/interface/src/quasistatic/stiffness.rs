@@ -10,6 +10,7 @@ use ndarray::{Array2, ArrayRef2, Axis, Zip};
 
 use super::normal::Normal;
 use super::response::Response;
+use super::stuck::Stuck;
 use super::{QuasistaticContact, QuasistaticState};
 use crate::newton::Sides;
 use crate::{Interface, State};
@@ -20,8 +21,8 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Reasons why a state along a path has no stiffness, or an inexact one.
 #[derive(Debug, thiserror::Error)]
 pub enum StiffnessError {
-    /// The surfaces of a patch shear each other.
-    #[error("not computed for a patch with shear")]
+    /// The surfaces of a patch shear each other beside a law.
+    #[error("not computed for a patch with a law and shear")]
     ShearedPatch,
     /// The law shears the surfaces, and the fields do not tell their lateral displacement.
     #[error("not computed from the pressure and the gap alone: the law shears the surfaces")]
@@ -94,8 +95,10 @@ impl QuasistaticContact {
             None => Zip::from(&pressure).and(&gap).map_collect(|p, gap| interface.wall_pressure(*p, *gap)),
         };
         if let Some(response) = &self.response {
-            let Response::Periodic(response) = response else { return Err(StiffnessError::ShearedPatch) };
             let Stiffening::All(factor) = stiffening else { return Err(Refusal::OtherKind.into()) };
+            let Response::Periodic(response) = response else {
+                return self.stiffness_of_stuck(response, pressure, factor, tolerance);
+            };
             let (interface, wall_pressure, gap) = match &self.normal {
                 Normal::Law(interface) => (interface.in_components_of(response), of_law(interface), gap),
                 Normal::Wall(_) => {
@@ -153,6 +156,33 @@ impl QuasistaticContact {
         }
     }
 
+    /// Computes the stiffness of a patch with a hard wall whose points in contact stick.
+    fn stiffness_of_stuck(
+        &self,
+        response: &Response,
+        pressure: Array2<f64>,
+        factor: f64,
+        tolerance: f64,
+    ) -> Result<Stiffness, StiffnessError> {
+        let Normal::Wall(_) = &self.normal else { return Err(StiffnessError::ShearedPatch) };
+        let (pressure, lateral) = (self.with_hardness_exact(pressure), response.components().normal());
+        let touches = pressure.iter().map(|p| f64::from(*p > 0.0));
+        let mut held: Vec<f64> = std::iter::repeat_n(touches, lateral).flatten().collect();
+        let open = pressure.indexed_iter().map(|(at, p)| *p > 0.0 && self.hardness_at(at).is_none_or(|most| *p < most));
+        held.extend(open.map(|is_held| f64::from(is_held)));
+        let found = Stuck { response, share: self.share(), held }.stiffness(tolerance);
+        let given = |found| self.given_stiffness(found, factor);
+        found.map(given).map_err(|(reached, why)| StiffnessError::Inexact { reached: given(reached), why })
+    }
+
+    /// Returns the hardness of a point, if there is one.
+    fn hardness_at(&self, at: (usize, usize)) -> Option<f64> {
+        Some(match self.hardness.as_ref()? {
+            Hardness::Uniform(hardness) => *hardness,
+            Hardness::Field(field) => field[at],
+        })
+    }
+
     /// Returns the hard wall as an interface in the components of `response`.
     fn wall_in_all_components(&self, response: &Arc<FullResponse>) -> Result<Interface, Refusal> {
         let wall = Interface::at_wall(Arc::clone(response), Arc::clone(&self.scaled));
@@ -162,16 +192,9 @@ impl QuasistaticContact {
 
     /// Returns the pressure with exactly the hardness at the points that have it up to rounding.
     fn with_hardness_exact(&self, mut pressure: Array2<f64>) -> Array2<f64> {
-        let exact = |p: &mut f64, hardness: f64| {
-            if *p >= (1.0 - ROUNDING) * hardness {
+        for (at, p) in pressure.indexed_iter_mut() {
+            if let Some(hardness) = self.hardness_at(at).filter(|hardness| *p >= (1.0 - ROUNDING) * hardness) {
                 *p = hardness;
-            }
-        };
-        match &self.hardness {
-            None => {}
-            Some(Hardness::Uniform(hardness)) => pressure.iter_mut().for_each(|p| exact(p, *hardness)),
-            Some(Hardness::Field(field)) => {
-                pressure.iter_mut().zip(field).for_each(|(p, hardness)| exact(p, *hardness))
             }
         }
         pressure

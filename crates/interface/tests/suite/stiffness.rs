@@ -127,7 +127,8 @@ fn surfaces_that_stick_have_the_stiffness_of_an_instant() {
     let walls = [("wall", plain), ("hard", hard), ("worn", worn), ("relaxing", relaxing), ("all", all)];
     let law = || Some(Exponential::new(1e-4, 4e-3).unwrap().into_shared());
     let laws = walls.clone().map(|(name, parts)| (name, Parts { law: law(), ..parts }));
-    for (name, parts) in walls.into_iter().chain(laws) {
+    let patches = walls.clone().map(|(name, parts)| (name, Parts { boundary: Boundary::Free, ..parts }));
+    for (name, parts) in walls.into_iter().chain(laws).chain(patches) {
         let contact = QuasistaticContact::new(&parts).unwrap();
         let frictionless = QuasistaticContact::new(&Parts { shear: None, ..parts.clone() });
         let mut state = None;
@@ -210,11 +211,12 @@ fn what_has_no_stiffness_says_why() {
     let (grid, body) = (Grid::square(16, 1.0).unwrap(), Body::half_space(material(0.3)));
     let heights = &rough(&grid, 3);
     let shear = Some(Shear::from(Limit::Coulomb(0.3)));
-    let sheared = Parts { shear, boundary: Boundary::Free, ..Parts::new(&body, &grid, heights) };
+    let law = Some(Exponential::new(1e-4, 4e-3).unwrap().into_shared());
+    let sheared = Parts { shear, law, boundary: Boundary::Free, ..Parts::new(&body, &grid, heights) };
     let contact = QuasistaticContact::new(&sheared).unwrap();
     let state = approached(&contact, 0.01, Load::Approach(0.0).into(), None);
     let error = contact.stiffness(&state, 1e-9).unwrap_err();
-    assert!(matches!(error, StiffnessError::ShearedPatch) && error.to_string().contains("patch with shear"), "{error}");
+    assert!(matches!(error, StiffnessError::ShearedPatch) && error.to_string().contains("a law and shear"), "{error}");
     let plain = QuasistaticContact::new(&Parts::new(&body, &grid, heights)).unwrap();
     let small = ndarray::Array2::zeros((8, 8));
     let error = plain.stiffness_of_fields(&small, &small, 1e-9).unwrap_err();

@@ -461,6 +461,11 @@ impl Dense {
         Self { plane, is_free: false, by_offset: plane.inverse(&modes) }
     }
 
+    /// Returns the compliance of a periodic cell, from the displacement into it by a pressure of one on its first point.
+    pub(crate) fn of_displacement(plane: Plane, by_offset: Vec<f64>) -> Self {
+        Self { plane, is_free: false, by_offset }
+    }
+
     /// Returns the compliance of a patch on an unbounded body, from the displacement at an offset by a uniform pressure
     /// on one cell.
     pub(crate) fn free(plane: Plane, of_cell: impl Fn([f64; 2]) -> f64) -> Self {
