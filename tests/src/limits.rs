@@ -1,4 +1,4 @@
-//! Tables 3.1 to 3.3 of the thesis, corrected, and eq. 3.18 as printed: its matrix M is K/2 (theory.md, section 12).
+//! Tables 3.1 to 3.3 of the thesis, corrected, and eq. 3.18 as printed: its matrix M is K/2 (docs/source/coverage.md).
 
 use gfmd_green::{Body, Material};
 

@@ -1,5 +1,5 @@
-//! `results`: writes data/results/limits.json, the tables of docs/results.md and its pages, docs/theory.md,
-//! docs/accuracy.md and README.md, and the figures, from the summaries in data/results.
+//! `results`: writes data/results/limits.json, the tables of docs/results.md and its pages, docs/accuracy.md and
+//! README.md, and the figures, from the summaries in data/results.
 //!
 //! A table stands between `<!-- results: NAME -->` and `<!-- end -->`. The text around it is written by hand.
 
@@ -54,7 +54,7 @@ type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failu
 /// Figure with the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 21] = [
+const TABLES: [Table; 20] = [
     ("accuracy", "accuracy", accuracy::table),
     ("../README", "kappa", kappa::sentence),
     ("results", "kappa", kappa::table),
@@ -62,7 +62,6 @@ const TABLES: [Table; 21] = [
     ("results", "seeds", kappa::seeds),
     ("results", "budget", kappa::budget),
     ("results", "between", kappa::between),
-    ("theory", "ladders", kappa::ladders),
     ("results/finite", "percolation", finite::percolation),
     ("results/finite", "reduced", finite::reduced),
     ("results/finite", "long waves", finite::of_long_waves),
@@ -79,8 +78,7 @@ const TABLES: [Table; 21] = [
 ];
 
 /// Pages with tables, in the folder of the documents.
-const PAGES: [&str; 7] =
-    ["accuracy", "../README", "results", "theory", "results/finite", "results/methods", "results/others"];
+const PAGES: [&str; 6] = ["accuracy", "../README", "results", "results/finite", "results/methods", "results/others"];
 
 const FIGURES: [Figure; 5] = [
     ("accuracy", accuracy::figure),

@@ -16,9 +16,9 @@ Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are tril
 the thesis, with the same\nheld nodes, without a Green's function \
 ([punch_elements.py](../../data/reference/punch_elements.py)). Paths are relative to the repository.\n";
 
-/// Remarks on the errata of theory.md, section 12.
+/// Remarks on the errata of docs/source/coverage.md.
 const ERRATA: &str = "\n## Errata\n\n\
-E1 to E27 of [theory](../theory.md), section 12, list the errors of equations, captions and numbers.\n\n\
+[E1 to E27](coverage.md#errata) are the errors of equations, captions and numbers.\n\n\
 - **Δt = 0.25** (section 4.3; E24), in lattice units of Δx = 1, is 0.22 of the stability limit 2/√k_max with E* = 1, \
 and 0.23 with E = 1; this program takes a quarter of the limit (docs/solvers.md).\n\
 - **Section 5.2** (E26): the preset `thesis` takes p/(E* ḡ).\n";

@@ -222,33 +222,6 @@ fn spread(errors: &[f64]) -> (f64, f64) {
     (100.0 * squares.sqrt(), 100.0 * errors.iter().fold(0.0, |most: f64, error| most.max(error.abs())))
 }
 
-/// Returns the table of kappa composed by the first closure, minus the edge, ladder by ladder.
-pub(super) fn ladders(summaries: &Summaries) -> Result<String, Failure> {
-    let sweep = summaries.read("ladders")?;
-    let bands = [16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0];
-    let head = bands.map(|band| format!("{band}")).join(" | ");
-    let mut text = format!("| H | 1/ε_t | κ | 1/ε_f = {head} |\n|---|---|---|{}\n", "---|".repeat(bands.len()));
-    for hurst in HURSTS {
-        for cell in [1.0, 2.0] {
-            let points = |band: f64| {
-                sweep.points.iter().find(|at| {
-                    [at.hurst, at.eps_t_inv, at.eps_f_inv, at.eps_c_inv, at.p_star] == [hurst, cell, band, 4.0, P_STAR]
-                })
-            };
-            let row = |of: &dyn Fn(&super::summary::Point) -> String| {
-                bands.map(|band| points(band).map_or_else(|| "–".into(), of)).join(" | ")
-            };
-            let own = row(&|at| format!("{:.3}", at.kappa - at.edge.unwrap_or(0.0)));
-            let composed = row(&|at| match (at.kappa_composed, at.kappa_composed_sem) {
-                (Some(kappa), Some(error)) => format!("{kappa:.4} ± {error:.4}"),
-                _ => "–".into(),
-            });
-            let _ = writeln!(text, "| {hurst} | {cell} | as computed | {own} |\n| | | composed | {composed} |");
-        }
-    }
-    Ok(text)
-}
-
 /// Returns the table of the form error at the load of the result, with the exponent and the edge of the fit.
 pub(super) fn budget(summaries: &Summaries) -> Result<String, Failure> {
     const FORMS: [(&str, &str); 5] = [

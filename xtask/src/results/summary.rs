@@ -36,8 +36,6 @@ pub(super) struct Point {
     pub(super) kappa_corrected: Option<f64>,
     pub(super) kappa_corrected_sem: Option<f64>,
     pub(super) edge: Option<f64>,
-    pub(super) kappa_composed: Option<f64>,
-    pub(super) kappa_composed_sem: Option<f64>,
 }
 
 /// Joint fit.
