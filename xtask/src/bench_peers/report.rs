@@ -199,12 +199,17 @@ impl Report {
         })
     }
 
+    /// Returns a table of the effort on the largest grid.
     fn work(&self, threads: usize) -> Table {
-        self.by_case(threads, "Iterations / transform pairs computed".into(), false, |entry| {
+        let title = "Iterations / transform pairs computed, largest grid".into();
+        let mut table = self.by_case(threads, title, false, |entry| {
             let pairs = entry.transform_pairs.map_or_else(|| "?".into(), |pairs| format!("{pairs:.0}"));
             let iterations = entry.iterations.map_or_else(|| "?".into(), |iterations| iterations.to_string());
             format!("{iterations} / {pairs}")
-        })
+        });
+        let largest = self.cases.iter().map(|case| case.n).max().unwrap_or(0).to_string();
+        table.rows.retain(|row| row[0] == largest);
+        table
     }
 
     /// Describes the largest certified residual and the largest differences from the first contestant.
