@@ -9,7 +9,7 @@ use super::summary::Summaries;
 use crate::finite::{Known, Numbers, PRESSURES, SurfaceKind};
 
 /// Hurst exponents and loads in the tables; the file of the summary has all of them.
-const HURST: [f64; 3] = [0.0, 0.5, 0.8];
+const HURST: [f64; 2] = [0.0, 0.8];
 const REDUCED: [f64; 3] = [0.01, 0.1, 0.5];
 const OF_LONG_WAVES: [f64; 2] = [0.1, 1.0];
 
@@ -106,7 +106,7 @@ pub(super) fn percolation(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
         "| H | 1/ε_f | surfaces | h_rms/(λ_l ḡ) | p\\* at percolation | area fraction |\n|---|---|---|---|---|---|\n",
     );
-    for SurfaceKind { hurst, eps_f_inv, surfaces, height, percolation, .. } in &summaries.finite()?.kinds {
+    for SurfaceKind { hurst, eps_f_inv, surfaces, height, percolation, .. } in &shown(summaries)? {
         let [height, load, area] = [*height, percolation[0], percolation[1]].map(|known| with_error(Some(known)));
         let _ = writeln!(text, "| {hurst} | {eps_f_inv} | {surfaces} | {height} | {load} | {area} |");
     }
