@@ -101,7 +101,8 @@ pub(super) fn lines(summaries: &Summaries) -> Result<String, Failure> {
         let mut bands: Vec<f64> = summary.points.iter().map(|point| point.eps_f_inv).collect();
         bands.sort_by(f64::total_cmp);
         bands.dedup();
-        for band in bands {
+        // The figure has all ratios.
+        for band in bands.into_iter().filter(|band| [64.0, 4096.0].contains(band)) {
             let cell = |load: &f64| {
                 let found = summary.points.iter().find(|point| point.eps_f_inv == band && point.p_star == *load);
                 found.map_or_else(|| "–".into(), super::summary::Point::shown)
