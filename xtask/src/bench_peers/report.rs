@@ -171,7 +171,8 @@ impl Report {
         self.cases.first().map_or_else(Vec::new, |case| case.timings.iter().map(|timing| timing.threads).collect())
     }
 
-    /// Returns a table with a row per case and a column per contestant, with the time of a pair if `with_pair`.
+    /// Returns a table with a row per case on the largest grid and a column per contestant, with the time of a pair if
+    /// `with_pair`.
     fn by_case(&self, threads: usize, title: String, with_pair: bool, cell: impl Fn(&Entry) -> String) -> Table {
         let first = ["n", "H", "p*"].map(str::to_owned).into_iter().chain(with_pair.then(|| "pair, ms".to_owned()));
         let head = first.chain(self.contestants.iter().cloned());
@@ -183,7 +184,9 @@ impl Report {
             let cells = self.contestants.iter().map(|name| entry(name).map_or_else(|| "-".into(), &cell));
             Some(first.into_iter().chain(pair).chain(cells).collect())
         };
-        Table { title, head: head.collect(), rows: self.cases.iter().filter_map(row).collect() }
+        let largest = self.cases.iter().map(|case| case.n).max();
+        let cases = self.cases.iter().filter(|case| Some(case.n) == largest);
+        Table { title: format!("{title}, largest grid"), head: head.collect(), rows: cases.filter_map(row).collect() }
     }
 
     fn costs(&self, threads: usize) -> Table {
@@ -199,17 +202,12 @@ impl Report {
         })
     }
 
-    /// Returns a table of the effort on the largest grid.
     fn work(&self, threads: usize) -> Table {
-        let title = "Iterations / transform pairs computed, largest grid".into();
-        let mut table = self.by_case(threads, title, false, |entry| {
+        self.by_case(threads, "Iterations / transform pairs computed".into(), false, |entry| {
             let pairs = entry.transform_pairs.map_or_else(|| "?".into(), |pairs| format!("{pairs:.0}"));
             let iterations = entry.iterations.map_or_else(|| "?".into(), |iterations| iterations.to_string());
             format!("{iterations} / {pairs}")
-        });
-        let largest = self.cases.iter().map(|case| case.n).max().unwrap_or(0).to_string();
-        table.rows.retain(|row| row[0] == largest);
-        table
+        })
     }
 
     /// Describes the largest certified residual and the largest differences from the first contestant.
