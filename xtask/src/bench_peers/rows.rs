@@ -240,9 +240,9 @@ impl Rows {
         let _ = write!(
             text,
             "\n{date}. {machine}. gfmd {version}, commit {short}. Surfaces as above, H = {hurst}. Seconds, or MB. \
-             Both sides in\nturns, {repeats} times. The median ratio is compared with the aim; the case farthest from it \
-             is shown ([all cases](../data/benchmarks/rows.json)).\n`cargo xtask bench-rows --python PYTHON --tamaas \
-             --write-docs` makes this table with a PYTHON that has gfmd.\n\n"
+             Both sides in\nturns, {repeats} times. The median ratio is compared with the aim; the case farthest \
+             from it is shown ([all cases](../data/benchmarks/rows.json)).\n`cargo xtask bench-rows --python PYTHON \
+             --tamaas --write-docs` makes this table with a PYTHON that has gfmd.\n\n"
         );
         text
     }
