@@ -132,16 +132,19 @@ impl AnyLoad {
              {points} x {points} points, E\\* = 1, self-affine surfaces with rms gradient 0.1, 1/ε_t = 2, 1/ε_c = 4 \
              ([glossary](glossary.md)), seed {seed}. A cell has the transform pairs (iterations, it., if a program \
              counts only them), the residual of the pressure by the certificate below, at most \
-             {tolerance:e}{seconds}; every second load is shown. ✗: not certified, with the residual reached and the \
-             deviation of the pressure (rms, relative to gfmd, if above 0.1 %), or no result within {patience} \
-             s.\n\n{busy}"
+             {tolerance:e}{seconds}; every second load of the first H is shown. ✗: not certified, with the residual \
+             reached and the deviation of the pressure (rms, relative to gfmd, if above 0.1 %), or no result within \
+             {patience} s.\n\n{busy}"
         );
         for note in &self.notes {
             let _ = writeln!(page, "> {note}\n");
         }
+        // The first table counts all loads; each other one is of a block.
         for (number, mut table) in self.tables().into_iter().enumerate() {
-            // The first table counts all loads, the others have every second one.
             if number > 0 {
+                if self.blocks[number - 1].hurst != self.blocks[0].hurst {
+                    continue;
+                }
                 table.rows = table.rows.into_iter().step_by(2).collect();
             }
             let _ = writeln!(page, "{}", table.markdown());
