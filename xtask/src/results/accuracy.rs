@@ -8,6 +8,9 @@ use gfmd_plot::{Axis, Chart, Panel, Point, Series};
 use super::summary::Summaries;
 use crate::accuracy::Coverage;
 
+/// Fewest contacts with an error of a quantity in the table.
+const FEWEST: usize = 10;
+
 /// Formats the fraction of contacts with the exact value inside the interval, followed by the smallest fraction of all
 /// groups of surfaces and loads.
 fn share(groups: &std::collections::BTreeMap<String, Coverage>) -> String {
@@ -37,7 +40,7 @@ pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     for (mode, numbers) in &report.modes {
         let _ = writeln!(text, "| **{mode}** | | | | | |");
         for (name, groups) in numbers {
-            let Some(all) = groups.get("all").filter(|all| all.told > 0) else { continue };
+            let Some(all) = groups.get("all").filter(|all| all.told >= FEWEST) else { continue };
             if same_as(name).is_some_and(|other| numbers.contains_key(other)) {
                 continue;
             }
