@@ -100,21 +100,21 @@ pub(super) const FIGURES: [Figure; 19] = [
     },
     Figure {
         number: "3.6",
-        source: "A strain below the same wave.",
+        source: "A strain.",
         here: "The normal strains ε_xx (y = 0) and ε_zz (y = 0).",
-        erratum: "The text does not say which strains figures 3.6 to 3.8 show; all six are drawn here.",
+        erratum: "The text does not say which strains figures 3.6 to 3.8 show: here are all six.",
         work: Work::Commands(&[picture(ABOVE_X, "y0-exx", "-exx"), picture(ABOVE_X, "y0-ezz", "-ezz")]),
     },
     Figure {
         number: "3.7",
-        source: "A strain below the same wave.",
+        source: "A strain.",
         here: "The shear strains γ_xz (y = 0) and γ_yz (x = 0), engineering strains.",
         erratum: "",
         work: Work::Commands(&[picture(ABOVE_X, "y0-exz", "-exz"), picture(ABOVE_Y, "x0-eyz", "-eyz")]),
     },
     Figure {
         number: "3.8",
-        source: "A strain below the same wave.",
+        source: "A strain.",
         here: "The strains ε_yy and γ_xy on the level z = 7/8.",
         erratum: "",
         work: Work::Commands(&[picture(LEVEL, "level-eyy", "-eyy"), picture(LEVEL, "level-exy", "-exy")]),
@@ -135,14 +135,12 @@ pub(super) const FIGURES: [Figure; 19] = [
     },
     Figure {
         number: "4.1a",
-        source: "Amplitude ũ_x(0, 0) of the slowest mode of the punch against the iteration for several damping \
-                 factors; the critical one converges fastest.",
-        here: "Amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the critical \
-               damping of eq. 4.8, and of the uniform mode (0, 0) of the free slab, pushed at one point. For the free \
-               slab factor 1 is best; for the punch, whose held points stiffen the soft modes, 2: 1162 steps to 1e-8 \
-               with factor 1, 578 with 2, 1240 with 3 (docs/solvers.md).",
-        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle. Its first wave is shown \
-                  instead.",
+        source: "ũ_x(0, 0), the slowest mode of the punch, against the iteration for several damping factors; the \
+                 critical one converges fastest.",
+        here: "First wave of u_x (sine, number (1, 0)) of the punch for four factors of the critical damping of eq. \
+               4.8, and the uniform mode (0, 0) of the free slab, pushed at one point. For the slab factor 1 is best, \
+               for the punch, whose held points stiffen the soft modes, 2.",
+        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle.",
         work: Work::Dampings,
     },
     Figure {
@@ -185,7 +183,7 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.7",
         source: "u_x over the height, (a) and (b), on a plane captioned x/L = 0.5.",
         here: "u_x on y = L/2.",
-        erratum: "On x = L/2 u_x vanishes (odd about the middle): the thesis must have drawn y = L/2.",
+        erratum: "On x = L/2 u_x vanishes: the thesis must have drawn y = L/2.",
         work: Work::Commands(&[picture(ALONG_X, "along-x-ux", "")]),
     },
     Figure {
