@@ -11,8 +11,8 @@ use super::{Runs, dampings};
 
 const HEAD: &str = "# The figures of the thesis\n\n\
 Drawn by `cargo xtask reproduce`, with numbers to judge pictures of the thesis. [Coverage](coverage.md) lists all\n\
-equations, tables and figures. Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear \
-bricks\non the surface nodes of the thesis, with the same held nodes \
+equations, tables and figures. Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear\n\
+bricks on the surface nodes of the thesis, with the same held nodes\n\
 ([punch_elements.py](../../data/reference/punch_elements.py)).\n";
 
 /// Remarks on the errata of theory.md, section 12.
