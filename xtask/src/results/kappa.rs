@@ -245,8 +245,7 @@ pub(super) fn budget(summaries: &Summaries) -> Result<String, Failure> {
         ("second-closure", "second closure"),
         ("between-closures", "half of the difference of both closures at the smallest ε_f"),
     ];
-    let [main, loose, tight] =
-        [summaries.read("ladders")?, summaries.read("tolerance-6")?, summaries.read("tolerance-10")?];
+    let main = summaries.read("ladders")?;
     let head = HURSTS.map(|hurst| format!("H = {hurst}")).join(" | ");
     let mut text = format!("| | {head} |\n|---|{}\n", "---|".repeat(HURSTS.len()));
     let mut row = |name: &str, value: &dyn Fn(f64) -> Result<String, Failure>| -> Result<(), Failure> {
@@ -273,9 +272,5 @@ pub(super) fn budget(summaries: &Summaries) -> Result<String, Failure> {
             Ok(other.map_or_else(|| "–".into(), |other| format!("{:+.4}", other.kappa_tfc - found.kappa_tfc)))
         })?;
     }
-    row("residuals of 1e-6 in place of 1e-10", &|hurst| {
-        let [one, other] = [fit(&loose, hurst, P_STAR)?, fit(&tight, hurst, P_STAR)?];
-        Ok(format!("{:+.4}", one.kappa_tfc - other.kappa_tfc))
-    })?;
     Ok(text)
 }
