@@ -8,6 +8,9 @@ use gfmd_plot::{Axis, Chart, Panel, Point, Series};
 use super::summary::Summaries;
 use crate::accuracy::Coverage;
 
+/// Modes in the table, of random surfaces; the figure and the summary have all.
+const SHOWN: [&str; 3] = ["estimate", "free", "refine"];
+
 /// Fewest contacts with an error of a quantity in the table.
 const FEWEST: usize = 10;
 
@@ -30,14 +33,14 @@ fn same_as(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Returns the table of all quantities, for each boundary and mode.
+/// Returns the table of the quantities of random surfaces, for each mode.
 pub(super) fn table(summaries: &Summaries) -> Result<String, Failure> {
     let report = summaries.accuracy()?;
     let mut text = String::from(
         "| number | told | error of the number | of its limit | limit within its error | width |\n\
          |---|---|---|---|---|---|\n",
     );
-    for (mode, numbers) in &report.modes {
+    for (mode, numbers) in report.modes.iter().filter(|(mode, _)| SHOWN.contains(&mode.as_str())) {
         let _ = writeln!(text, "| **{mode}** | | | | | |");
         for (name, groups) in numbers {
             let Some(all) = groups.get("all").filter(|all| all.told >= FEWEST) else { continue };

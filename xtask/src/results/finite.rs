@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use gfmd_input::failure::Failure;
-use gfmd_measure::SelfAffineArea;
 
 use super::summary::Summaries;
 use crate::finite::{Known, Numbers, PRESSURES, SurfaceKind};
@@ -38,37 +37,24 @@ fn cells(Numbers { kappa, gap, stiffness, rms_pressure, .. }: &Numbers) -> Strin
     [kappa, gap, stiffness, rms_pressure].map(|known| with_error(*known)).join(" | ")
 }
 
-/// Returns the table for given reduced pressures, with κ by the formula and its relative difference.
+/// Returns the table for given reduced pressures.
 pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
-        "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) | κ by the formula |\n\
-         |---|---|---|---|---|---|---|---|\n",
+        "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) |\n|---|---|---|---|---|---|---|\n",
     );
     for kind in &shown(summaries)? {
-        let formula = SelfAffineArea::new(kind.hurst);
         for load in kind.reduced.iter().filter(|load| REDUCED.contains(&load.load)) {
-            let area = formula.map_or(f64::NAN, |formula| formula.of_band(1.0 / kind.eps_f_inv as f64, load.load));
-            let kappa = area / load.load;
-            let apart =
-                load.kappa.map_or_else(String::new, |[found, _]| format!(" ({:+.1} %)", 100.0 * (kappa / found - 1.0)));
-            let _ = writeln!(
-                text,
-                "| {} | {} | {} | {} | {kappa:.3}{apart} |",
-                kind.hurst,
-                kind.eps_f_inv,
-                load.load,
-                cells(load)
-            );
+            let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells(load));
         }
     }
     Ok(text)
 }
 
-/// Returns the table of the pressure distribution, with Persson's for light loads.
+/// Returns the table of the pressure distribution on the narrowest and the widest band, with Persson's.
 pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     let heads = PRESSURES.map(|pressure| format!("p > {pressure} E\\* ḡ")).join(" | ");
     let mut text = format!("| H | 1/ε_f | p\\* | {heads} |\n|---|---|---|{}\n", "---|".repeat(PRESSURES.len()));
-    for kind in &shown(summaries)? {
+    for kind in shown(summaries)?.iter().filter(|kind| kind.eps_f_inv != 32) {
         let loads = kind.reduced.iter().zip(&kind.above);
         for (load, above) in loads.filter(|(load, _)| REDUCED.contains(&load.load)) {
             let cells: Vec<String> = above.iter().map(|known| with_error(Some(*known))).collect();
