@@ -15,27 +15,6 @@ fn slab(summaries: &Summaries, height: &str, hurst: &str, ratio: &str) -> Result
     summaries.read(&format!("axes/slab{height}-h{hurst}-nu{ratio}"))
 }
 
-pub(super) fn slabs(summaries: &Summaries) -> Result<String, Failure> {
-    let mut text = String::from("| H | height / L | ν = 0 | 0.33 | 0.5 |\n|---|---|---|---|---|\n");
-    for hurst in HURST {
-        let whole = |ratio: &str| -> Result<String, Failure> {
-            Ok(summaries.read(&format!("axes/half-space-h{hurst}-nu{ratio}"))?.cell()?.shown())
-        };
-        let _ = writeln!(text, "| {hurst} | ∞ | {} | | {} |", whole("0.0")?, whole("0.5")?);
-        // The figure has all heights.
-        for height in ["1.0", "0.25", "0.05"] {
-            let cells: Vec<String> = RATIOS
-                .iter()
-                .map(|ratio| Ok(slab(summaries, height, hurst, ratio)?.cell()?.shown()))
-                .collect::<Result<_, Failure>>()?;
-            let _ = writeln!(text, "| {hurst} | {height} | {} |", cells.join(" | "));
-        }
-        let small = summaries.read(&format!("axes/gradient-h{hurst}"))?;
-        let _ = writeln!(text, "| {hurst} | ∞, ḡ = 0.001 | {} | | |", small.cell()?.shown());
-    }
-    Ok(text)
-}
-
 pub(super) fn slab_figure(summaries: &Summaries) -> Result<String, Failure> {
     let mut panels = Vec::new();
     for hurst in HURST {

@@ -174,33 +174,18 @@ pub(super) fn seeds(summaries: &Summaries) -> Result<String, Failure> {
     ))
 }
 
-/// Returns the table of limits at the Hurst exponents outside the fit of the formula, beside the formula.
+/// Returns the difference of the formula from the limits at the Hurst exponents outside its fit.
 pub(super) fn between(summaries: &Summaries) -> Result<String, Failure> {
     let sweep = summaries.read("between")?;
-    let mut text =
-        String::from("| H | κ at p\\* = 0.02 | formula | all ten loads: rms | at most |\n|---|---|---|---|---|\n");
-    let mut hursts: Vec<f64> = sweep.fits.iter().map(|fit| fit.hurst).collect();
-    hursts.sort_by(f64::total_cmp);
-    hursts.dedup();
-    let mut all = Vec::new();
-    for hurst in hursts {
-        let area =
-            SelfAffineArea::new(hurst).ok_or_else(|| Failure::refused(format!("H is {hurst} in between.json")))?;
-        let formula = |p_star: f64| area.at(p_star) / p_star;
-        let fits = sweep.fits.iter().filter(|fit| fit.hurst == hurst && fit.area == "raw");
-        let errors: Vec<f64> = fits.map(|fit| formula(fit.p_star) / fit.kappa_tfc - 1.0).collect();
-        let fit = fit(&sweep, hurst, P_STAR)?;
-        let [low, high] = fit.total_ci95.unwrap_or([f64::NAN; 2]);
-        let (kappa, half) = (fit.kappa_tfc, 0.5 * (high - low));
-        let (rms, most) = spread(&errors);
-        let _ =
-            writeln!(text, "| {hurst} | {kappa:.3} ± {half:.3} | {:.3} | {rms:.2} % | {most:.2} % |", formula(P_STAR));
-        all.extend(errors);
+    let mut errors = Vec::new();
+    for fit in sweep.fits.iter().filter(|fit| fit.area == "raw") {
+        let area = SelfAffineArea::new(fit.hurst)
+            .ok_or_else(|| Failure::refused(format!("H is {} in between.json", fit.hurst)))?;
+        errors.push(area.at(fit.p_star) / fit.p_star / fit.kappa_tfc - 1.0);
     }
-    let (rms, most) = spread(&all);
-    let _ =
-        writeln!(text, "\nOver these {} limits the formula is off by {rms:.2} % rms, at most {most:.2} %.", all.len());
-    Ok(text)
+    let (rms, most) = spread(&errors);
+    let count = errors.len();
+    Ok(format!("Over these {count} limits the formula is off by {rms:.2} % rms, at most {most:.2} %.\n"))
 }
 
 /// Returns root mean square and largest magnitude, in per cent.

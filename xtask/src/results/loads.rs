@@ -32,15 +32,6 @@ fn by_band(summaries: &Summaries) -> Result<Vec<(f64, f64, f64, Point)>, Failure
     Ok(rows)
 }
 
-/// Returns the table of the narrowest and the widest band of each H; the figure has all.
-pub(super) fn nayak_table(summaries: &Summaries) -> Result<String, Failure> {
-    let mut text = String::from("| H | 1/ε_f | Nayak's α | κ |\n|---|---|---|---|\n");
-    for (hurst, band, alpha, cell) in by_band(summaries)?.into_iter().filter(|row| [8.0, 128.0].contains(&row.1)) {
-        let _ = writeln!(text, "| {hurst} | {band} | {alpha:.1} | {} |", cell.shown_corrected());
-    }
-    Ok(text)
-}
-
 pub(super) fn nayak_figure(summaries: &Summaries) -> Result<String, Failure> {
     let rows = by_band(summaries)?;
     let series = HURSTS.into_iter().enumerate().map(|(hue, hurst)| {
