@@ -23,8 +23,8 @@ and 0.23 with E = 1; this program takes a quarter of the limit (docs/solvers.md)
 - **Section 5.2** (E26): the preset `thesis` takes p/(E* ḡ).\n";
 
 /// Sentence on the location of the largest stress differences from finite elements.
-const AT_THE_SURFACE: &str = "Here and in figure 4.11 differences are largest on the surface, where the stress of \
-elements is a one-sided difference, and at the punch edge, where it is singular.";
+const AT_THE_SURFACE: &str = "Differences are largest on the surface, where the stress of elements is a one-sided \
+difference, and at the singular punch edge.";
 
 /// Returns the text of the page.
 pub(super) fn text(runs: &mut Runs) -> Result<String, Failure> {
@@ -128,8 +128,7 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
             words += match number {
                 "4.6" => {
                     "; with elements half as high 4.2e-4, twice as high 2.3e-3 \
-                     (data/reference/punch3d_elements/summary.json). The thesis, which does not give the height of its \
-                     elements, lies between."
+                     (data/reference/punch3d_elements/summary.json). The thesis, without this height, lies between."
                 }
                 _ => ".",
             };
