@@ -7,14 +7,16 @@ use gfmd_input::failure::Failure;
 use super::summary::Summaries;
 use crate::finite::{Known, Numbers, PRESSURES, SurfaceKind};
 
-/// Hurst exponents and loads in the tables; the file of the summary has all of them.
+/// Hurst exponents, bands and loads in the tables; the file of the summary has all of them.
 const HURST: [f64; 2] = [0.0, 0.8];
+const BANDS: [usize; 2] = [8, 128];
 const REDUCED: [f64; 3] = [0.01, 0.1, 0.5];
 const OF_LONG_WAVES: [f64; 2] = [0.1, 1.0];
 
 /// Returns the surfaces in the tables.
 fn shown(summaries: &Summaries) -> Result<Vec<SurfaceKind>, Failure> {
-    Ok(summaries.finite()?.kinds.into_iter().filter(|kind| HURST.contains(&kind.hurst)).collect())
+    let is_shown = |kind: &SurfaceKind| HURST.contains(&kind.hurst) && BANDS.contains(&kind.eps_f_inv);
+    Ok(summaries.finite()?.kinds.into_iter().filter(is_shown).collect())
 }
 
 /// Formats a value with its error in units of the last digit, to the second digit of the error.
@@ -50,11 +52,11 @@ pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Returns the table of the pressure distribution on the narrowest and the widest band, with Persson's.
+/// Returns the table of the pressure distribution, with Persson's.
 pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     let heads = PRESSURES.map(|pressure| format!("p > {pressure} E\\* ḡ")).join(" | ");
     let mut text = format!("| H | 1/ε_f | p\\* | {heads} |\n|---|---|---|{}\n", "---|".repeat(PRESSURES.len()));
-    for kind in shown(summaries)?.iter().filter(|kind| kind.eps_f_inv != 32) {
+    for kind in &shown(summaries)? {
         let loads = kind.reduced.iter().zip(&kind.above);
         for (load, above) in loads.filter(|(load, _)| REDUCED.contains(&load.load)) {
             let cells: Vec<String> = above.iter().map(|known| with_error(Some(*known))).collect();
