@@ -186,7 +186,7 @@ impl Report {
         };
         let largest = self.cases.iter().map(|case| case.n).max();
         let cases = self.cases.iter().filter(|case| Some(case.n) == largest);
-        Table { title: format!("{title}, largest grid"), head: head.collect(), rows: cases.filter_map(row).collect() }
+        Table { title: title + ", largest grid", head: head.collect(), rows: cases.filter_map(row).collect() }
     }
 
     fn costs(&self, threads: usize) -> Table {
