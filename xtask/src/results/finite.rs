@@ -11,6 +11,7 @@ use crate::finite::{Known, Numbers, PRESSURES, SurfaceKind};
 const HURST: [f64; 2] = [0.0, 0.8];
 const BANDS: [usize; 2] = [8, 128];
 const REDUCED: [f64; 3] = [0.01, 0.1, 0.5];
+const ABOVE: [f64; 2] = [0.01, 0.1];
 const OF_LONG_WAVES: [f64; 2] = [0.1, 1.0];
 
 /// Returns the surfaces in the tables.
@@ -58,12 +59,12 @@ pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = format!("| H | 1/ε_f | p\\* | {heads} |\n|---|---|---|{}\n", "---|".repeat(PRESSURES.len()));
     for kind in &shown(summaries)? {
         let loads = kind.reduced.iter().zip(&kind.above);
-        for (load, above) in loads.filter(|(load, _)| REDUCED.contains(&load.load)) {
+        for (load, above) in loads.filter(|(load, _)| ABOVE.contains(&load.load)) {
             let cells: Vec<String> = above.iter().map(|known| with_error(Some(*known))).collect();
             let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells.join(" | "));
         }
     }
-    for load in REDUCED {
+    for load in ABOVE {
         let cells = PRESSURES.map(|pressure| format!("{:.4}", of_persson(load, pressure))).join(" | ");
         let _ = writeln!(text, "| Persson | | {load} | {cells} |");
     }

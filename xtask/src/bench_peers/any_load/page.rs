@@ -71,7 +71,7 @@ impl AnyLoad {
         let count = |name: &String, block: &Block| {
             let Some(place) = block.contestants.iter().position(|other| other == name) else { return "-".into() };
             let certified = block.rows.iter().filter(|row| row.cells[place].certified).count();
-            format!("{certified} of {}", block.rows.len())
+            format!("{certified}/{}", block.rows.len())
         };
         let row = |name: &&String| {
             std::iter::once((*name).clone()).chain(self.blocks.iter().map(|block| count(name, block))).collect()
