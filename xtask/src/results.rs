@@ -54,7 +54,7 @@ type Table = (&'static str, &'static str, fn(&Summaries) -> Result<String, Failu
 /// Figure with the name of its file.
 type Figure = (&'static str, fn(&Summaries) -> Result<String, Failure>);
 
-const TABLES: [Table; 20] = [
+const TABLES: [Table; 18] = [
     ("accuracy", "accuracy", accuracy::table),
     ("../README", "kappa", kappa::sentence),
     ("results", "kappa", kappa::table),
@@ -67,9 +67,7 @@ const TABLES: [Table; 20] = [
     ("results/finite", "long waves", finite::of_long_waves),
     ("results/finite", "above", finite::above),
     ("results/methods", "edge", loads::edge),
-    ("results/methods", "nayak", loads::nayak_table),
     ("results/methods", "one", loads::one),
-    ("results/methods", "slabs", axes::slabs),
     ("results/methods", "surfaces", axes::surfaces),
     ("results/others", "table 5.1", limits::table),
     ("results/others", "table 5.2", source::table),

@@ -264,10 +264,8 @@ impl Adhesion {
              Nine loads, p\\* 0.002 to 0.01 and back to 0, each from the last, with γ/ϱ = {STRENGTH} E\\* g and the \
              shortest range that\n\
              the grid resolves. The tolerance of Tamaas falls until its final pressures have residuals, recomputed as \
-             for gfmd, of at\n\
-             most {tolerance:e}, or until all loads take longer than {patience} s: the ratio then refers to a less \
-             exact result. Friction is not\n\
-             compared: the solvers of Tamaas for it take one load and no path.\n\
+             for gfmd, of at\nmost {tolerance:e}, or until all loads take longer than {patience} s: the ratio then \
+             refers to a less exact result.\nTamaas has no path with friction to compare.\n\
              `cargo xtask bench-peers --adhesion --write-docs`.\n\n",
             self.table().markdown()
         );

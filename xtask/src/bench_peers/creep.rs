@@ -272,10 +272,9 @@ impl Creep {
         }
         page += &self.table().markdown();
         page += "\n`held` checks the steps alone: pressure after the last step of a wave in full contact, whose \
-                 displacement is held from\nthe first step, divided by its value with the long-term modulus. Backward \
-                 Euler, the scheme of Tamaas, has the last\ncolumn and falls to 1 in the long run. Where Tamaas \
-                 differs, its contact areas are wrong for the material, too. The steps\nof gfmd are exact for a \
-                 displacement linear in time ([time](time.md)).\n";
+                 displacement is held,\ndivided by its value with the long-term modulus. The last column is backward \
+                 Euler, the scheme of Tamaas. Where Tamaas\ndiffers, its contact areas are wrong for the material. The \
+                 steps of gfmd are exact for a displacement linear in time\n([time](time.md)).\n";
         page
     }
 }

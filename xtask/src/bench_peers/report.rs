@@ -171,7 +171,8 @@ impl Report {
         self.cases.first().map_or_else(Vec::new, |case| case.timings.iter().map(|timing| timing.threads).collect())
     }
 
-    /// Returns a table with a row per case and a column per contestant, with the time of a pair if `with_pair`.
+    /// Returns a table with a row per case on the largest grid and a column per contestant, with the time of a pair if
+    /// `with_pair`.
     fn by_case(&self, threads: usize, title: String, with_pair: bool, cell: impl Fn(&Entry) -> String) -> Table {
         let first = ["n", "H", "p*"].map(str::to_owned).into_iter().chain(with_pair.then(|| "pair, ms".to_owned()));
         let head = first.chain(self.contestants.iter().cloned());
@@ -183,7 +184,9 @@ impl Report {
             let cells = self.contestants.iter().map(|name| entry(name).map_or_else(|| "-".into(), &cell));
             Some(first.into_iter().chain(pair).chain(cells).collect())
         };
-        Table { title, head: head.collect(), rows: self.cases.iter().filter_map(row).collect() }
+        let largest = self.cases.iter().map(|case| case.n).max();
+        let cases = self.cases.iter().filter(|case| Some(case.n) == largest);
+        Table { title: title + ", largest grid", head: head.collect(), rows: cases.filter_map(row).collect() }
     }
 
     fn costs(&self, threads: usize) -> Table {

@@ -78,71 +78,69 @@ pub(super) const PLANE: &str =
 pub(super) const FIGURES: [Figure; 19] = [
     Figure {
         number: "3.3",
-        source: "u_x(x, y, z) below the wave of figure 3.2, cos(2πx + 2πy) + cos(2πx − 2πy) of u_z, with u_x = u_y = 0 \
-                 on the surface.",
-        here: "u_x on the plane y = 0, and on the level z = 7/8 of the height.",
+        source: "u_x below the wave of figure 3.2, cos(2πx + 2πy) + cos(2πx − 2πy) of u_z, with u_x = u_y = 0 on the \
+                 surface.",
+        here: "u_x on y = 0, and on z = 7/8 of the height.",
         erratum: "",
         work: Work::Commands(&[picture(ABOVE_X, "y0-ux", ""), picture(LEVEL, "level-ux", "-level")]),
     },
     Figure {
         number: "3.4",
-        source: "u_y(x, y, z) below the same wave.",
-        here: "u_y on the plane x = 0, and on the level z = 7/8: u_x turned by 90 degrees.",
+        source: "u_y below the same wave.",
+        here: "u_y on x = 0, and on z = 7/8: u_x turned by 90 degrees.",
         erratum: "",
         work: Work::Commands(&[picture(ABOVE_Y, "x0-uy", ""), picture(LEVEL, "level-uy", "-level")]),
     },
     Figure {
         number: "3.5",
-        source: "u_z(x, y, z) below the same wave.",
-        here: "u_z on the plane y = 0, and on the level z = 7/8.",
+        source: "u_z below the same wave.",
+        here: "u_z on y = 0, and on z = 7/8.",
         erratum: "",
         work: Work::Commands(&[picture(ABOVE_X, "y0-uz", ""), picture(LEVEL, "level-uz", "-level")]),
     },
     Figure {
         number: "3.6",
-        source: "A strain below the same wave.",
-        here: "The normal strains ε_xx (y = 0) and ε_zz (y = 0).",
-        erratum: "The text does not say which strains figures 3.6 to 3.8 show; all six are drawn here.",
+        source: "A strain.",
+        here: "ε_xx and ε_zz on y = 0.",
+        erratum: "The text does not say which strains figures 3.6 to 3.8 show: here are all six.",
         work: Work::Commands(&[picture(ABOVE_X, "y0-exx", "-exx"), picture(ABOVE_X, "y0-ezz", "-ezz")]),
     },
     Figure {
         number: "3.7",
-        source: "A strain below the same wave.",
-        here: "The shear strains γ_xz (y = 0) and γ_yz (x = 0), engineering strains.",
+        source: "A strain.",
+        here: "γ_xz on y = 0 and γ_yz on x = 0, engineering strains.",
         erratum: "",
         work: Work::Commands(&[picture(ABOVE_X, "y0-exz", "-exz"), picture(ABOVE_Y, "x0-eyz", "-eyz")]),
     },
     Figure {
         number: "3.8",
-        source: "A strain below the same wave.",
-        here: "The strains ε_yy and γ_xy on the level z = 7/8.",
+        source: "A strain.",
+        here: "ε_yy and γ_xy on z = 7/8.",
         erratum: "",
         work: Work::Commands(&[picture(LEVEL, "level-eyy", "-eyy"), picture(LEVEL, "level-exy", "-exy")]),
     },
     Figure {
         number: "3.10",
         source: "u_z below cos(2πx) from (a) the three-dimensional and (b) the two-dimensional solution: equal.",
-        here: "(a) the section y = L/2 of the solution in space, (b) the solution in plane strain.",
+        here: "(a) on y = L/2, (b) in plane strain.",
         erratum: "",
         work: Work::Commands(&[picture(SPACE, "space-uz", "a"), picture(PLANE, "plane-uz", "b")]),
     },
     Figure {
         number: "3.11",
-        source: "u_x below the same wave, (a) and (b) as in figure 3.10: equal.",
+        source: "u_x, (a) and (b) likewise.",
         here: "The same sections.",
         erratum: "",
         work: Work::Commands(&[picture(SPACE, "space-ux", "a"), picture(PLANE, "plane-ux", "b")]),
     },
     Figure {
         number: "4.1a",
-        source: "Amplitude ũ_x(0, 0) of the slowest mode of the punch against the iteration for several damping \
-                 factors; the critical one converges fastest.",
-        here: "Amplitude of the first wave of u_x (sine, number (1, 0)) of the punch for four factors of the critical \
-               damping of eq. 4.8, and of the uniform mode (0, 0) of the free slab, pushed at one point. For the free \
-               slab factor 1 is best; for the punch, whose held points stiffen the soft modes, 2: 1162 steps to 1e-8 \
-               with factor 1, 578 with 2, 1240 with 3 (docs/solvers.md).",
-        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle. Its first wave is shown \
-                  instead.",
+        source: "ũ_x(0, 0), the slowest mode of the punch, against the iteration for several damping factors; the \
+                 critical one converges fastest.",
+        here: "First wave of u_x (sine, number (1, 0)) of the punch for four factors of the critical damping of eq. \
+               4.8, and the uniform mode (0, 0) of the free slab, pushed at one point. For the slab factor 1 is best, \
+               for the punch, whose held points stiffen the soft modes, 2.",
+        erratum: "ũ_x(0, 0) of the punch is zero at every step: u_x is odd about the middle.",
         work: Work::Dampings,
     },
     Figure {
@@ -154,8 +152,7 @@ pub(super) const FIGURES: [Figure; 19] = [
     },
     Figure {
         number: "4.3",
-        source: "u_x of the surface under the sticking punch by (a) GFMD and (b) finite elements with the same nodes \
-                 on the surface.",
+        source: "u_x of the surface under the sticking punch by (a) GFMD and (b) finite elements with the same nodes.",
         here: "Ours, finite elements, difference, as in all comparisons below.",
         erratum: "",
         work: Work::Commands(&[picture(SURFACE, "top-u_x", "")]),
@@ -177,7 +174,7 @@ pub(super) const FIGURES: [Figure; 19] = [
     Figure {
         number: "4.6",
         source: "Displacements of GFMD and finite elements in one plot; eq. 4.13 of u_x is about 0.00196.",
-        here: "u_x and u_z of both along x through the middle of the surface, and our traction.",
+        here: "u_x and u_z of both along x through the middle, and our traction.",
         erratum: "",
         work: Work::Commands(&[picture(SURFACE, "top-cut", "")]),
     },
@@ -185,7 +182,7 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.7",
         source: "u_x over the height, (a) and (b), on a plane captioned x/L = 0.5.",
         here: "u_x on y = L/2.",
-        erratum: "On x = L/2 u_x vanishes (odd about the middle): the thesis must have drawn y = L/2.",
+        erratum: "On x = L/2 u_x vanishes: the thesis must have drawn y = L/2.",
         work: Work::Commands(&[picture(ALONG_X, "along-x-ux", "")]),
     },
     Figure {
@@ -206,7 +203,7 @@ pub(super) const FIGURES: [Figure; 19] = [
         number: "4.10",
         source: "σ_xx on the plane captioned x/L = 0.5, (a) and (b).",
         here: "σ_xx on x = L/2 as captioned, and on y = L/2, in GPa.",
-        erratum: "Other captions name x = L/2 for y = L/2, so either plane may be the one drawn.",
+        erratum: "Other captions name x = L/2 for y = L/2: either plane may be drawn.",
         work: Work::Commands(&[picture(ALONG_Y, "along-y-sxx", ""), picture(ALONG_X, "along-x-sxx", "-y")]),
     },
     Figure {

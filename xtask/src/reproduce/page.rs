@@ -10,11 +10,10 @@ use super::catalogue::{ALONG_X, ALONG_Y, FIGURES, Figure, PLANE, PREPARATION, SP
 use super::{Runs, dampings};
 
 const HEAD: &str = "# The figures of the thesis\n\n\
-Drawn by `cargo xtask reproduce`, with numbers to judge what the thesis shows as a picture.\n\
-[Coverage](coverage.md) lists all equations, tables and figures of the thesis.\n\n\
-Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear bricks on the surface nodes of \
-the thesis, with the same\nheld nodes, without a Green's function \
-([punch_elements.py](../../data/reference/punch_elements.py)). Paths are relative to the repository.\n";
+Drawn by `cargo xtask reproduce`, with numbers to judge pictures of the thesis. [Coverage](coverage.md) lists all\n\
+equations, tables and figures. Figures 2.1, 2.2, 3.1, 3.2, 3.9 and 4.2 are schematics. Finite elements are trilinear\n\
+bricks on the surface nodes of the thesis, with the same held nodes\n\
+([punch_elements.py](../../data/reference/punch_elements.py)).\n";
 
 /// Remarks on the errata of docs/source/coverage.md.
 const ERRATA: &str = "\n## Errata\n\n\
@@ -24,8 +23,8 @@ and 0.23 with E = 1; this program takes a quarter of the limit (docs/solvers.md)
 - **Section 5.2** (E26): the preset `thesis` takes p/(E* ḡ).\n";
 
 /// Sentence on the location of the largest stress differences from finite elements.
-const AT_THE_SURFACE: &str = "Here and in figure 4.11 differences are largest on the surface, where the stress of \
-elements is a one-sided difference, and at the punch edge, where it is singular.";
+const AT_THE_SURFACE: &str = "Differences are largest on the surface, where the stress of elements is a one-sided \
+difference, and at the singular punch edge.";
 
 /// Returns the text of the page.
 pub(super) fn text(runs: &mut Runs) -> Result<String, Failure> {
@@ -72,7 +71,7 @@ fn section(
     let mut elsewhere: Vec<&str> = again.iter().map(|command| told[command]).collect();
     elsewhere.dedup();
     if !elsewhere.is_empty() {
-        let _ = writeln!(text, "\nBy the command of figure {}.", elsewhere.join(" and "));
+        let _ = writeln!(text, "\nCommand: figure {}.", elsewhere.join(" and "));
     }
     if !fresh.is_empty() {
         text.push_str("\n```text\n");
@@ -97,7 +96,7 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
         let component = components.iter().find(|component| component["name"] == name).unwrap_or(&Value::Null);
         let value = |key: &str| component[key].as_f64().unwrap_or(f64::NAN);
         Ok(format!(
-            "The rms difference is {:.2e}{unit}, the largest {:.2e}{unit}, of {:.3e}{unit}.",
+            "Difference: rms {:.2e}{unit}, at most {:.2e}{unit}, of {:.3e}{unit}.",
             value("rms_difference"),
             value("largest_difference"),
             value("largest_reference")
@@ -113,11 +112,8 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
                 Ok(sum)
             };
             let (space, plane) = (largest(SPACE, runs)?, largest(PLANE, runs)?);
-            format!(
-                "The sums of the largest displacements of all levels agree within {:.1e} \
-                 ([validation](../validation.md): point by point).",
-                (space - plane).abs() / plane
-            )
+            let apart = (space - plane).abs() / plane;
+            format!("Their largest displacements agree within {apart:.1e} ([validation](../validation.md)).")
         }
         "4.3" | "4.4" | "4.5" | "4.6" => {
             let report = runs.run(SURFACE)?;
@@ -132,8 +128,7 @@ fn found(number: &str, runs: &mut Runs) -> Result<Option<String>, Failure> {
             words += match number {
                 "4.6" => {
                     "; with elements half as high 4.2e-4, twice as high 2.3e-3 \
-                     (data/reference/punch3d_elements/summary.json). The thesis, which does not give the height of its \
-                     elements, lies between."
+                     (data/reference/punch3d_elements/summary.json). The thesis, without this height, lies between."
                 }
                 _ => ".",
             };

@@ -15,26 +15,6 @@ fn slab(summaries: &Summaries, height: &str, hurst: &str, ratio: &str) -> Result
     summaries.read(&format!("axes/slab{height}-h{hurst}-nu{ratio}"))
 }
 
-pub(super) fn slabs(summaries: &Summaries) -> Result<String, Failure> {
-    let mut text = String::from("| H | height / L | ν = 0 | 0.33 | 0.5 |\n|---|---|---|---|---|\n");
-    for hurst in HURST {
-        let whole = |ratio: &str| -> Result<String, Failure> {
-            Ok(summaries.read(&format!("axes/half-space-h{hurst}-nu{ratio}"))?.cell()?.shown())
-        };
-        let _ = writeln!(text, "| {hurst} | ∞ | {} | | {} |", whole("0.0")?, whole("0.5")?);
-        for height in HEIGHTS {
-            let cells: Vec<String> = RATIOS
-                .iter()
-                .map(|ratio| Ok(slab(summaries, height, hurst, ratio)?.cell()?.shown()))
-                .collect::<Result<_, Failure>>()?;
-            let _ = writeln!(text, "| {hurst} | {height} | {} |", cells.join(" | "));
-        }
-        let small = summaries.read(&format!("axes/gradient-h{hurst}"))?;
-        let _ = writeln!(text, "| {hurst} | ∞, ḡ = 0.001 | {} | | |", small.cell()?.shown());
-    }
-    Ok(text)
-}
-
 pub(super) fn slab_figure(summaries: &Summaries) -> Result<String, Failure> {
     let mut panels = Vec::new();
     for hurst in HURST {
@@ -100,7 +80,8 @@ pub(super) fn lines(summaries: &Summaries) -> Result<String, Failure> {
         let mut bands: Vec<f64> = summary.points.iter().map(|point| point.eps_f_inv).collect();
         bands.sort_by(f64::total_cmp);
         bands.dedup();
-        for band in bands {
+        // The figure has all ratios.
+        for band in bands.into_iter().filter(|band| [64.0, 4096.0].contains(band)) {
             let cell = |load: &f64| {
                 let found = summary.points.iter().find(|point| point.eps_f_inv == band && point.p_star == *load);
                 found.map_or_else(|| "–".into(), super::summary::Point::shown)

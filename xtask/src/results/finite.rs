@@ -3,19 +3,21 @@
 use std::fmt::Write as _;
 
 use gfmd_input::failure::Failure;
-use gfmd_measure::SelfAffineArea;
 
 use super::summary::Summaries;
 use crate::finite::{Known, Numbers, PRESSURES, SurfaceKind};
 
-/// Hurst exponents and loads in the tables; the file of the summary has all of them.
-const HURST: [f64; 3] = [0.0, 0.5, 0.8];
+/// Hurst exponents, bands and loads in the tables; the file of the summary has all of them.
+const HURST: [f64; 2] = [0.0, 0.8];
+const BANDS: [usize; 2] = [8, 128];
 const REDUCED: [f64; 3] = [0.01, 0.1, 0.5];
+const ABOVE: [f64; 2] = [0.01, 0.1];
 const OF_LONG_WAVES: [f64; 2] = [0.1, 1.0];
 
 /// Returns the surfaces in the tables.
 fn shown(summaries: &Summaries) -> Result<Vec<SurfaceKind>, Failure> {
-    Ok(summaries.finite()?.kinds.into_iter().filter(|kind| HURST.contains(&kind.hurst)).collect())
+    let is_shown = |kind: &SurfaceKind| HURST.contains(&kind.hurst) && BANDS.contains(&kind.eps_f_inv);
+    Ok(summaries.finite()?.kinds.into_iter().filter(is_shown).collect())
 }
 
 /// Formats a value with its error in units of the last digit, to the second digit of the error.
@@ -38,44 +40,31 @@ fn cells(Numbers { kappa, gap, stiffness, rms_pressure, .. }: &Numbers) -> Strin
     [kappa, gap, stiffness, rms_pressure].map(|known| with_error(*known)).join(" | ")
 }
 
-/// Returns the table for given reduced pressures, with κ by the formula and its relative difference.
+/// Returns the table for given reduced pressures.
 pub(super) fn reduced(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
-        "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) | κ by the formula |\n\
-         |---|---|---|---|---|---|---|---|\n",
+        "| H | 1/ε_f | p\\* | κ | ū/h_rms | K h_rms/p̄ | p_rms/(E\\* ḡ) |\n|---|---|---|---|---|---|---|\n",
     );
     for kind in &shown(summaries)? {
-        let formula = SelfAffineArea::new(kind.hurst);
         for load in kind.reduced.iter().filter(|load| REDUCED.contains(&load.load)) {
-            let area = formula.map_or(f64::NAN, |formula| formula.of_band(1.0 / kind.eps_f_inv as f64, load.load));
-            let kappa = area / load.load;
-            let apart =
-                load.kappa.map_or_else(String::new, |[found, _]| format!(" ({:+.1} %)", 100.0 * (kappa / found - 1.0)));
-            let _ = writeln!(
-                text,
-                "| {} | {} | {} | {} | {kappa:.3}{apart} |",
-                kind.hurst,
-                kind.eps_f_inv,
-                load.load,
-                cells(load)
-            );
+            let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells(load));
         }
     }
     Ok(text)
 }
 
-/// Returns the table of the pressure distribution, with Persson's for light loads.
+/// Returns the table of the pressure distribution, with Persson's.
 pub(super) fn above(summaries: &Summaries) -> Result<String, Failure> {
     let heads = PRESSURES.map(|pressure| format!("p > {pressure} E\\* ḡ")).join(" | ");
     let mut text = format!("| H | 1/ε_f | p\\* | {heads} |\n|---|---|---|{}\n", "---|".repeat(PRESSURES.len()));
     for kind in &shown(summaries)? {
         let loads = kind.reduced.iter().zip(&kind.above);
-        for (load, above) in loads.filter(|(load, _)| REDUCED.contains(&load.load)) {
+        for (load, above) in loads.filter(|(load, _)| ABOVE.contains(&load.load)) {
             let cells: Vec<String> = above.iter().map(|known| with_error(Some(*known))).collect();
             let _ = writeln!(text, "| {} | {} | {} | {} |", kind.hurst, kind.eps_f_inv, load.load, cells.join(" | "));
         }
     }
-    for load in REDUCED {
+    for load in ABOVE {
         let cells = PRESSURES.map(|pressure| format!("{:.4}", of_persson(load, pressure))).join(" | ");
         let _ = writeln!(text, "| Persson | | {load} | {cells} |");
     }
@@ -106,7 +95,7 @@ pub(super) fn percolation(summaries: &Summaries) -> Result<String, Failure> {
     let mut text = String::from(
         "| H | 1/ε_f | surfaces | h_rms/(λ_l ḡ) | p\\* at percolation | area fraction |\n|---|---|---|---|---|---|\n",
     );
-    for SurfaceKind { hurst, eps_f_inv, surfaces, height, percolation, .. } in &summaries.finite()?.kinds {
+    for SurfaceKind { hurst, eps_f_inv, surfaces, height, percolation, .. } in &shown(summaries)? {
         let [height, load, area] = [*height, percolation[0], percolation[1]].map(|known| with_error(Some(known)));
         let _ = writeln!(text, "| {hurst} | {eps_f_inv} | {surfaces} | {height} | {load} | {area} |");
     }

@@ -32,14 +32,6 @@ fn by_band(summaries: &Summaries) -> Result<Vec<(f64, f64, f64, Point)>, Failure
     Ok(rows)
 }
 
-pub(super) fn nayak_table(summaries: &Summaries) -> Result<String, Failure> {
-    let mut text = String::from("| H | 1/ε_f | Nayak's α | κ |\n|---|---|---|---|\n");
-    for (hurst, band, alpha, cell) in by_band(summaries)? {
-        let _ = writeln!(text, "| {hurst} | {band} | {alpha:.1} | {} |", cell.shown_corrected());
-    }
-    Ok(text)
-}
-
 pub(super) fn nayak_figure(summaries: &Summaries) -> Result<String, Failure> {
     let rows = by_band(summaries)?;
     let series = HURSTS.into_iter().enumerate().map(|(hue, hurst)| {

@@ -311,22 +311,15 @@ fn matches(pattern: &str, text: &str) -> bool {
     }
 }
 
-/// Returns the page docs/trust.md.
+/// Returns the page docs/trust.md: parts that are not verified in full, and verified ones that a pattern of the former
+/// fits.
 pub fn page() -> String {
-    let mut page = String::from(include_str!("trust.md"));
-    let table = |page: &mut String, title: &str, rows: &[Row]| {
-        let _ = write!(page, "\n## {title}\n\n| part | `check` | `check --rerun` | by |\n|---|---|---|---|\n");
-        for Row { parts, plain, rerun, by } in rows {
-            let parts = parts.iter().map(|part| format!("`{part}`")).collect::<Vec<_>>().join(", ");
-            let by = if by.is_empty() { "-" } else { by };
-            let _ = writeln!(page, "| {parts} | {} | {} | {by} |", plain.name(), rerun.name());
-        }
-    };
-    table(&mut page, "Every result", ALL);
-    table(&mut page, "Surface of `contact`, `path` and `slide`", SURFACE);
-    table(&mut page, "Base of `contact` and `path`, if it moves", BASE);
-    table(&mut page, "Search of `contact`, `path` and `punch`", SEARCH);
-    for (title, rows) in [
+    let tables = [
+        ("Every result", ALL),
+        ("Surface of `contact`, `path` and `slide`", SURFACE),
+        ("Lower surface of `contact` and `path`", LOWER),
+        ("Base of `contact` and `path`, if it moves", BASE),
+        ("Search of `contact`, `path` and `punch`", SEARCH),
         ("`contact`", CONTACT),
         ("`path`", PATH),
         ("`slide`", SLIDE),
@@ -334,8 +327,23 @@ pub fn page() -> String {
         ("`body`", BODY),
         ("`kappa-sweep`", SWEEP),
         ("`study`", STUDY),
-    ] {
-        table(&mut page, title, rows);
+    ];
+    let is_verified = |row: &Row| [row.plain, row.rerun] == [Verified; 2];
+    let all = tables.iter().flat_map(|(_, rows)| rows.iter());
+    let open: Vec<&str> = all.filter(|row| !is_verified(row)).flat_map(|row| row.parts).copied().collect();
+    let is_shown = |row: &&Row| !is_verified(row) || row.parts.iter().any(|part| open.iter().any(|of| fits(of, part)));
+    let mut page = String::from(include_str!("trust.md"));
+    for (title, rows) in tables {
+        let rows: Vec<&Row> = rows.iter().filter(is_shown).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let _ = write!(page, "\n## {title}\n\n| part | `check` | `check --rerun` | by |\n|---|---|---|---|\n");
+        for Row { parts, plain, rerun, by } in rows {
+            let parts = parts.iter().map(|part| format!("`{part}`")).collect::<Vec<_>>().join(", ");
+            let by = if by.is_empty() { "-" } else { by };
+            let _ = writeln!(page, "| {parts} | {} | {} | {by} |", plain.name(), rerun.name());
+        }
     }
     page
 }

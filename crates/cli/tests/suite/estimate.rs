@@ -147,24 +147,14 @@ fn unusable_input_is_one_clear_line() {
     }
 }
 
-/// The page has the measured errors. `GFMD_DOCS=write` writes them.
+/// The page has the measured errors at every fourth load. `GFMD_DOCS=write` writes them.
 #[test]
 fn the_page_has_the_measured_errors() {
     let measured: Value = serde_json::from_str(MEASURED).unwrap();
-    let loads: Vec<f64> = measured["p_star"].as_array().unwrap().iter().map(number).collect();
+    let loads: Vec<f64> = measured["p_star"].as_array().unwrap().iter().step_by(4).map(number).collect();
     let mut table = String::new();
     for group in measured["groups"].as_array().unwrap() {
-        let [hurst, ratio, skewness, kurtosis] = ["hurst", "eps_f_inv", "ssk", "sku"].map(|name| {
-            let ends = group[name].as_array().unwrap();
-            format!("{:.2} to {:.2}", number(&ends[0]), number(&ends[1]))
-        });
-        let [anisotropy, slopes] = ["anisotropy", "slope_kurtosis"].map(|name| number(&group[name][1]));
-        table += &format!(
-            "\n{} {}: H {hurst}, 1/ε_f {ratio}, skewness {skewness},\nkurtosis {kurtosis}, anisotropy up to \
-             {anisotropy:.2}, slope kurtosis up to {slopes:.2}.\n\n",
-            group["contacts"],
-            group["name"].as_str().unwrap()
-        );
+        table += &format!("\n{} {}:\n\n", group["contacts"], group["name"].as_str().unwrap());
         table += &format!(
             "| error, %, at p\\* | {} |\n|---|{}\n",
             loads.iter().map(f64::to_string).collect::<Vec<_>>().join(" | "),
@@ -177,8 +167,8 @@ fn the_page_has_the_measured_errors() {
             ("rms_pressure", "rms pressure"),
             ("max_pressure", "largest pressure"),
         ] {
-            let errors = group["error"][name].as_array().unwrap().iter().map(|error| 100.0 * number(error));
-            let cells: Vec<String> = errors.map(|error| format!("{error:.1}")).collect();
+            let errors = group["error"][name].as_array().unwrap().iter().step_by(4);
+            let cells: Vec<String> = errors.map(|error| format!("{:.1}", 100.0 * number(error))).collect();
             table += &format!("| {title} | {} |\n", cells.join(" | "));
         }
     }
