@@ -189,7 +189,7 @@ impl<'a> Trial<'a> {
         }
         let [process, stiffness] = cases;
         Ok(vec![
-            row("process `contact --surface` over its solution", 1.6, Ok(process)),
+            row("process `contact --surface` over its solution", 1.9, Ok(process)),
             row("stiffness over the solution", 0.15, Ok(stiffness)),
         ])
     }
@@ -264,7 +264,7 @@ impl<'a> Trial<'a> {
             case.found.push(found);
             case.over.push(over);
         }
-        Ok(vec![row("ramp, each load from the last, over cold loads", 0.5, Ok(vec![case]))])
+        Ok(vec![row("ramp, each load from the last, over cold loads", 0.9, Ok(vec![case]))])
     }
 
     /// Compares the flow along x and y with the contact, and with both.
@@ -281,7 +281,7 @@ impl<'a> Trial<'a> {
             over_both.over.push(both);
         }
         let share = row("flow, both directions, over contact with flow", None, Ok(vec![over_both]));
-        Ok(vec![row("flow, both directions, over contact", 2.0, Ok(vec![over_contact])), share])
+        Ok(vec![row("flow, both directions, over contact", 4.5, Ok(vec![over_contact])), share])
     }
 
     /// Compares many contacts from Python with their solutions alone, on all cores.
@@ -291,7 +291,7 @@ impl<'a> Trial<'a> {
         let import = Command::new(python).args(["-c", "import gfmd"]).output();
         let is_there = import.is_ok_and(|output| output.status.success());
         if !is_there {
-            return Ok(vec![row(what, 1.1, Err(format!("{} has no gfmd", python.display())))]);
+            return Ok(vec![row(what, 1.6, Err(format!("{} has no gfmd", python.display())))]);
         }
         let script = self.scratch.path().join(MANY.0);
         std::fs::write(&script, MANY.1).map_err(failed)?;
@@ -312,7 +312,7 @@ impl<'a> Trial<'a> {
             }
             cases.push(case);
         }
-        Ok(vec![row(what, 1.1, Ok(cases))])
+        Ok(vec![row(what, 1.6, Ok(cases))])
     }
 
     /// Returns the wall time of `gfmd.many`.
@@ -382,9 +382,9 @@ impl<'a> Trial<'a> {
             ahead(format!("{HUGE}², not run, that the program asks for"), demanded),
         ];
         Ok(vec![
-            row("memory of a solution over a field", 7.0, Ok(cases)),
+            row("memory of a solution over a field", 6.0, Ok(cases)),
             row("memory of the process `contact --surface` over a field", None, Ok(processes)),
-            row("memory of a solution over a field, predicted", 8.0, Ok(predicted)),
+            row("memory of a solution over a field, predicted", 6.5, Ok(predicted)),
         ])
     }
 
