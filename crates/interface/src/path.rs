@@ -23,6 +23,27 @@ pub trait Quasistatic: Equilibrium {
         0.0
     }
 
+    /// Returns true if surfaces slip, so that states depend on the division of steps.
+    fn slips(&self) -> bool {
+        false
+    }
+
+    /// Brings the contact to rest as [`equilibrate`](Equilibrium::equilibrate), from the state `near` under the same
+    /// drive, found from the same `start` to a lower accuracy.
+    ///
+    /// # Errors
+    /// Returns the errors of [`equilibrate`](Equilibrium::equilibrate).
+    fn polish(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        (start, _near): (Option<&Self::State>, &Self::State),
+        watch: &mut dyn Watch,
+    ) -> Result<Self::State, SolveError<Self::State>> {
+        self.equilibrate(drive, solver, budget, start, watch)
+    }
+
     /// Returns the change of the sticking fraction between two states under the same drive. Points slip in the last
     /// increment at the end, so that this fraction depends on its length even where the tractions hardly do.
     fn change_of_stick(&self, _from: &Self::State, _to: &Self::State) -> f64 {
@@ -350,7 +371,10 @@ impl<'a, P: Quasistatic> Path<'a, P> {
             increments_to: self.budget.tolerance,
             allowance: self.allowance.saturating_add(solves_per_step),
         };
-        let (state, reading) = search.rest(drive, self.state())?;
+        if solves_per_step > 0 && self.problem.slips() {
+            search.increments_to = self.budget.tolerance.max(OF_AN_INCREMENT * tolerance);
+        }
+        let (state, reading) = search.rest(drive, self.state(), search.increments_to)?;
         if self.refinement.is_none() {
             self.last = Some((state, reading));
             return Ok(search.step);
@@ -440,8 +464,8 @@ const MOST_DOUBLINGS: f64 = 6.0;
 /// Error of a certified loss divided by its change from half as many increments. Where a contact begins, the order in
 /// their length is about one, and the error is as large as the change.
 const OF_A_LOSS: f64 = 2.0;
-/// Residual of increments that only lead to the end of a step whose state depends on them, divided by the tolerance of
-/// the path.
+/// Residual of increments of surfaces that slip, divided by the tolerance of the losses. The last one of a step is then
+/// solved to the tolerance of the path.
 const OF_AN_INCREMENT: f64 = 0.1;
 /// Number of divisions of a step expected if its change is unknown (from the first loading of a sphere), and the
 /// largest number.
@@ -460,20 +484,31 @@ struct Search<'a, P: Quasistatic> {
     step: Step,
     /// Largest error of the step ([`Refinement::tolerance`]).
     tolerance: f64,
-    /// Residual to which increments are solved that only lead to the end of the step.
+    /// Residual to which increments are solved before the last one is finished.
     increments_to: f64,
     /// Remaining extra solves.
     allowance: u64,
 }
 
 impl<P: Quasistatic> Search<'_, P> {
-    fn rest(&mut self, drive: Drive, start: Option<&P::State>) -> Result<SolvedState<P::State>, SolveError<P::State>> {
-        let state = self.problem.equilibrate(drive, self.solver, &self.budget, start, &mut *self.watch)?;
-        let reading = self.problem.reading(&state);
+    fn rest(
+        &mut self,
+        drive: Drive,
+        start: Option<&P::State>,
+        tolerance: f64,
+    ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
+        let budget = Budget { tolerance, ..self.budget };
+        let state = self.problem.equilibrate(drive, self.solver, &budget, start, &mut *self.watch)?;
+        Ok(self.read(state))
+    }
+
+    /// Adds the effort of a state to the step, and reads it.
+    fn read(&mut self, state: P::State) -> SolvedState<P::State> {
         let Effort { iterations, transform_pairs } = state.effort();
         self.step.effort.iterations += iterations;
         self.step.effort.transform_pairs += transform_pairs;
-        Ok((state, reading))
+        let reading = self.problem.reading(&state);
+        (state, reading)
     }
 
     /// Finds the state at the end of a step from `start`, doubling the number of equal increments until the state does
@@ -492,7 +527,6 @@ impl<P: Quasistatic> Search<'_, P> {
         let mut change_of_stick = if settles { 0.0 } else { f64::INFINITY };
         if !settles {
             self.step.change = Some(f64::NAN);
-            self.increments_to = self.budget.tolerance.max(OF_AN_INCREMENT * tolerance);
         }
         let mut ratio = None;
         while !settles {
@@ -532,7 +566,7 @@ impl<P: Quasistatic> Search<'_, P> {
             made = halved;
         }
         self.step.is_unsettled = !settles || !sticks(change_of_stick);
-        let made = self.finish(made, drive)?;
+        let made = self.finish(made, state, drive)?;
         (self.step.dissipated, self.step.losses) = (Some(made.losses.total()), made.losses);
         Ok(made.end)
     }
@@ -567,7 +601,6 @@ impl<P: Quasistatic> Search<'_, P> {
         let mut settles = !self.problem.depends_on_division(state, &made.end.0, tolerance);
         if !settles {
             self.step.change = Some(f64::NAN);
-            self.increments_to = self.budget.tolerance.max(OF_AN_INCREMENT * tolerance);
         }
         let solves = if is_halved { 3 } else { 2 };
         while !(settles && balances(&made, self.step.increments)) && self.can_make(solves * self.step.increments) {
@@ -587,7 +620,7 @@ impl<P: Quasistatic> Search<'_, P> {
             }
         }
         self.step.is_unsettled = !settles;
-        let made = self.finish(made, drive)?;
+        let made = self.finish(made, state, drive)?;
         (self.step.dissipated, self.step.work_imbalance) = (Some(made.losses.total()), Some(made.imbalance));
         self.step.losses = made.losses;
         self.step.dissipated_error = is_lossless.then_some(0.0);
@@ -628,15 +661,24 @@ impl<P: Quasistatic> Search<'_, P> {
         self.increments_to > self.budget.tolerance
     }
 
-    /// Returns true if this number of increments can be made and the step be finished.
+    /// Returns true if this number of increments can be made.
     fn can_make(&self, increments: u64) -> bool {
-        increments + u64::from(self.is_rough()) <= self.allowance
+        increments <= self.allowance
     }
 
-    /// Solves the last increment of a divided step to the tolerance of the path.
-    fn finish(&mut self, made: Divided<P::State>, drive: Drive) -> Result<Divided<P::State>, SolveError<P::State>> {
-        let Some(before) = made.before.as_ref().filter(|_| self.is_rough()) else { return Ok(made) };
-        let end = self.further(drive, Some(&before.0))?;
+    /// Solves the last increment of a step from `start` to the tolerance of the path.
+    fn finish(
+        &mut self,
+        made: Divided<P::State>,
+        start: Option<&P::State>,
+        drive: Drive,
+    ) -> Result<Divided<P::State>, SolveError<P::State>> {
+        if !self.is_rough() {
+            return Ok(made);
+        }
+        let before = made.before.as_ref().map(|(state, _)| state).or(start);
+        let solved = self.problem.polish(drive, self.solver, &self.budget, (before, &made.end.0), &mut *self.watch)?;
+        let end = self.read(solved);
         let losses = made.losses.without(made.end.1.losses).and(end.1.losses);
         let imbalance = made.imbalance - made.end.1.imbalance() + end.1.imbalance();
         Ok(Divided { end, losses, imbalance, ..made })
@@ -686,10 +728,7 @@ impl<P: Quasistatic> Search<'_, P> {
         drive: Drive,
         start: Option<&P::State>,
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
-        let exact = std::mem::replace(&mut self.budget.tolerance, self.increments_to);
-        let reached = self.further(drive, start);
-        self.budget.tolerance = exact;
-        reached
+        self.extra(drive, start, self.increments_to)
     }
 
     /// Finds the equilibrium state under `drive` by an extra solve.
@@ -698,9 +737,18 @@ impl<P: Quasistatic> Search<'_, P> {
         drive: Drive,
         start: Option<&P::State>,
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
+        self.extra(drive, start, self.budget.tolerance)
+    }
+
+    fn extra(
+        &mut self,
+        drive: Drive,
+        start: Option<&P::State>,
+        tolerance: f64,
+    ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
         self.step.extra_solves += 1;
         self.allowance = self.allowance.saturating_sub(1);
-        self.rest(drive, start)
+        self.rest(drive, start, tolerance)
     }
 
     /// Moves `here` to `end` piece by piece and sums the losses of the pieces, to the tolerance times the `reference`

@@ -316,7 +316,7 @@ impl QuasistaticContact {
         drive: Drive,
         solver: Solver,
         budget: &Budget,
-        start: Option<&QuasistaticState>,
+        (start, near): (Option<&QuasistaticState>, Option<&QuasistaticState>),
         watch: &mut dyn Watch,
     ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
         if start.is_none() && drive.time > 0.0 && self.is_drawn() {
@@ -325,9 +325,9 @@ impl QuasistaticContact {
                 Load::Approach(_) => Load::Approach(0.0),
             };
             // The search is short and writes no checkpoint.
-            let touched =
-                Step::new(self, load.into(), None)?.solve(solver, budget, &mut |now: &Progress| watch.see(now))?;
-            let mut state = Step::new(self, drive, Some(&touched))?.solve(solver, budget, watch)?;
+            let touched = Step::new(self, load.into(), None)?
+                .solve(solver, budget, None, &mut |now: &Progress| watch.see(now))?;
+            let mut state = Step::new(self, drive, Some(&touched))?.solve(solver, budget, near, watch)?;
             let (Effort { iterations, transform_pairs }, effort) = (touched.effort(), state.normal.effort());
             effort.iterations += iterations;
             effort.transform_pairs += transform_pairs;
@@ -335,7 +335,47 @@ impl QuasistaticContact {
             state.losses = state.losses.and(touched.losses);
             return Ok(state);
         }
-        Step::new(self, drive, start)?.solve(solver, budget, watch)
+        Step::new(self, drive, start)?.solve(solver, budget, near, watch)
+    }
+
+    /// Solves an increment from `start`, with a search from `near` if it is given.
+    fn solve(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        (start, near): (Option<&QuasistaticState>, Option<&QuasistaticState>),
+        watch: &mut dyn Watch,
+    ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
+        budget.check().map_err(Refusal::from)?;
+        self.check(drive)?;
+        if self.shear.is_some() {
+            self.check_resolution(drive, budget.tolerance)?;
+        }
+        if !self.solvers().contains(&solver) {
+            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
+        }
+        let expected = self.points();
+        let found = start.into_iter().chain(near).map(|state| state.gap().len()).find(|found| *found != expected);
+        if let Some(found) = self.share().first(found) {
+            return Err(Refusal::Start { found, expected }.into());
+        }
+        if self.units.are_one() {
+            return self.increment(drive, solver, budget, (start, near), watch);
+        }
+        let stress = self.units.stress();
+        let [start, near] = [start, near].map(|state| state.map(|state| self.in_units(state)));
+        let watch = &mut self.units.shown(watch);
+        let solved = self.increment(self.drive(drive), solver, budget, (start.as_ref(), near.as_ref()), watch);
+        let state = solved.map_err(|error| match error {
+            SolveError::Refused(refusal) => SolveError::Refused(self.given_refusal(refusal)),
+            SolveError::Detached { state, mean_pressure } => {
+                SolveError::Detached { state: self.given_units(*state).into(), mean_pressure: mean_pressure * stress }
+            }
+            error => error.map(|state| self.given_units(state)),
+        })?;
+        Units::check_pressure(state.mean_pressure() * stress)?;
+        Ok(self.given_units(state))
     }
 }
 
@@ -384,35 +424,7 @@ impl Equilibrium for QuasistaticContact {
         start: Option<&QuasistaticState>,
         watch: &mut dyn Watch,
     ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
-        budget.check().map_err(Refusal::from)?;
-        self.check(drive)?;
-        if self.shear.is_some() {
-            self.check_resolution(drive, budget.tolerance)?;
-        }
-        if !self.solvers().contains(&solver) {
-            return Err(Refusal::Solver { found: solver, allowed: self.solvers() }.into());
-        }
-        let expected = self.points();
-        let found = start.map(|state| state.gap().len()).filter(|found| *found != expected);
-        if let Some(found) = self.share().first(found) {
-            return Err(Refusal::Start { found, expected }.into());
-        }
-        if self.units.are_one() {
-            return self.increment(drive, solver, budget, start, watch);
-        }
-        let stress = self.units.stress();
-        let start = start.map(|state| self.in_units(state));
-        let watch = &mut self.units.shown(watch);
-        let solved = self.increment(self.drive(drive), solver, budget, start.as_ref(), watch);
-        let state = solved.map_err(|error| match error {
-            SolveError::Refused(refusal) => SolveError::Refused(self.given_refusal(refusal)),
-            SolveError::Detached { state, mean_pressure } => {
-                SolveError::Detached { state: self.given_units(*state).into(), mean_pressure: mean_pressure * stress }
-            }
-            error => error.map(|state| self.given_units(state)),
-        })?;
-        Units::check_pressure(state.mean_pressure() * stress)?;
-        Ok(self.given_units(state))
+        self.solve(drive, solver, budget, (start, None), watch)
     }
 }
 
@@ -478,6 +490,26 @@ impl Quasistatic for QuasistaticContact {
 
     fn change(&self, start: Option<&QuasistaticState>, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
         self.distance(start, from, to)
+    }
+
+    /// Returns true for surfaces with shear, unless the law has no energy.
+    fn slips(&self) -> bool {
+        let has_energy = match &self.normal {
+            Normal::Law(interface) => interface.has_energy(),
+            Normal::Wall(_) => true,
+        };
+        self.shear.is_some() && has_energy
+    }
+
+    fn polish(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        (start, near): (Option<&QuasistaticState>, &QuasistaticState),
+        watch: &mut dyn Watch,
+    ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
+        self.solve(drive, solver, budget, (start, Some(near)), watch)
     }
 
     fn change_of_stick(&self, from: &QuasistaticState, to: &QuasistaticState) -> f64 {

@@ -1,15 +1,15 @@
 //! Kinds of contact.
 
 use gfmd_contact::{
-    Contact, Cotangents, Drive, Gradient, Load, Refusal, RigidSurface, Solution, SqueezedContact, SqueezedSolution,
-    SteepContact, SteepSolution, Stiffness,
+    Budget, Contact, Cotangents, Drive, Gradient, Load, Refusal, RigidSurface, Solution, SolveError, Solver,
+    SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
     Increment, Interface, Loss, Losses, PathGradient, Quasistatic, QuasistaticContact, QuasistaticState, Reading,
     Squeezed, SqueezedState, Stacked, State, StiffnessError, StoredFields, Trapping, stiffness_between_walls,
 };
 use gfmd_plasticity::{PlasticState, YieldingContact};
-use gfmd_relax::Why;
+use gfmd_relax::{Watch, Why};
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
@@ -237,6 +237,21 @@ impl ContactKind for QuasistaticContact {
 
     fn change_of_stick(&self, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
         Quasistatic::change_of_stick(self, from, to)
+    }
+
+    fn slips(&self) -> bool {
+        Quasistatic::slips(self)
+    }
+
+    fn polish(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        from: (Option<&QuasistaticState>, &QuasistaticState),
+        watch: &mut dyn Watch,
+    ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
+        Quasistatic::polish(self, drive, solver, budget, from, watch)
     }
 
     fn trapping(&self) -> Option<Trapping> {

@@ -92,6 +92,26 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
         0.0
     }
 
+    /// Returns true if surfaces slip ([`Quasistatic::slips`]).
+    fn slips(&self) -> bool {
+        false
+    }
+
+    /// Brings the contact to rest from a state near the end ([`Quasistatic::polish`]).
+    ///
+    /// # Errors
+    /// Returns the errors of [`equilibrate`](Equilibrium::equilibrate).
+    fn polish(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        (start, _near): (Option<&Self::State>, &Self::State),
+        watch: &mut dyn Watch,
+    ) -> Result<Self::State, SolveError<Self::State>> {
+        self.equilibrate(drive, solver, budget, start, watch)
+    }
+
     /// Returns a warning if the law is too steep for the grid.
     fn trapping(&self) -> Option<Trapping> {
         None
@@ -231,6 +251,11 @@ impl Fields for AnyState {
     }
 }
 
+/// Returns a state as its own type.
+fn own<S: 'static>(state: &AnyState) -> Result<&S, Refusal> {
+    state.get().ok_or(Refusal::OtherKind)
+}
+
 /// [`ContactKind`] without its state type.
 trait DynContact: Send + Sync {
     fn surface(&self) -> &RigidSurface;
@@ -258,6 +283,15 @@ trait DynContact: Send + Sync {
     fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool;
     fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64;
     fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64;
+    fn slips(&self) -> bool;
+    fn polish(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        from: (Option<&AnyState>, &AnyState),
+        watch: &mut dyn Watch,
+    ) -> Result<AnyState, SolveError<AnyState>>;
     fn trapping(&self) -> Option<Trapping>;
 }
 
@@ -286,7 +320,7 @@ impl<K: ContactKind> DynContact for K {
         start: Option<&AnyState>,
         watch: &mut dyn Watch,
     ) -> Result<AnyState, SolveError<AnyState>> {
-        let start = start.map(|start| start.get().ok_or(Refusal::OtherKind)).transpose()?;
+        let start = start.map(own).transpose()?;
         let solved = Equilibrium::equilibrate(self, drive, solver, budget, start, watch);
         solved.map(AnyState::new).map_err(|error| error.map(AnyState::new))
     }
@@ -352,6 +386,23 @@ impl<K: ContactKind> DynContact for K {
 
     fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64 {
         from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| ContactKind::change_of_stick(self, from, to))
+    }
+
+    fn slips(&self) -> bool {
+        ContactKind::slips(self)
+    }
+
+    fn polish(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        (start, near): (Option<&AnyState>, &AnyState),
+        watch: &mut dyn Watch,
+    ) -> Result<AnyState, SolveError<AnyState>> {
+        let from = (start.map(own).transpose()?, own(near)?);
+        let solved = ContactKind::polish(self, drive, solver, budget, from, watch);
+        solved.map(AnyState::new).map_err(|error| error.map(AnyState::new))
     }
 
     fn trapping(&self) -> Option<Trapping> {
@@ -510,6 +561,22 @@ impl Quasistatic for Posed {
 
     fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64 {
         self.kind.change_of_stick(from, to)
+    }
+
+    fn slips(&self) -> bool {
+        self.kind.slips()
+    }
+
+    fn polish(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        from: (Option<&AnyState>, &AnyState),
+        watch: &mut dyn Watch,
+    ) -> Result<AnyState, SolveError<AnyState>> {
+        let solved = self.kind.polish(drive, solver, budget, from, watch);
+        solved.map(|state| self.completed(state)).map_err(|error| error.map(|state| self.completed(state)))
     }
 }
 

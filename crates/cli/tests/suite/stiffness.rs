@@ -115,7 +115,11 @@ fn files_have_it_with_its_reason_and_a_check_finds_it_changed() {
         ("--p-star 0.02,0.01 --law exponential --param gamma=1e-4,range=4e-3 --prony 1:0.4 --time 1,2", None),
         ("--p-star 0.02,0.01 --law exponential --param gamma=1e-4,range=4e-3 --hardness 0.3", None),
         ("--p-star 0.02,0.02 --friction 0.3 --lateral 0,1e-3", None),
-        ("--p-star 0.02,0.02 --friction 0.3 --lateral 0,1e-3 --boundary free", Some("patch with shear")),
+        ("--p-star 0.02,0.02 --friction 0.3 --lateral 0,1e-3 --boundary free", None),
+        (
+            "--p-star 0.02,0.02 --friction 0.3 --boundary free --law exponential --param gamma=1e-4,range=4e-3",
+            Some("a law and shear"),
+        ),
         ("--p-star 0.02,5", Some("full contact")),
     ];
     for (flags, reason) in cases {

@@ -296,17 +296,18 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Solves the step.
+    /// Solves the step, with a search from the state `near` its end if it is given, else from the start.
     pub(super) fn solve(
         mut self,
         solver: Solver,
         budget: &Budget,
+        near: Option<&QuasistaticState>,
         watch: &mut dyn Watch,
     ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
         if self.shear.is_some() {
-            return self.alternate(solver, budget, watch);
+            return self.alternate(solver, budget, near, watch);
         }
-        let mut pressed = self.press(solver, budget, self.start.map(|start| &start.normal), watch)?;
+        let mut pressed = self.press(solver, budget, near.or(self.start).map(|start| &start.normal), watch)?;
         let failed = pressed.failed.take();
         let is_law = matches!(self.normal, Normal::Law(_));
         let is_new = self.contact.wear.is_some() || self.contact.hardness.is_some() && is_law;
@@ -325,10 +326,16 @@ impl<'a> Step<'a> {
         mut self,
         solver: Solver,
         budget: &Budget,
+        near: Option<&QuasistaticState>,
         watch: &mut dyn Watch,
     ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
         let mut effort = Effort::default();
         let mut tolerance = self.coarsest(self.contact.normal.surface().length_scale(self.drive.load));
+        if let Some((shear, near)) = self.shear.as_mut().zip(near) {
+            let sheared = near.sheared.as_ref().ok_or(Refusal::OtherKind)?;
+            shear.place(&sheared.traction, &sheared.slip);
+            tolerance = tolerance.min(SHARE_OF_RESIDUAL * near.worst());
+        }
         let mut last: Option<QuasistaticState> = None;
         for _ in 0..ROUNDS {
             let part = Budget {
@@ -337,7 +344,7 @@ impl<'a> Step<'a> {
             };
             let before = effort.iterations;
             let mut part_watch = |now: &Progress| watch.see(&Progress { iteration: before + now.iteration, ..*now });
-            let warm = last.as_ref().or(self.start).map(|state| &state.normal);
+            let warm = last.as_ref().or(near).or(self.start).map(|state| &state.normal);
             let mut pressed = self.press(solver, &part, warm, &mut part_watch)?;
             let Effort { iterations, transform_pairs } = std::mem::take(pressed.state.effort());
             effort.iterations += iterations;
