@@ -368,11 +368,13 @@ impl Contact {
 
     /// Computes the state as [`certify`](Self::certify), from the rows of this process, in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
-        let solution = self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load);
-        match &self.all_components {
-            Some(response) => full::with_lateral(solution, response),
-            None => solution,
+        let mut solution = self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load);
+        if let Some(response) = &self.all_components {
+            let (lateral, pairs) = full::lateral_by(&solution.pressure, response);
+            solution.lateral = Some(lateral);
+            solution.effort.transform_pairs += pairs;
         }
+        solution
     }
 
     /// Computes the state as [`certified`](Self::certified), by the transforms of a solver, which continue their count.

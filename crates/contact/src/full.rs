@@ -46,20 +46,18 @@ impl Contact {
     }
 }
 
-/// Adds the lateral displacement by its pressure to a solution, with fresh transforms.
-pub(crate) fn with_lateral(mut solution: Solution, response: &Arc<FullResponse>) -> Solution {
-    let (shape, points) = (solution.pressure.raw_dim(), solution.pressure.len());
+/// Computes the lateral displacement by a pressure, and the number of transform pairs that this takes.
+pub(crate) fn lateral_by(pressure: &Array2<f64>, response: &Arc<FullResponse>) -> (Lateral, f64) {
+    let (shape, points) = (pressure.raw_dim(), pressure.len());
     let lateral = response.components().normal() * points;
     let mut traction = vec![0.0; lateral + points];
-    traction[lateral..].iter_mut().zip(&solution.pressure).for_each(|(t, p)| *t = -p);
+    traction[lateral..].iter_mut().zip(pressure).for_each(|(t, p)| *t = -p);
     let mut displacement = vec![0.0; lateral + points];
     let mut transforms = FullTransforms::of(response);
     transforms.compliance(&traction, &mut displacement);
     let along = displacement[..lateral].chunks_exact(points);
     let displacement = along.map(|u| Array2::from_shape_fn(shape, |(i, j)| u[i * shape[1] + j])).collect();
-    solution.lateral = Some(Lateral { displacement, traction: 0.0 });
-    solution.effort.transform_pairs += transforms.pairs();
-    solution
+    (Lateral { displacement, traction: 0.0 }, transforms.pairs())
 }
 
 /// Moves all components by damped dynamics under a mean pressure, by default with optimal scalar damping.
@@ -146,9 +144,8 @@ impl Run<'_> {
         let expected = self.response.components().len() * self.response.grid().len();
         let Some(start) = self.start else { return Ok(vec![0.0; expected]) };
         self.contact.check_size(start.pressure.view())?;
-        let completed = || with_lateral(start.clone(), self.response).lateral.into_iter();
-        let lateral = start.lateral.as_ref().map_or_else(completed, |own| Some(own.clone()).into_iter());
-        let mut u: Vec<f64> = lateral.flat_map(|lateral| lateral.displacement).flatten().collect();
+        let lateral = start.lateral.clone().unwrap_or_else(|| lateral_by(&start.pressure, self.response).0);
+        let mut u: Vec<f64> = lateral.displacement.into_iter().flatten().collect();
         u.extend(start.displacement.iter().map(|u| u + start.approach));
         if u.len() == expected { Ok(u) } else { Err(Refusal::Start { found: u.len(), expected }) }
     }

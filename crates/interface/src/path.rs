@@ -145,8 +145,7 @@ pub struct Step {
     /// last one may have been divided further, for the [sticking fraction](Quasistatic::change_of_stick).
     pub increments: u64,
     /// [Change](Quasistatic::change) of the state from half as many increments, extrapolated if these were not made;
-    /// `None` if division changes nothing, NaN
-    /// if it may but there were too few extra solves to halve the step.
+    /// `None` if division changes nothing, NaN if it may but there were too few extra solves to halve the step.
     pub change: Option<f64>,
     /// True if more increments may change the state, its loss or its sticking fraction by more than the tolerance,
     /// because there were too few extra solves.
