@@ -13,7 +13,6 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "docs" / "site"))
 
 import formulas  # noqa: E402
-import pages  # noqa: E402
 
 project = "gfmd"
 author = "The gfmd developers"
@@ -51,7 +50,6 @@ os.environ["MATPLOTLIBRC"] = str(ROOT / "docs" / "site" / "matplotlibrc")
 default_role = "py:obj"
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
-autodoc_default_options = {"members": True, "show-inheritance": True}
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_rtype = False
@@ -62,7 +60,7 @@ html_theme = "furo"
 html_title = f"gfmd {release}"
 html_static_path = ["site/static"]
 html_css_files = ["gfmd.css"]
-html_js_files = [("search.js", {"defer": "defer"}), ("wide.js", {"defer": "defer"})]
+html_js_files = [("search.js", {"defer": "defer"}), ("wide.js", {"defer": "defer"}), ("sidebar.js", {"defer": "defer"})]
 html_search_scorer = str(Path(__file__).parent / "site" / "scorer.js")
 html_favicon = "site/static/icon.svg"
 html_show_sphinx = False
@@ -196,11 +194,11 @@ def _joined(app, what, name, obj, options, lines):
             lines[place] = line.replace(found[1], found[1].replace(", ", ",\u200b"), 1)
 
 
-def _members(app, what, name, obj, options, lines):
-    """After its first paragraph a class has tables of its properties and methods."""
-    if what == "class":
-        end = lines.index("") if "" in lines else len(lines)
-        lines[end:end] = ["", *pages.members(obj)]
+def _plain(app, what, name, obj, options, lines):
+    """Descriptions of numbers, such as "Length: |a - b|", stay as they are: Napoleon would take words before a colon
+    for a type, unless the description begins with a comment, and docutils bars for marks."""
+    if what == "property":
+        lines[:] = ["..", "", *(line.replace("|", r"\|") for line in lines)]
 
 
 # Pages whose text is no mathematics: lists of changes, of names in code, and of flags.
@@ -273,7 +271,7 @@ def setup(app):
     app.connect("source-read", _inside)
     app.connect("include-read", _included)
     app.connect("autodoc-process-docstring", _joined, priority=600)
-    app.connect("autodoc-process-docstring", _members, priority=700)
+    app.connect("autodoc-process-docstring", _plain, priority=400)
     app.connect("doctree-read", _described)
     app.connect("doctree-read", _warned)
     app.connect("doctree-read", _thumbnails)

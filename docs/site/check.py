@@ -42,16 +42,18 @@ TYPED = {
     "notebook": "tutorials/kappa.html",
     "leak": "tutorials/leak.html",
     "self_aff": "python-api/functions/self_affine.html",
-    "Surface.ps": "python-api/classes/Surface.html",
+    "Surface.ps": "python-api/methods/Surface.psd.html",
+    "Surface.level": "python-api/methods/Surface.level.html",
+    "level": "python-api/methods/Surface.level.html",
+    "rms_heig": "python-api/classes/Surface.html",
+    "Contact.gap": "python-api/classes/Contact.html",
     "contact": "python-api/functions/contact.html",
     "contact of rough": "index.html",
     "p*": "glossary.html",
     "material": "python-api/functions/material.html",
 }
-# Pages that are divided, and the largest height of each in pixels at the larger width. A class is one page, which
-# begins with tables of its members.
+# Pages that are divided, and the largest height of each in pixels at the larger width.
 DIVIDED = ("theory", "interface", "python-api")
-WHOLE = "python-api/classes/"
 HEIGHT = 8000
 SHOTS = ("index.html", "start.html", "gallery.html", "glossary.html", "how-it-works.html", "tutorials/leak.html")
 # Pages that are no page of the site.
@@ -227,8 +229,8 @@ def visited(folder: Path, shots: Path | None) -> list[str]:
                         wrong.append(f"{where}: {hidden} tables do not show that they go on")
                     if broken := page.evaluate(BROKEN):
                         wrong.append(f"{where}: numbers in two lines: {' '.join(broken[:5])}")
-                    is_divided = name.startswith(DIVIDED) and not name.startswith(WHOLE)
-                    if width == max(WIDTHS) and is_divided and (high := page.evaluate(HIGH)) > HEIGHT:
+                    is_divided = width == max(WIDTHS) and name.startswith(DIVIDED)
+                    if is_divided and (high := page.evaluate(HIGH)) > HEIGHT:
                         wrong.append(f"{where}: {high} pixels high, more than {HEIGHT}")
                     if name.startswith(("theory", "results")) and (left := page.evaluate(PLAIN)):
                         wrong.append(f"{where}: formulas in plain text: {' '.join(left[:5])}")

@@ -1,5 +1,5 @@
 """Prepares the sources of the site: a copy of docs, in which long pages are divided at their sections, each public name
-of the Python package has a page, lists after a mark become cards, and notebooks can be downloaded.
+and method of the Python package has a page, lists after a mark become cards, and notebooks can be downloaded.
 
 Usage: pages.py ROOT FOLDER. Sphinx reads FOLDER/docs; beside it stand links to the rest of the repository, so that
 links out of docs lead where they lead on a code host. Files that did not change are left alone. The package gfmd must
@@ -10,6 +10,7 @@ import functools
 import inspect
 import re
 import sys
+import types
 import unicodedata
 from pathlib import Path
 
@@ -19,6 +20,8 @@ DIVIDED = {"theory": ("7",)}
 NESTED = ("interface", "python-api")
 # Groups of the names of the package.
 GROUPS = "python-api/"
+# Folders of their pages; classes and exceptions stand in another one.
+FOLDERS = {"function": "functions", "method": "methods"}
 # The list after this line becomes cards: "- **Title.** Text".
 CARDS = "<!-- cards -->\n"
 NOTEBOOK = "---\nfile_format: mystnb\n"
@@ -47,6 +50,11 @@ def lower(text: str) -> str:
     return re.sub(r"\]\((?!https?:|/|#)", "](../", text)
 
 
+def contents(paths: list[str]) -> list[str]:
+    """Returns the lines by which the contents have pages below a page."""
+    return ["```{toctree}", ":hidden:", "", *paths, "```", ""] if paths else []
+
+
 def divided(name: str, text: str, split: tuple[str, ...]) -> dict[str, str]:
     """Returns the pages of a long one by their paths, the overview first."""
     (_, head), *parts = sections(text, "##")
@@ -66,16 +74,8 @@ def divided(name: str, text: str, split: tuple[str, ...]) -> dict[str, str]:
         anchors[slug(title)] = file
         anchors.update({slug(line.lstrip("# ")): file for line in body.splitlines() if re.match("#{3,4} ", line)})
     head = head.split("\nContents:")[0]
-    lines = [
-        head,
-        "",
-        *(f"- [{title}]({name}/{file}.md)" for file, title, _ in pages),
-        "",
-        "```{toctree}",
-        ":hidden:",
-        "",
-    ]
-    files = {f"{name}.md": "\n".join([*lines, *(f"{name}/{file}" for file, *_ in pages), "```", ""])}
+    lines = [head, "", *(f"- [{title}]({name}/{file}.md)" for file, title, _ in pages), ""]
+    files = {f"{name}.md": "\n".join([*lines, *contents([f"{name}/{file}" for file, *_ in pages])])}
     for file, title, body in pages:
         above = "##" if "-" in file else "#"
         body = re.sub(rf"(?m)^{above}(#+ )", r"\1", body)
@@ -109,26 +109,60 @@ def table(things: dict[str, object]) -> list[str]:
     return [*lines, ""]
 
 
+def parts(owner: type) -> dict[str, dict[str, object]]:
+    """Returns the methods and properties of a class, in groups by title, of numbers and fields the shorter group first.
+    Names begin with the class; methods of a public base begin with the base. Inherited methods that only refuse are
+    left out."""
+    import gfmd
+
+    groups, columns = {"Methods": {}, "Properties": {}}, {}
+    seen = set()
+    for base in [base for base in owner.__mro__ if base.__module__.startswith("gfmd")]:
+        holder = base if getattr(gfmd, base.__name__, None) is base else owner
+        for name, thing in vars(base).items():
+            if name.startswith("_") or name in seen:
+                continue
+            seen.add(name)
+            if isinstance(thing, (property, functools.cached_property)):
+                is_column = base.__module__ == "gfmd._columns"
+                group = columns.setdefault(summary(base).rstrip("."), {}) if is_column else groups["Properties"]
+                group[f"{owner.__name__}.{name}"] = thing
+            elif isinstance(thing, (types.FunctionType, classmethod, staticmethod)):
+                if base is owner or not summary(thing).startswith("Refused"):
+                    groups["Methods"][f"{holder.__name__}.{name}"] = thing
+    return groups | dict(sorted(columns.items(), key=lambda group: len(group[1])))
+
+
 def members(owner: type) -> list[str]:
-    """Returns tables of the properties and methods that the page of a class describes."""
-    own = {f"{owner.__name__}.{name}": thing for name, thing in vars(owner).items() if not name.startswith("_")}
-    properties = {
-        name: thing for name, thing in own.items() if isinstance(thing, (property, functools.cached_property))
-    }
-    methods = {name: thing for name, thing in own.items() if inspect.isroutine(thing) or isinstance(thing, classmethod)}
+    """Returns a table of the methods of a class, and its properties with their descriptions."""
     lines = []
-    for title, things in (("Properties", properties), ("Methods", methods)):
-        things = {name: thing for name, thing in things.items() if summary(thing)}
+    for title, things in parts(owner).items():
         if things:
-            lines += [f".. rubric:: {title}", "", *table(things)]
+            described = [f".. autoproperty:: gfmd.{name}" for name in things]
+            lines += [f".. rubric:: {title}", "", *(table(things) if title == "Methods" else described), ""]
     return lines
 
 
 def named(files: dict[str, bytes]) -> dict[str, str]:
-    """Returns a page for each public name of the package, and the pages of the groups, which become tables."""
+    """Returns a page for each public name of the package and each method, the pages of the groups, which become tables,
+    and their list, in which names are links."""
     import gfmd
 
     pages, left = {}, set(gfmd.__all__) - {"__version__"}
+
+    def add(kind: str, name: str, thing: object, above: str) -> str:
+        """Adds the page of a name, and the pages of its methods below it. Returns its entry in the contents."""
+        path = f"/{GROUPS}{FOLDERS.get(kind, 'classes')}/{name}"
+        lines = [f"# gfmd.{name}", "", above, "", "```{eval-rst}", f".. auto{kind}:: gfmd.{name}"]
+        below = []
+        if isinstance(thing, type):
+            lines += [*(["   :show-inheritance:"] if kind == "exception" else []), "", *members(thing)]
+            trail = f"{above} › [gfmd.{name}]({path}.md)"
+            methods = parts(thing)["Methods"].items()
+            below = [add("method", *method, trail) for method in methods if method[0].startswith(f"{name}.")]
+        pages[f"{path[1:]}.md"] = "\n".join([*lines, "```", "", *contents(below)])
+        return f"{name.split('.')[-1]} <{path}>"
+
     for path in [path for path in files if path.startswith(GROUPS)]:
         text, below = files[path].decode(), []
         title = text.splitlines()[0].lstrip("# ")
@@ -137,32 +171,21 @@ def named(files: dict[str, bytes]) -> dict[str, str]:
             found = re.findall(r"(?m)^\.\. auto(\w+):: ([\w.]+)", block[0])
             things = {name: functools.reduce(getattr, name.split("."), gfmd) for _, name in found}
             for kind, name in found:
-                if kind == "method":
-                    continue
-                left.discard(name)
-                folder = "functions" if kind == "function" else "classes"
-                below.append(f"{name} <{folder}/{name}>")
-                pages[f"{GROUPS}{folder}/{name}.md"] = "\n".join(
-                    [
-                        f"# gfmd.{name}",
-                        "",
-                        f"[Python interface](../../{GROUPS[:-1]}.md) › [{title}](../{path.removeprefix(GROUPS)})",
-                        "",
-                        "```{eval-rst}",
-                        f".. auto{kind}:: gfmd.{name}",
-                        "```",
-                        "",
-                    ]
-                )
+                if kind != "method":
+                    left.discard(name)
+                    above = f"[Python interface](/{GROUPS[:-1]}.md) › [{title}](/{path})"
+                    below.append(add(kind, name, things[name], above))
             lines = table(things)
             if [kind for kind, _ in found] == ["class"]:
-                lines += members(things[found[0][1]])
+                lines += [".. rubric:: Methods", "", *table(parts(things[found[0][1]])["Methods"])]
             return "\n".join(["```{eval-rst}", *lines, "```"])
 
         text = re.sub(r"(?ms)^```\{eval-rst\}\n.*?^```$", tables, text)
-        pages[path] = "\n".join([text, "```{toctree}", ":hidden:", "", *below, "```", ""])
+        pages[path] = "\n".join([text, *contents(below)])
     if left:
         sys.exit(f"no page of docs/{GROUPS} has {', '.join(sorted(left))}")
+    overview = f"{GROUPS[:-1]}.md"
+    pages[overview] = re.sub(r"`(\w+)`", r"{py:obj}`\1 <gfmd.\1>`", files[overview].decode())
     return pages
 
 
@@ -229,7 +252,7 @@ def main(root: Path, folder: Path) -> None:
         files |= {path: text.encode() for path, text in pages.items()}
     for name in NESTED:
         below = dict.fromkeys(re.findall(rf"\]\(({name}/[\w-]+)\.md", files[f"{name}.md"].decode()))
-        files[f"{name}.md"] += "\n".join(["", "```{toctree}", ":hidden:", "", *below, "```", ""]).encode()
+        files[f"{name}.md"] += "\n".join(["", *contents(list(below))]).encode()
     files |= {path: text.encode() for path, text in named(files).items()}
     files["index.md"] = cards(files["index.md"].decode()).encode()
     for name in [name for name, data in files.items() if data.startswith(NOTEBOOK.encode())]:

@@ -71,12 +71,13 @@
     for (const [prefix, objects] of Object.entries(index.objects)) {
       for (const [file, type, priority, anchor, own] of objects) {
         const full = `${prefix}.${own}`, last = own.split(".").at(-1);
-        const known = [last, full, full.replace(/^gfmd\./, "")].map(other => other.toLowerCase());
+        const asWritten = name.includes(".") ? [full, full.replace(/^gfmd\./, "")] : [last];
+        const known = asWritten.map(other => other.toLowerCase());
         const score = known.includes(name) ? Scorer.objNameMatch
           : known.some(other => other.startsWith(name)) ? Scorer.objPartialMatch : 0;
         if (!score) continue;
         const place = anchor === "" ? full : anchor === "-" ? `${index.objnames[type][1]}-${full}` : anchor;
-        const extra = Scorer.objPrio[priority] ?? Scorer.objPrioDefault;
+        const extra = (Scorer.objPrio[priority] ?? Scorer.objPrioDefault) + (name.includes(".") ? Scorer.title : 0);
         add(file, full, `#${place}`, index.objnames[type][2], score + extra, "object");
       }
     }
