@@ -222,7 +222,8 @@ fn hertz(a: f64) -> f64 {
 /// Follows `drives` from the undeformed surfaces; returns the steps and the last state.
 fn along(contact: &QuasistaticContact, drives: &[Drive], solves_per_step: u64) -> (Vec<Step>, QuasistaticState) {
     let refinement = Refinement { solves_per_step, ..Refinement::default() };
-    let mut path = Path::new(contact, Budget::default(), refinement);
+    // A mean shear, zero by symmetry, is the softest motion: its error is a hundred times the residual.
+    let mut path = Path::new(contact, Budget { tolerance: 1e-9, ..Budget::default() }, refinement);
     let steps = drives.iter().map(|drive| path.step(*drive, &mut ()).unwrap()).collect();
     (steps, path.state().unwrap().clone())
 }
@@ -268,7 +269,11 @@ fn a_sphere_under_growing_load_sticks_within_the_radius_of_spence_however_it_is_
             assert!((found - wanted).abs() < spacing, "{coefficient} {poisson} {a}, {steps} steps: {found} {wanted}");
             assert!(made.iter().all(|step| !step.is_unsettled && step.change <= Some(1e-3)), "{made:?}");
             let shear = [0, 1].map(|c| state.mean_shear[c].abs());
-            assert!(shear.iter().all(|shear| *shear < 1e-6 * state.mean_pressure()));
+            assert!(
+                shear.iter().all(|shear| *shear < 1e-6 * state.mean_pressure()),
+                "{shear:?} of {:e}",
+                state.mean_pressure()
+            );
         }
         let one = share(&contact.press(pressed(hertz(a), 0.0)).solve().unwrap());
         assert!(one < wanted - 5.0 * spacing, "one increment: {one} {wanted}");

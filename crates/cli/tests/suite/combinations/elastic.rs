@@ -461,7 +461,7 @@ impl Dense {
         Self { plane, is_free: false, by_offset: plane.inverse(&modes) }
     }
 
-    /// Returns the compliance of a periodic cell, from the displacement into it by a pressure of one on its first point.
+    /// Returns the compliance of a periodic cell, from the displacement downwards by a pressure of one on one point.
     pub(crate) fn of_displacement(plane: Plane, by_offset: Vec<f64>) -> Self {
         Self { plane, is_free: false, by_offset }
     }
