@@ -11,18 +11,22 @@ use gfmd_cli::progress::Progress;
 use gfmd_input::failure::{Failure, Outcome};
 use gfmd_input::session::Session;
 use gfmd_tests::{Bound, Reference, TOPICS, Topic, ValidationError};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Flags of `verify`.
 #[derive(ClapArgs, Clone, Debug)]
 #[command(after_help = "Examples:
   gfmd verify
-  gfmd verify --json
+  gfmd verify --topic punch --json
   gfmd verify --write-docs")]
 pub struct Args {
     /// Read the reference values from this folder instead of data/reference
     #[arg(long, value_name = "FOLDER")]
     reference: Option<PathBuf>,
+    /// Run the checks of this topic only
+    #[arg(long, value_name = "NAME", value_parser = TOPICS.map(|topic| topic.name), conflicts_with = "write_docs")]
+    topic: Option<String>,
     /// Write FOLDER/validation.md and its figures
     #[arg(long, value_name = "FOLDER", num_args = 0..=1, default_missing_value = "docs")]
     write_docs: Option<PathBuf>,
@@ -69,15 +73,18 @@ pub fn run(args: &Args, session: &Session) -> Result<Outcome<Report>, Failure> {
     if let Some(folder) = args.write_docs.as_ref().filter(|folder| !folder.is_dir()) {
         return Err(Failure::refused(format!("--write-docs is {}; it must be an existing folder", folder.display())));
     }
-    let progress = Progress::new(session, "topics", TOPICS.len());
-    let mut topics = Vec::new();
-    for topic in &TOPICS {
+    let is_chosen = |topic: &&Topic| args.topic.as_ref().is_none_or(|name| name == topic.name);
+    let chosen: Vec<&Topic> = TOPICS.iter().filter(is_chosen).collect();
+    let progress = Progress::new(session, "topics", chosen.len());
+    let reports = chosen.into_par_iter().map(|topic| {
         if session.is_interrupted() {
             return Err(Failure::interrupted("interrupted; no results were kept"));
         }
-        topics.push(TopicReport::of(topic, &reference)?);
+        let report = TopicReport::of(topic, &reference)?;
         progress.advance(1.0, topic.title);
-    }
+        Ok(report)
+    });
+    let topics = reports.collect::<Result<Vec<_>, _>>()?;
     progress.finish();
     let all = || topics.iter().flat_map(|topic| &topic.checks);
     let failed: Vec<String> = all().filter(|check| !check.passed).map(|check| check.name.clone()).collect();

@@ -465,7 +465,7 @@ const MOST_DOUBLINGS: f64 = 6.0;
 const OF_A_LOSS: f64 = 2.0;
 /// Residual of increments of surfaces that slip, divided by the tolerance of the losses. The last one of a step is then
 /// solved to the tolerance of the path.
-const OF_AN_INCREMENT: f64 = 0.1;
+const OF_AN_INCREMENT: f64 = 0.05;
 /// Number of divisions of a step expected if its change is unknown (from the first loading of a sphere), and the
 /// largest number.
 const DIVISIONS: f64 = 4.0;

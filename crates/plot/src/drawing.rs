@@ -18,6 +18,12 @@ const RESOLUTION: f64 = 300.0;
 /// Points per inch.
 const POINTS: f64 = 72.0;
 
+/// Largest number of colours of a picture with one byte per pixel.
+pub(super) const INDEXED: usize = 256;
+
+/// Compression of pictures. The highest level takes ten times as long, for files a few per cent smaller.
+const EFFORT: png::DeflateCompression = png::DeflateCompression::Level(4);
+
 /// Image in the drawing; its first row is at the top.
 #[derive(Clone, Debug)]
 pub(super) struct Picture {
@@ -25,7 +31,10 @@ pub(super) struct Picture {
     pub(super) frame: [f64; 4],
     pub(super) columns: usize,
     pub(super) rows: usize,
-    pub(super) pixels: Vec<Rgb>,
+    /// Colours of the pixels. Similar colours are neighbours, so that differences of indices are small.
+    pub(super) palette: Vec<Rgb>,
+    /// Index of the colour of each pixel.
+    pub(super) pixels: Vec<u32>,
 }
 
 /// Figure; all lengths are in points, with y downwards.
@@ -43,7 +52,7 @@ impl Drawing {
         let mut pictures = String::from("<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n");
         for picture in &self.pictures {
             let [x, y, width, height] = picture.frame.map(number);
-            let data = base64::engine::general_purpose::STANDARD.encode(picture.encode(None)?);
+            let data = base64::engine::general_purpose::STANDARD.encode(picture.encode()?);
             let rendering = if picture.is_coarse() { r#" style="image-rendering:pixelated""# } else { "" };
             pictures.push_str(&format!(
                 "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
@@ -100,7 +109,7 @@ impl Drawing {
         let stretch = width as f32 / tree.size().width();
         resvg::render(&tree, Transform::from_scale(stretch, stretch), &mut page.as_mut());
         let pixels: Vec<Rgb> = page.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect(); // opaque
-        encode(width, height, &pixels, Some(resolution))
+        encode([width, height], None, pixels.as_flattened(), Some(resolution))
     }
 
     pub(super) fn save(&self, stem: &Path) -> Result<[PathBuf; 2], PlotError> {
@@ -140,13 +149,25 @@ impl Picture {
         self.columns as f64 * 3.0 < self.frame[2] * RESOLUTION / POINTS
     }
 
-    fn encode(&self, resolution: Option<f64>) -> Result<Vec<u8>, PlotError> {
-        encode(self.columns as u32, self.rows as u32, &self.pixels, resolution)
+    /// Returns the colours of the pixels.
+    pub(super) fn colours(&self) -> impl Iterator<Item = Rgb> {
+        self.pixels.iter().map(|&index| self.palette[index as usize])
+    }
+
+    /// Returns the picture as PNG bytes, with one byte per pixel if the colours are few.
+    fn encode(&self) -> Result<Vec<u8>, PlotError> {
+        let size = [self.columns, self.rows].map(|length| length as u32);
+        if self.palette.len() <= INDEXED {
+            let indices: Vec<u8> = self.pixels.iter().map(|&index| index as u8).collect();
+            return encode(size, Some(&self.palette), &indices, None);
+        }
+        let colours: Vec<Rgb> = self.colours().collect();
+        encode(size, None, colours.as_flattened(), None)
     }
 
     fn paint(&self, page: &mut Pixmap, scale: f64) -> Option<()> {
         let mut source = Pixmap::new(self.columns as u32, self.rows as u32)?;
-        for (target, rgb) in source.pixels_mut().iter_mut().zip(&self.pixels) {
+        for (target, rgb) in source.pixels_mut().iter_mut().zip(self.colours()) {
             *target = resvg::tiny_skia::PremultipliedColorU8::from_rgba(rgb[0], rgb[1], rgb[2], 255)?;
         }
         let [mut x, mut y, width, height] = self.frame.map(|length| length * scale);
@@ -169,18 +190,28 @@ fn with_ids(elements: &str, name: &str) -> String {
     elements.replace(" id=\"", &format!(" id=\"{name}-")).replace("\"url(#", &format!("\"url(#{name}-"))
 }
 
-fn encode(width: u32, height: u32, pixels: &[Rgb], resolution: Option<f64>) -> Result<Vec<u8>, PlotError> {
+/// Encodes pixels as PNG: indices of a palette, or bytes of red, green and blue.
+fn encode(
+    [width, height]: [u32; 2],
+    palette: Option<&[Rgb]>,
+    pixels: &[u8],
+    resolution: Option<f64>,
+) -> Result<Vec<u8>, PlotError> {
     let render = |error: png::EncodingError| PlotError::Render { reason: error.to_string() };
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_compression(png::Compression::High);
+    encoder.set_color(if palette.is_some() { png::ColorType::Indexed } else { png::ColorType::Rgb });
+    if let Some(palette) = palette {
+        encoder.set_palette(palette.as_flattened());
+    }
+    encoder.set_deflate_compression(EFFORT);
+    encoder.set_filter(png::Filter::Adaptive);
     if let Some(dots_per_inch) = resolution {
         let per_metre = (dots_per_inch / 0.0254).round() as u32;
         encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
     }
     let mut writer = encoder.write_header().map_err(render)?;
-    writer.write_image_data(pixels.as_flattened()).map_err(render)?;
+    writer.write_image_data(pixels).map_err(render)?;
     writer.finish().map_err(render)?;
     Ok(bytes)
 }

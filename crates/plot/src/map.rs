@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::axis::{Ticks, padded};
 use super::chart::COLUMN;
 use super::colour::{INK, PALE, Rgb, diverging, hex, hue, mix, sequential};
-use super::drawing::{Drawing, Picture};
+use super::drawing::{Drawing, INDEXED, Picture};
 use super::frame::{EDGE, Frame, GAP, LABEL, TICK, draw_axes, left_margin};
 use super::text::{Anchor, Text, number};
 use super::{Axis, PlotError, Scale};
@@ -16,6 +16,9 @@ const PIXELS: usize = 1 << 20;
 
 /// Largest number of pixels along one side.
 const LONGEST: usize = 1 << 13;
+
+/// Number of colours of a scale: with the colour of a class, as many as a picture with one byte per pixel can have.
+const LEVELS: usize = INDEXED - 1;
 
 /// Maximum number of decades of a logarithmic scale, unless its range is given.
 const DECADES: i32 = 8;
@@ -254,13 +257,15 @@ fn block([nx, ny]: [usize; 2]) -> [usize; 2] {
     block
 }
 
-/// Paints one pixel per point or block of points: the colour of the mean of its coloured points, mixed with the colour
-/// of the others in proportion to their number.
+/// Paints one pixel per point or block of points: the colour of the mean of its coloured points, to the nearest of
+/// [`LEVELS`], mixed with the colour of the others in proportion to their number.
 fn paint(map: &Map, ticks: &Ticks, frame: [f64; 4]) -> Picture {
     let [nx, ny] = map.shape;
     let block = block(map.shape);
     let (columns, rows) = (nx.div_ceil(block[0]), ny.div_ceil(block[1]));
     let other = map.below.as_ref().map_or(PALE, Below::colour);
+    let levels = (0..LEVELS).map(|level| map.colours.at(level as f64 / (LEVELS - 1) as f64));
+    let mut palette: Vec<Rgb> = [other].into_iter().chain(levels).collect();
     let mut pixels = Vec::with_capacity(columns * rows);
     for row in (0..rows).rev() {
         let ys = row * block[1]..((row + 1) * block[1]).min(ny);
@@ -275,15 +280,20 @@ fn paint(map: &Map, ticks: &Ticks, frame: [f64; 4]) -> Picture {
                     }
                 }
             }
+            let points = xs.len() * ys.len();
+            let mean = (sum / coloured as f64).clamp(0.0, 1.0);
+            let level = 1 + (mean * (LEVELS - 1) as f64).round() as usize;
             pixels.push(if coloured == 0 {
-                other
+                0
+            } else if coloured == points {
+                level as u32
             } else {
-                let share = f64::from(coloured) / (xs.len() * ys.len()) as f64;
-                mix(map.colours.at(sum / f64::from(coloured)), other, share)
+                palette.push(mix(palette[level], other, coloured as f64 / points as f64));
+                palette.len() as u32 - 1
             });
         }
     }
-    Picture { frame, columns, rows, pixels }
+    Picture { frame, columns, rows, palette, pixels }
 }
 
 /// Returns the height of the swatch of a class below the bar, including its distance.

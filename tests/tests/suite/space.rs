@@ -2,7 +2,7 @@
 //! from the returned fields by direct Fourier sums, or it is refused with a reason: no NaN, panic or endless search.
 //!
 //! `GFMD_SPACE=100000 cargo test -p gfmd-tests --test suite space:: -- --nocapture` runs that many cases instead of
-//! some 1500 and prints their count; `GFMD_SPACE_SEED` is the number of the first.
+//! some 500 and prints their count; `GFMD_SPACE_SEED` is the number of the first.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must not pass a comparison")]
 #![expect(clippy::print_stdout, reason = "the count of cases")]
@@ -27,7 +27,7 @@ use ndarray::{Array2, ArrayView2, Axis};
 use case::{Case, Random};
 
 /// Number of cases without `GFMD_SPACE`.
-const CASES: u64 = 1500;
+const CASES: u64 = 500;
 
 /// Time limit of a case on a busy machine, in a debug build.
 const LONGEST: Duration = Duration::from_secs(300);

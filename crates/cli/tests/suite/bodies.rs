@@ -309,7 +309,7 @@ fn a_body_from_a_table_is_the_body_that_the_table_is_of() {
         for (table, body) in
             [("--e-star 1 --compliance half.csv", "--e-star 1"), (&slab_table, "--e-star 1 --height 0.2")]
         {
-            let all = |body: &str, out: &str| run(&format!("{loads} --n 64 --eps-f-inv 8 {body} {further} {out}"));
+            let all = |body: &str, out: &str| run(&format!("{loads} --n 32 --eps-f-inv 4 {body} {further} {out}"));
             let (found, wanted) = (all(table, "--out t.h5"), all(body, ""));
             let of = if loads.starts_with("path") { "steps" } else { "loads" };
             for (found, wanted) in found[of].as_array().unwrap().iter().zip(wanted[of].as_array().unwrap()) {
@@ -320,9 +320,7 @@ fn a_body_from_a_table_is_the_body_that_the_table_is_of() {
                 }
                 assert!(found["area_fraction_limit"].is_null());
             }
-            for command in ["check t.h5", "check t.h5 --rerun"] {
-                assert_eq!(run(command)["differing"], 0, "{loads} {table}");
-            }
+            assert_eq!(run("check t.h5 --rerun")["differing"], 0, "{loads} {table}");
             assert!(gfmd(folder.path(), &["report", "t.h5", "-q"]).status.success());
         }
     }

@@ -37,7 +37,7 @@ use serde_json::Value;
 const CASES: u64 = 120;
 
 /// Number of histories drawn in the default run, before histories of other kinds are left out.
-const HISTORIES: u64 = 30;
+const HISTORIES: u64 = 20;
 
 /// Number of paths with random parts in the default run.
 const PATHS: u64 = 20;

@@ -54,10 +54,16 @@ fn assert_bits_of_one<T: Real>([nx, ny]: [usize; 2], size: usize) {
     });
 }
 
+/// Returns the numbers of ranks up to `most`: all in the long tests (`.ci/long`), else some.
+fn sizes(most: usize) -> impl Iterator<Item = usize> {
+    let is_long = std::env::var_os("GFMD_LONG").is_some();
+    (1..=most).filter(move |size| is_long || [1, 2, 5, 7].contains(size))
+}
+
 #[test]
 fn transforms_over_ranks_have_the_bits_of_one_process() {
     for points in [[256, 256], [512, 1000], [1024, 512], [96, 2048], [33, 4096], [4096, 2], [700, 8]] {
-        for size in 1..=Share::most(points, 0).min(7) {
+        for size in sizes(Share::most(points, 0).min(7)) {
             assert_bits_of_one::<f64>(points, size);
             assert_bits_of_one::<f32>(points, size);
         }
@@ -121,7 +127,7 @@ fn assert_patch_has_bits_of_one<T: Real>(points: [usize; 2], size: usize) {
 #[test]
 fn patches_over_ranks_have_the_bits_of_one_process() {
     for points in [[256, 256], [130, 176], [512, 1000], [33, 2048], [4096, 2], [700, 8]] {
-        for size in 1..=Share::most(points, 0).min(5) {
+        for size in sizes(Share::most(points, 0).min(5)) {
             assert_patch_has_bits_of_one::<f64>(points, size);
             assert_patch_has_bits_of_one::<f32>(points, size);
         }

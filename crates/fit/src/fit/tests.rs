@@ -610,7 +610,7 @@ fn isolated_cells_lie_on_their_own_term() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(if std::env::var_os("GFMD_LONG").is_some() { 64 } else { 16 }))]
 
     /// The fit is equivariant under kappa -> scale kappa + shift.
     #[test]

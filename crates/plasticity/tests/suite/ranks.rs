@@ -151,7 +151,9 @@ fn steps_over_ranks_have_the_bits_of_one_process() {
     for (number, case) in cases.iter().enumerate() {
         let alone = follow(case, &grid, &grid.whole());
         assert!(f64::from_bits(alone[0].0[6]) > 0.0, "something yields");
-        for size in [2, 3, 4] {
+        // Each case for one number of processes; in the long tests (`.ci/long`) for all.
+        let is_long = std::env::var_os("GFMD_LONG").is_some();
+        for size in [2, 3, 4].into_iter().filter(|size| is_long || *size == 4 - number) {
             let each = ThreadRanks::of(size, |ranks| follow(case, &grid, &Contact::share(ranks, &grid).unwrap()));
             for (step, (numbers, fields)) in alone.iter().enumerate() {
                 let different = |found: &Vec<Bits>| (0..numbers.len()).find(|k| found[step].0[*k] != numbers[*k]);

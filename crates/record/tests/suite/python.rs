@@ -35,32 +35,53 @@ fn condition(facts: &[Facts], holds: Holds<Facts>) -> Option<String> {
     // Parts that are no option of Python: a path is a function, and the others are absent or wider ones.
     let no_options = [Part::Path, Part::WearBySlip, Part::Frictionless, Part::WearByDistance, Part::StillFriction];
     let parts: Vec<Part> = Part::ALL.iter().copied().filter(|part| !no_options.contains(part)).collect();
-    let alone = parts.iter().map(|part| vec![*part]).collect();
-    let both = |(place, part): (usize, &Part)| parts[..place].iter().map(|other| vec![*other, *part]).collect();
-    let pairs = parts.iter().enumerate().flat_map(|entry| -> Vec<Vec<Part>> { both(entry) }).collect();
-    let words = [alone, pairs].into_iter().find_map(|choices: Vec<Vec<Part>>| widest(facts, &choices, holds));
+    let alone: Vec<Choice> = parts.iter().map(|part| (vec![*part], set(facts, &|f| part.is_in(f)))).collect();
+    let both = |(place, (part, own)): (usize, &Choice)| -> Vec<Choice> {
+        let with = |(other, set): &Choice| {
+            let common = own.iter().zip(set).map(|(own, set)| own & set).collect();
+            (vec![other[0], part[0]], common)
+        };
+        alone[..place].iter().map(with).collect()
+    };
+    let pairs: Vec<Choice> = alone.iter().enumerate().flat_map(both).collect();
+    let held = set(facts, holds);
+    let words = [alone, pairs].iter().find_map(|choices| widest(choices, &held));
     Some(words.map_or_else(|| SOME.into(), |words| format!("With {words}")))
 }
 
-/// Returns the widest choices of parts that together select exactly the problems in which `holds` is true.
-fn widest(facts: &[Facts], choices: &[Vec<Part>], holds: &dyn Fn(&Facts) -> bool) -> Option<String> {
-    let has = |choice: &[Part], f: &Facts| choice.iter().all(|part| part.is_in(f));
-    let within = |choice: &[Part], other: &dyn Fn(&Facts) -> bool| facts.iter().all(|f| !has(choice, f) || other(f));
-    let met = choices.iter().filter(|choice| facts.iter().any(|f| has(choice, f)) && within(choice, holds));
-    let met: Vec<&[Part]> = met.map(Vec::as_slice).collect();
+/// Set of problems, one bit for each.
+type Set = Vec<u64>;
+
+/// Parts, and the problems that have all of them.
+type Choice = (Vec<Part>, Set);
+
+/// Returns the problems in which `holds` is true.
+fn set(facts: &[Facts], holds: Holds<Facts>) -> Set {
+    let bit = |(place, f): (usize, &Facts)| u64::from(holds(f)) << place;
+    facts.chunks(64).map(|chunk| chunk.iter().enumerate().map(bit).sum()).collect()
+}
+
+fn is_within(set: &Set, wider: &Set) -> bool {
+    set.iter().zip(wider).all(|(own, wider)| own & !wider == 0)
+}
+
+/// Returns the widest choices of parts that together select exactly the problems in which `held` is true.
+fn widest(choices: &[Choice], held: &Set) -> Option<String> {
+    let met = choices.iter().filter(|(_, set)| set.iter().any(|word| *word != 0) && is_within(set, held));
+    let met: Vec<&Choice> = met.collect();
     // Keeps the wider one of two nested choices, and the first of equal ones.
-    let is_case = |(place, choice): &(usize, &&[Part])| {
-        met.iter().enumerate().any(|(other, wider)| {
-            other != *place
-                && within(choice, &|f| has(wider, f))
-                && (other < *place || !within(wider, &|f| has(choice, f)))
+    let is_case = |(place, (_, set)): &(usize, &&Choice)| {
+        met.iter().enumerate().any(|(other, (_, wider))| {
+            other != *place && is_within(set, wider) && (other < *place || !is_within(wider, set))
         })
     };
-    let widest: Vec<&[Part]> =
+    let widest: Vec<&Choice> =
         met.iter().enumerate().filter(|entry| !is_case(entry)).map(|(_, choice)| *choice).collect();
-    let words = |choice: &&[Part]| choice.iter().map(|part| option(*part)).collect::<Vec<_>>().join(" and ");
-    let is_all = facts.iter().all(|f| !holds(f) || widest.iter().any(|choice| has(choice, f)));
-    is_all.then(|| widest.iter().map(words).collect::<Vec<_>>().join(" or "))
+    let words = |(parts, _): &&Choice| parts.iter().map(|part| option(*part)).collect::<Vec<_>>().join(" and ");
+    let all = widest
+        .iter()
+        .fold(vec![0; held.len()], |all: Set, (_, set)| all.iter().zip(set).map(|(all, set)| all | set).collect());
+    is_within(held, &all).then(|| widest.iter().map(words).collect::<Vec<_>>().join(" or "))
 }
 
 /// Returns the Python option of a part, with its value if it is one of several.
