@@ -51,8 +51,8 @@ pub use self::derivatives::{Derivatives, derivatives};
 pub use self::report::{Report, Sliding};
 pub use self::stored::stored;
 
-/// Default of --energy-solves with friction: the first load of a rough surface takes about 60 further solves.
-const FRICTION_SOLVES: u64 = 10;
+/// Default of --energy-solves with friction: the first two steps of a rough surface may take about 100 further solves.
+const FRICTION_SOLVES: u64 = 12;
 
 /// Flags of `path`.
 #[derive(ClapArgs, Options, Clone, Debug, Serialize, Deserialize)]
@@ -126,7 +126,7 @@ pub struct Args {
     )]
     energy_tolerance: f64,
     /// Largest average number of further solves per step to find the dissipated energy, and with friction the shear; 0
-    /// for none [default: 4; 10 with friction, else 0 for a viscoelastic or yielding body and with wear]
+    /// for none [default: 4; 12 with friction, else 0 for a viscoelastic or yielding body and with wear]
     #[arg(long, value_name = "N", help_heading = "Accuracy")]
     energy_solves: Option<u64>,
     /// Draw the path: PREFIX-path.svg, .png; a sheared viscoelastic body: -shear, with many panels -time; energy lost

@@ -465,7 +465,7 @@ const MOST_DOUBLINGS: f64 = 6.0;
 const OF_A_LOSS: f64 = 2.0;
 /// Residual of increments of surfaces that slip, divided by the tolerance of the losses. The last one of a step is then
 /// solved to the tolerance of the path.
-const OF_AN_INCREMENT: f64 = 0.05;
+const OF_AN_INCREMENT: f64 = 0.1;
 /// Number of divisions of a step expected if its change is unknown (from the first loading of a sphere), and the
 /// largest number.
 const DIVISIONS: f64 = 4.0;
@@ -540,11 +540,21 @@ impl<P: Quasistatic> Search<'_, P> {
                 Err(_) => break,
             };
             let of_last = of_last_doubling(ratio.unwrap_or(FIRST_ORDER), doublings);
-            let change = of_last.powi(2) * self.problem.change(state, &made.end.0, &finer.end.0);
-            let error = of_last * (finer.losses.total() - made.losses.total()).abs();
-            change_of_stick = self.problem.change_of_stick(&made.end.0, &finer.end.0);
-            settles = change <= OF_A_CHANGE * tolerance
-                && error <= tolerance * Balance::between(&begin, &finer.end.1).exchanged;
+            let mut differences = self.differences(state, [&made, &finer], of_last);
+            let exchanged = Balance::between(&begin, &finer.end.1).exchanged;
+            let is_small =
+                |[change, error, _]: [f64; 3]| change <= OF_A_CHANGE * tolerance && error <= tolerance * exchanged;
+            // An extrapolated change that is too large may be so by its error alone.
+            if doublings > 1 && !is_small(differences) && self.can_make(increments / 2) {
+                match self.in_increments(state, &begin, drive, increments / 2) {
+                    Ok(half) => differences = self.differences(state, [&half, &finer], 1.0),
+                    Err(error @ SolveError::Interrupted { .. }) => return Err(error),
+                    Err(_) => {}
+                }
+            }
+            settles = is_small(differences);
+            let [change, error, of_stick] = differences;
+            change_of_stick = of_stick;
             let before = self.step.change.filter(|before| *before > 0.0);
             ratio = before.map(|before| (change / before).powf(0.5 / f64::from(doublings)).clamp(FIRST_ORDER, SLOWEST));
             (self.step.increments, self.step.change) = (increments, Some(change));
@@ -568,6 +578,15 @@ impl<P: Quasistatic> Search<'_, P> {
         let made = self.finish(made, state, drive)?;
         (self.step.dissipated, self.step.losses) = (Some(made.losses.total()), made.losses);
         Ok(made.end)
+    }
+
+    /// Returns the change of the state, of the loss and of the sticking fraction of a step between two divisions, the
+    /// first two for the last of their doublings, which makes the fraction `of_last` of the difference.
+    fn differences(&self, start: Option<&P::State>, [a, b]: [&Divided<P::State>; 2], of_last: f64) -> [f64; 3] {
+        let change = self.problem.change(start, &a.end.0, &b.end.0);
+        let of_loss = (b.losses.total() - a.losses.total()).abs();
+        let of_stick = self.problem.change_of_stick(&a.end.0, &b.end.0);
+        [of_last.powi(2) * change, of_last * of_loss, of_stick]
     }
 
     /// Returns the number of doublings that are probably needed until the state does not change, if each of them

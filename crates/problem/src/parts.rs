@@ -56,8 +56,8 @@ impl AnyState {
     /// Returns the lateral displacement u_x, u_y (u_x of a profile), `[x, y]`, length, if it was also unknown.
     pub fn lateral(&self) -> &[Array2<f64>] {
         let moved = self.get::<Solution>().and_then(|state| state.lateral.as_ref());
-        let moved = moved.map(|Lateral { displacement, .. }| displacement);
-        moved.or_else(|| self.steep().map(|state| &state.lateral)).map_or_else(|| self.sideways(), |fields| fields)
+        let moved = moved.map(|Lateral { displacement, .. }| &displacement[..]);
+        moved.or_else(|| self.steep().map(|state| &state.lateral[..])).unwrap_or_else(|| self.sideways())
     }
 
     /// Returns the contact of the lower face of a slab between two surfaces, as seen from that face.

@@ -169,7 +169,7 @@ impl QuasistaticContact {
         let touches = pressure.iter().map(|p| f64::from(*p > 0.0));
         let mut held: Vec<f64> = std::iter::repeat_n(touches, lateral).flatten().collect();
         let open = pressure.indexed_iter().map(|(at, p)| *p > 0.0 && self.hardness_at(at).is_none_or(|most| *p < most));
-        held.extend(open.map(|is_held| f64::from(is_held)));
+        held.extend(open.map(f64::from));
         let found = Stuck { response, share: self.share(), held }.stiffness(tolerance);
         let given = |found| self.given_stiffness(found, factor);
         found.map(given).map_err(|(reached, why)| StiffnessError::Inexact { reached: given(reached), why })

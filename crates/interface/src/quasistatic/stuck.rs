@@ -45,8 +45,8 @@ impl Stuck<'_> {
                 moved.iter_mut().zip(&held[start..]).for_each(|(moved, held)| *moved *= held);
             });
             let length = square / dot(share, &direction, &moved);
-            // Rounding errors may leave no descent; NaN is none, too.
-            if !(length > 0.0) {
+            // Rounding errors may leave no descent.
+            if length <= 0.0 || length.is_nan() {
                 why = Why::Rounding;
                 break;
             }
