@@ -310,6 +310,14 @@ impl QuasistaticContact {
         self.medium.is_some() && self.attracts()
     }
 
+    /// Returns true unless a law without a potential acts.
+    fn has_energy(&self) -> bool {
+        match &self.normal {
+            Normal::Law(interface) => interface.has_energy(),
+            Normal::Wall(_) => true,
+        }
+    }
+
     /// Solves an increment in the units of the solve.
     fn increment(
         &self,
@@ -454,12 +462,8 @@ impl QuasistaticContact {
 impl Quasistatic for QuasistaticContact {
     fn reading(&self, state: &QuasistaticState) -> Reading {
         let stored = || state.elastic_energy + state.interface_energy();
-        let has_energy = || match &self.normal {
-            Normal::Law(interface) => interface.has_energy(),
-            Normal::Wall(_) => true,
-        };
         let loss = match &self.normal {
-            Normal::Law(_) if !has_energy() => Loss::Unknown,
+            Normal::Law(_) if !self.has_energy() => Loss::Unknown,
             Normal::Law(_) if !self.loses() => Loss::Balance(stored()),
             Normal::Wall(_) if self.medium.is_none() && self.wear.is_none() => Loss::Known(state.losses.total()),
             _ => {
@@ -494,11 +498,7 @@ impl Quasistatic for QuasistaticContact {
 
     /// Returns true for surfaces with shear, unless the law has no energy.
     fn slips(&self) -> bool {
-        let has_energy = match &self.normal {
-            Normal::Law(interface) => interface.has_energy(),
-            Normal::Wall(_) => true,
-        };
-        self.shear.is_some() && has_energy
+        self.shear.is_some() && self.has_energy()
     }
 
     fn polish(
