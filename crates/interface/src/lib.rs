@@ -28,6 +28,7 @@ mod resumable;
 mod search_result;
 mod solve;
 mod squeezed;
+mod start;
 mod state;
 mod stiffness;
 mod stored_fields;

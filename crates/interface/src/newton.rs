@@ -36,13 +36,14 @@ use trust_region::Model;
 /// Fraction of the tolerance at which the solver stops.
 const SHARE_OF_TOLERANCE: f64 = 0.1;
 
-/// Descends from `start`, or from the undeformed surface. `before` is the number of transform pairs spent on `start`.
+/// Descends from `start`, or from the undeformed surface. `before` has the number of transform pairs spent on `start`,
+/// and whether the way to it passed an instability.
 pub(crate) fn descend(
     interface: &Interface,
     frame: &Frame,
     budget: &Budget,
     start: Option<&State>,
-    before: f64,
+    (before, crossed): (f64, bool),
     watch: &mut dyn Watch,
 ) -> SearchResult {
     let elastic = &interface.elastic;
@@ -56,11 +57,11 @@ pub(crate) fn descend(
     match elastic {
         Elastic::Normal(response) => {
             let model = OneComponent::new(response, transforms, frame, uniform[0]);
-            descend_with(Descent::new(interface, frame, model, start), budget, start.is_some(), watch)
+            descend_with(Descent::new(interface, frame, model, (start, crossed)), budget, start.is_some(), watch)
         }
         Elastic::Full(_) | Elastic::Plate(_) => {
             let model = AllComponents::new(transforms, frame, uniform);
-            descend_with(Descent::new(interface, frame, model, start), budget, start.is_some(), watch)
+            descend_with(Descent::new(interface, frame, model, (start, crossed)), budget, start.is_some(), watch)
         }
     }
 }
@@ -77,10 +78,18 @@ fn uniform_compliance(interface: &Interface, frame: &Frame) -> Vec<f64> {
     frame.uniform_stiffness.iter().zip(least).map(resists).collect()
 }
 
-/// Returns the weight of a free point in a preconditioner for the `slope` of the law; `reference` is the stiffness of a
-/// wave.
-fn weight_of(slope: f64, reference: f64) -> f64 {
-    (1.0 + slope.max(0.0) / reference).sqrt().recip()
+/// Least stiffness of a point in a preconditioner, divided by the stiffness without a law: one about to jump has none.
+const SOFTEST: f64 = 0.2;
+
+/// Returns the weight of a free point in a preconditioner for the `slope` of the law. `stiffness` are the least and the
+/// largest stiffness of a wave; a single point has about half of the largest one.
+fn weight_of(slope: f64, [softest, stiffest]: [f64; 2]) -> f64 {
+    let relative = if slope > 0.0 {
+        1.0 + slope / (softest * stiffest).sqrt()
+    } else {
+        (1.0 + 2.0 * slope / stiffest).max(SOFTEST)
+    };
+    relative.sqrt().recip()
 }
 
 fn descend_with<M: Model>(

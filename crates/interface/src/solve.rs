@@ -1,10 +1,5 @@
-use std::sync::Arc;
-
-use gfmd_contact::{Contact, Drive, Equilibrium, Fields as _, Load, Refusal, SolveError, Solver, Units, judge};
-use gfmd_law::HardWall;
+use gfmd_contact::{Drive, Equilibrium, Fields as _, Load, Refusal, SolveError, Solver, Units, judge};
 use gfmd_relax::{Budget, Fire, Progress, Watch};
-use gfmd_response::Elastic;
-use ndarray::ArrayView2;
 
 use crate::certify::certify;
 use crate::frame::Frame;
@@ -115,7 +110,7 @@ impl Interface {
     }
 
     /// Solves in [`units`](Self::units).
-    fn rest(
+    pub(crate) fn rest(
         &self,
         drive: Drive,
         solver: Solver,
@@ -133,16 +128,19 @@ impl Interface {
         let is_pressed = match drive.load {
             Load::MeanPressure(found) | Load::Approach(found) => found > 0.0,
         };
-        let on_wall = match start {
-            // A continued search has its own position.
+        let nearer = match start {
+            // A continued search has its own position. These searches are short and write no checkpoint.
             None if is_pressed && !self.is_wall_alone() && watch.recall().is_none() => {
-                // The search on the wall is short and writes no checkpoint.
                 self.without_attraction(drive, budget, &mut |now: &Progress| watch.see(now))?
+            }
+            Some(start) if matches!(method, Method::Newton) && watch.recall().is_none() => {
+                self.with_attraction_held(drive, budget, start, &mut |now: &Progress| watch.see(now))
             }
             _ => None,
         };
-        let start = start.or(on_wall.as_ref());
-        let before = on_wall.as_ref().map_or(0.0, |wall| wall.effort.transform_pairs);
+        let before =
+            nearer.as_ref().map_or((0.0, false), |state| (state.effort.transform_pairs, state.passed_instability));
+        let start = nearer.as_ref().or(start);
         let SearchResult { position, inset, iterations, transform_pairs, passed_instability, lowest_curvature, end } =
             match method {
                 Method::Newton => newton::descend(self, &frame, budget, start, before, watch),
@@ -200,49 +198,7 @@ impl Interface {
         }
     }
 
-    fn is_wall_alone(&self) -> bool {
+    pub(crate) fn is_wall_alone(&self) -> bool {
         self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
-    }
-
-    /// Solves the contact with a hard wall instead of the law, roughly. Returns `None` if a wall does not allow the
-    /// drive: an approach beyond full contact, which is allowed without a wall.
-    fn without_attraction(
-        &self,
-        drive: Drive,
-        budget: &Budget,
-        watch: &mut dyn Watch,
-    ) -> Result<Option<State>, SolveError<State>> {
-        let wall = Interface { law: Arc::new(HardWall), ..self.clone() };
-        if wall.frame(drive).is_err() {
-            return Ok(None);
-        }
-        let rough = Budget { tolerance: budget.tolerance.max(1e-3), ..*budget };
-        // If a traction jumps with the gap, the state reached depends on every digit of the start.
-        let is_smooth = self.law.stiffness_bound(0.0) > 0.0;
-        if let Some(state) = is_smooth.then(|| wall.by_pressure(drive, &rough, watch)).flatten() {
-            return Ok(Some(state));
-        }
-        wall.rest(drive, Solver::Newton, &rough, None, watch).map(Some)
-    }
-
-    /// Solves the contact of a periodic surface with a hard wall, in u_z alone, by the faster pressure solver. Returns
-    /// `None` if this fails, and with springs.
-    fn by_pressure(&self, drive: Drive, budget: &Budget, watch: &mut dyn Watch) -> Option<State> {
-        let (Elastic::Normal(response), None, false) = (&self.elastic, &self.patch, self.has_springs()) else {
-            return None;
-        };
-        // The search that follows finds and reports the same refusal or failure.
-        let clearance = ArrayView2::from_shape(self.surface.shape(), self.surface.clearance()).ok()?;
-        let mut contact = Contact::with_response(Arc::clone(response), &clearance.mapv(|c| -c)).ok()?;
-        if let Some(hardness) = self.hardness_in(1.0) {
-            contact = contact.with_hardness(hardness).ok()?;
-        }
-        let solution = contact.press(drive.load).budget(*budget).watch(watch).solve().ok()?;
-        let plastic = solution.plastic.as_ref().map(|plastic| &*plastic.depth);
-        let mut state = self.certify_pressed_in(&solution.gap, &solution.pressure, plastic, drive).ok()?;
-        state.effort.transform_pairs += solution.effort.transform_pairs;
-        state.is_pressed = true;
-        state.wall_pressure = solution.pressure;
-        Some(state)
     }
 }

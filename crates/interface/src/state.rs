@@ -39,7 +39,7 @@ pub struct State {
     /// True if the search from the start found directions of negative curvature. A jump always causes this; a long
     /// smooth step may. Dynamics does not compute curvatures and leaves it false.
     pub passed_instability: bool,
-    /// Lowest curvature, relative to the elastic curvature, found by conjugate gradients started from a force in all
+    /// Lowest curvature, relative to the preconditioner, found by conjugate gradients started from a force in all
     /// directions; positive in a stable state. 1 for a wall alone, NaN after dynamics.
     pub lowest_curvature: f64,
     /// True if the wall presses at some point.

@@ -113,7 +113,7 @@ impl<'a> Linear<'a> {
             for (i, (weight, slope)) in weights.iter_mut().zip(reaction.diagonal(c)).enumerate() {
                 let is_held =
                     if c == z { bond(i) == Bond::Held } else { sides == Sides::Stick && bond(i) != Bond::Free };
-                *weight = if is_held { 0.0 } else { weight_of(*slope, reference) };
+                *weight = if is_held { 0.0 } else { weight_of(*slope, [softest, stiffest]) };
             }
         }
         let free: Vec<f64> = model.weight().iter().map(|weight| f64::from(u8::from(*weight > 0.0))).collect();

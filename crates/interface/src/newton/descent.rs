@@ -39,7 +39,7 @@ pub(super) struct Descent<'a, M: Model> {
     pub(super) region: TrustRegion<M::Value>,
     /// Lowest curvature in the last search for a direction, relative to the preconditioner.
     pub(super) lowest: f64,
-    /// True if any search found a negative curvature.
+    /// True if any search, or the way to the start, met a negative curvature.
     pub(super) met_negative: bool,
 }
 
@@ -103,7 +103,12 @@ impl Change {
 }
 
 impl<'a, M: Model> Descent<'a, M> {
-    pub(super) fn new(interface: &'a Interface, frame: &'a Frame<'a>, model: M, start: Option<&State>) -> Self {
+    pub(super) fn new(
+        interface: &'a Interface,
+        frame: &'a Frame<'a>,
+        model: M,
+        (start, crossed): (Option<&State>, bool),
+    ) -> Self {
         let size = frame.components() * frame.points();
         let mut pieces = interface.kinks(frame).map(|kinks| Pieces::new(kinks, interface.length_scale()));
         let mut here = Placed::at(vec![0.0; size], frame);
@@ -124,7 +129,7 @@ impl<'a, M: Model> Descent<'a, M> {
             multipliers: vec![0.0; frame.components()],
             region: TrustRegion::new(size),
             lowest: f64::NAN,
-            met_negative: false,
+            met_negative: crossed,
         };
         descent.place_trial();
         descent.accept();
@@ -188,8 +193,7 @@ impl<'a, M: Model> Descent<'a, M> {
     pub(super) fn release(&mut self) -> f64 {
         let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, multipliers, .. } = self;
         let points = frame.points();
-        let [softest, stiffest] = interface.elastic.stiffness_range();
-        let reference = (softest * stiffest).sqrt();
+        let stiffness = interface.elastic.stiffness_range();
         let (mut unbalanced, mut largest) = (0.0_f64, interface.stress_scale(frame.drive.load));
         for (c, subtracted) in multipliers.iter_mut().enumerate() {
             let range = c * points..(c + 1) * points;
@@ -205,7 +209,7 @@ impl<'a, M: Model> Descent<'a, M> {
                     let i = start + k;
                     *f -= multiplier;
                     let held = touches(i) && *f > 0.0;
-                    *weight = M::Value::of(if held { 0.0 } else { weight_of(curvature[i], reference) });
+                    *weight = M::Value::of(if held { 0.0 } else { weight_of(curvature[i], stiffness) });
                     let free = if held { 0.0 } else { f.abs() };
                     worst = higher_each(worst, [free, (traction[i] - *f).abs()]);
                 }

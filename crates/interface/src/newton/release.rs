@@ -21,8 +21,7 @@ impl<M: Model> Descent<'_, M> {
         let Some(Pieces { kinks, of, .. }) = pieces else { return f64::NAN };
         let Placed { w, inset, elastic, reaction, .. } = here;
         let (w, inset, elastic, push) = (&w[..], &inset[..], &elastic[..], frame.push_on(0));
-        let [softest, stiffest] = interface.elastic.stiffness_range();
-        let reference = (softest * stiffest).sqrt();
+        let stiffness = interface.elastic.stiffness_range();
         // The force depends on the position alone, not on the pieces of the step before.
         for_each([&mut force[..]], &|start, [force]| {
             for (k, force) in force.iter_mut().enumerate().filter(|(k, _)| kinks.touches(start + k, w[start + k])) {
@@ -47,7 +46,8 @@ impl<M: Model> Descent<'_, M> {
                     *force = alone - kinks.repulsion_on(i, *piece, inset[i]);
                 }
                 let is_held = *piece == Piece::Held;
-                weight[k] = M::Value::of(if is_held { 0.0 } else { weight_of(slope[k], reference) });
+                // Weights above 1 let rounds of pressure and friction beside a law alternate between two states.
+                weight[k] = M::Value::of(if is_held { 0.0 } else { weight_of(slope[k].max(0.0), stiffness) });
                 let free = if is_held { 0.0 } else { force.abs() };
                 worst = higher_each(worst, [free, (traction[k] - *force).abs()]);
             }

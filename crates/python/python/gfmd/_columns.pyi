@@ -222,7 +222,7 @@ class Numbers(Record):
 
     @property
     def lowest_curvature(self) -> float:
-        """Without unit: lowest curvature in the last search for a step, divided by the elastic curvature. With `law`
+        """Without unit: lowest curvature in the last search for a step, relative to the preconditioner. With `law`
         only.
         """
 
@@ -697,7 +697,7 @@ class Steps(Record):
 
     @property
     def lowest_curvature(self) -> Array:
-        """Without unit [step]: lowest curvature in the last search for a step, divided by the elastic curvature."""
+        """Without unit [step]: lowest curvature in the last search for a step, relative to the preconditioner."""
 
     @property
     def stiffness(self) -> Array:

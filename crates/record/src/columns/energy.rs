@@ -183,7 +183,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::new(
         "lowest_curvature",
         "1",
-        &[(any, "lowest curvature in the last search for a step, divided by the elastic curvature")],
+        &[(any, "lowest curvature in the last search for a step, relative to the preconditioner")],
         |at| match at.rest.and_then(|rest| rest.law()).map(|law| law.lowest_curvature) {
             Some(curvature) if curvature.is_finite() => curvature.into(),
             _ => Cell::undefined(
