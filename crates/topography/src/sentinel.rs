@@ -31,12 +31,10 @@ const FAR: f64 = 10.0;
 /// Returns a warning with the lowest or highest height if it is far outside all others, and either occurs repeatedly or
 /// is used by programs for missing points.
 pub(crate) fn warning(heights: &Array2<f64>) -> Option<String> {
-    let found: Vec<(f64, usize)> = [lowest(heights, 1.0), lowest(heights, -1.0)].into_iter().flatten().collect();
-    let listed: Vec<String> = found
-        .iter()
+    let listed: Vec<String> = doubtful(heights)
         .map(|(height, count)| {
             let height = if height.abs() < HUGE { height.to_string() } else { format!("{height:e}") };
-            format!("{height} at {count} point{}", if *count == 1 { "" } else { "s" })
+            format!("{height} at {count} point{}", if count == 1 { "" } else { "s" })
         })
         .collect();
     (!listed.is_empty()).then(|| {
@@ -47,27 +45,53 @@ pub(crate) fn warning(heights: &Array2<f64>) -> Option<String> {
     })
 }
 
-/// Returns the lowest height times `sign`, and its count, if it may denote missing points.
-fn lowest(heights: &Array2<f64>, sign: f64) -> Option<(f64, usize)> {
-    let defined = || heights.iter().map(|height| sign * height).filter(|height| height.is_finite());
-    let extreme = defined().fold(f64::INFINITY, f64::min);
-    let (mut count, mut next, mut highest) = (0_usize, f64::INFINITY, f64::NEG_INFINITY);
-    for height in defined() {
-        if height == extreme {
-            count += 1;
+/// Two lowest different heights, or the two highest ones with their signs changed.
+struct End {
+    extreme: f64,
+    next: f64,
+    /// Number of points with the extreme height.
+    count: usize,
+}
+
+impl End {
+    fn add(&mut self, height: f64) {
+        if height < self.extreme {
+            *self = Self { extreme: height, next: self.extreme, count: 1 };
+        } else if height == self.extreme {
+            self.count += 1;
         } else {
-            (next, highest) = (next.min(height), highest.max(height));
+            self.next = self.next.min(height);
         }
     }
-    // Another missing-point number may be at the other end.
-    let before = defined().filter(|height| *height < highest).fold(f64::NEG_INFINITY, f64::max);
-    let end = if before > next && highest - before > FAR * (before - next) { before } else { highest };
-    let range = end - next;
-    let height = sign * extreme;
-    let is_known = KNOWN.contains(&height) || height.abs() >= HUGE;
-    let ranges = if is_known { KNOWN_FAR } else { FAR };
-    // Two levels, as of a punch, have no range.
-    (range > 0.0 && next - extreme > ranges * range && (count > 1 || is_known)).then_some((height, count))
+
+    /// Returns the extreme height and its count if it may denote missing points; `sign` is the sign of this end.
+    fn doubtful(&self, other: &Self, sign: f64) -> Option<(f64, usize)> {
+        let (highest, before) = (-other.extreme, -other.next);
+        // Another missing-point number may be at the other end.
+        let end = if before > self.next && highest - before > FAR * (before - self.next) { before } else { highest };
+        let range = end - self.next;
+        let height = sign * self.extreme;
+        let is_known = KNOWN.contains(&height) || height.abs() >= HUGE;
+        let ranges = if is_known { KNOWN_FAR } else { FAR };
+        // Two levels, as of a punch, have no range.
+        let is_far = range > 0.0 && self.next - self.extreme > ranges * range;
+        (is_far && (self.count > 1 || is_known)).then_some((height, self.count))
+    }
+}
+
+/// Returns the lowest and the highest height, each with its count, if it may denote missing points.
+fn doubtful(heights: &Array2<f64>) -> impl Iterator<Item = (f64, usize)> {
+    let none = || End { extreme: f64::INFINITY, next: f64::INFINITY, count: 0 };
+    let (mut low, mut high) = (none(), none());
+    for height in heights.iter().filter(|height| height.is_finite()) {
+        if *height <= low.next {
+            low.add(*height);
+        }
+        if -height <= high.next {
+            high.add(-height);
+        }
+    }
+    [low.doubtful(&high, 1.0), high.doubtful(&low, -1.0)].into_iter().flatten()
 }
 
 #[cfg(test)]
