@@ -1,3 +1,4 @@
+use gfmd_contact::Load;
 use gfmd_relax::{Variables, Visit};
 use gfmd_response::power_of_two;
 use gfmd_vector::{add, for_each};
@@ -194,6 +195,10 @@ impl<'a, M: Model> Descent<'a, M> {
         let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, multipliers, .. } = self;
         let points = frame.points();
         let stiffness = interface.elastic.stiffness_range();
+        // Soft points make longer steps, which may leave a branch early: measured for steps back in the approach. Under a
+        // load the rounds with the attraction held come before.
+        let is_near = matches!(frame.drive.load, Load::MeanPressure(_)) && interface.patch.is_none();
+        let least = if is_near && frame.components() == 1 { f64::NEG_INFINITY } else { 0.0 };
         let (mut unbalanced, mut largest) = (0.0_f64, interface.stress_scale(frame.drive.load));
         for (c, subtracted) in multipliers.iter_mut().enumerate() {
             let range = c * points..(c + 1) * points;
@@ -209,7 +214,7 @@ impl<'a, M: Model> Descent<'a, M> {
                     let i = start + k;
                     *f -= multiplier;
                     let held = touches(i) && *f > 0.0;
-                    *weight = M::Value::of(if held { 0.0 } else { weight_of(curvature[i], stiffness) });
+                    *weight = M::Value::of(if held { 0.0 } else { weight_of(curvature[i].max(least), stiffness) });
                     let free = if held { 0.0 } else { f.abs() };
                     worst = higher_each(worst, [free, (traction[i] - *f).abs()]);
                 }

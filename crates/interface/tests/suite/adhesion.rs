@@ -258,6 +258,22 @@ fn surfaces_jump_into_contact_and_out_of_it_at_different_distances() {
 }
 
 #[test]
+fn one_large_step_of_the_load_ends_where_small_steps_do() {
+    // The first part of a large step is a jump towards another contact; it must stay on the branch that it comes from.
+    let n = 256;
+    let law = Exponential::new(4e-4, 3e-3).unwrap();
+    let interface = Interface::new(&half_space(), &Grid::line(n, 1.0).unwrap(), &wave(n, 0.01), law).unwrap();
+    let pressed = solve(&interface, Load::MeanPressure(0.03), None).unwrap();
+    for pressure in [0.02, 0.005, 0.0, -0.002] {
+        let step = |k: u8| Load::MeanPressure(0.03 + (pressure - 0.03) * f64::from(k) / 30.0);
+        let small = (1..=30).fold(pressed.clone(), |last, k| solve(&interface, step(k), Some(&last)).unwrap());
+        let large = solve(&interface, Load::MeanPressure(pressure), Some(&pressed)).unwrap();
+        assert!(large.contact_fraction > 0.1 && large.contact_fraction == small.contact_fraction, "{pressure}");
+        assert!((large.approach - small.approach).abs() <= 1e-7 * 0.01, "{} {}", large.approach, small.approach);
+    }
+}
+
+#[test]
 fn what_cannot_hold_parts_and_says_so() {
     let n = 128;
     let law = Exponential::new(1e-4, 3e-3).unwrap();
