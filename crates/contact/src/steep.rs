@@ -1,6 +1,8 @@
 //! Contact with finite slopes: the kinematics of the surfaces is exact, and the body linearly elastic (theory.md,
 //! section 7.4).
 
+mod stiffness;
+
 use std::sync::Arc;
 
 use gfmd_field::{Grid, ShapeError, Share, Spline};

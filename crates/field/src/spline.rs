@@ -27,12 +27,13 @@ pub struct Spline {
     factors: Vec<f64>,
 }
 
-/// Values of the four B-splines at a point, and their derivatives with respect to the index.
+/// Values of the four B-splines at a point, and their first and second derivatives with respect to the index.
 struct Weights {
     /// Index of the first B-spline.
     first: i64,
     values: [f64; 4],
     slopes: [f64; 4],
+    curvatures: [f64; 4],
 }
 
 impl Spline {
@@ -92,9 +93,26 @@ impl Spline {
         (value, [slopes[0] / self.spacing[0], slopes[1] / self.spacing[1]])
     }
 
+    /// Returns the second derivatives at an `offset` (length) from the point `[i, j]`: xx, yy and xy.
+    pub fn curvatures_near(&self, point: [usize; 2], offset: [f64; 2]) -> [f64; 3] {
+        let [x, y] = [0, 1].map(|axis| self.weights(axis, point[axis], offset[axis]));
+        let [mut xx, mut yy, mut xy] = [0.0; 3];
+        for a in 0..4 {
+            let row = self.place(0, x.first, a) * self.points[1];
+            for b in 0..4 {
+                let factor = self.factors[row + self.place(1, y.first, b)];
+                xx += x.curvatures[a] * y.values[b] * factor;
+                yy += x.values[a] * y.curvatures[b] * factor;
+                xy += x.slopes[a] * y.slopes[b] * factor;
+            }
+        }
+        let [dx, dy] = self.spacing;
+        [xx / (dx * dx), yy / (dy * dy), xy / (dx * dy)]
+    }
+
     fn weights(&self, axis: usize, point: usize, offset: f64) -> Weights {
         if self.points[axis] == 1 {
-            return Weights { first: 0, values: [1.0, 0.0, 0.0, 0.0], slopes: [0.0; 4] };
+            return Weights { first: 0, values: [1.0, 0.0, 0.0, 0.0], slopes: [0.0; 4], curvatures: [0.0; 4] };
         }
         let steps = offset / self.spacing[axis];
         let whole = steps.floor();
@@ -105,6 +123,7 @@ impl Spline {
             values: [s * s * s, 4.0 - 3.0 * t * t * (1.0 + s), 4.0 - 3.0 * s * s * (1.0 + t), t * t * t]
                 .map(|sixths| sixths / 6.0),
             slopes: [-s * s, -t * (4.0 - 3.0 * t), s * (4.0 - 3.0 * s), t * t].map(|halves| halves / 2.0),
+            curvatures: [s, 3.0 * t - 2.0, 3.0 * s - 2.0, t],
         }
     }
 

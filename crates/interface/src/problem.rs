@@ -257,6 +257,13 @@ impl Interface {
         Self { elastic: Elastic::Full(Arc::clone(response)), ..self.clone() }
     }
 
+    /// Returns this interface of a patch with the response in all components of a cell around the patch.
+    pub(crate) fn in_components_of_cell(&self, response: FullResponse) -> Self {
+        let share = response.share().clone();
+        let patch = Some(Patch::of(&self.surface, response.grid(), &share));
+        Self { elastic: response.into(), share, patch, ..self.clone() }
+    }
+
     /// Returns this interface with `depth` `[x, y]`, in length, added to the clearance. The approach is still measured
     /// from first touch of the given surfaces; the rms height and gradient do not change.
     ///

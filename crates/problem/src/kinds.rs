@@ -59,10 +59,8 @@ impl ContactKind for SteepContact {
         SteepContact::certify(self, pressure, drive.load)
     }
 
-    fn stiffness(&self, _: &SteepSolution, _: f64) -> Result<Stiffness, NoStiffness> {
-        Err(NoStiffness::Undefined(
-            "not computed with finite slopes: the points in contact move sideways with the load".into(),
-        ))
+    fn stiffness(&self, state: &SteepSolution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        SteepContact::stiffness(self, state, tolerance).map_err(inexact)
     }
 }
 

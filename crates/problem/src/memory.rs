@@ -58,6 +58,10 @@ impl MemoryNeed {
     const SIDEWAYS_FREE: u64 = 44;
     /// Law beside friction on a path.
     const LAW_BESIDE_FRICTION: u64 = 41;
+    /// Law beside friction on a path of a patch, whose stiffness is found in a cell with four times its points (283
+    /// fields measured in all). A Poisson's ratio well below 0 takes a cell as for
+    /// [`LAW_ALL_COMPONENTS_FREE`](Self::LAW_ALL_COMPONENTS_FREE).
+    const LAW_BESIDE_FRICTION_FREE: u64 = 164;
     /// Cell of a body that yields, on the grid of the surface.
     const YIELD_PER_CELL: f64 = 45.0;
     /// Strain of a cell at a waypoint, and its copy beside an unfinished file, on the grid of the surface.
@@ -149,7 +153,8 @@ impl Facts {
         let histories =
             of(self.wear.is_some(), MemoryNeed::WEAR) + of(self.hardness && (law || sideways), MemoryNeed::HARDNESS);
         let faces = 1 + u64::from(self.lower.is_some());
-        let friction = of(self.friction.is_some() && law, MemoryNeed::LAW_BESIDE_FRICTION);
+        let beside = if is_free { MemoryNeed::LAW_BESIDE_FRICTION_FREE } else { MemoryNeed::LAW_BESIDE_FRICTION };
+        let friction = of(self.friction.is_some() && law, beside);
         MemoryNeed(base.0 + friction + faces * histories)
     }
 }

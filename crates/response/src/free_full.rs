@@ -6,7 +6,7 @@ use gfmd_green::{Body, GreenError, PatchMatrix, patch_compliance, patch_matrix, 
 use crate::elastic::fits;
 use crate::patch_table::Parity::{Even, Odd};
 use crate::patch_table::PatchTable;
-use crate::{Components, Hermitian, Operator, Workspace};
+use crate::{Components, FullResponse, Hermitian, Operator, Workspace};
 
 /// Compliance of a non-periodic patch for all components of its surface; the counterpart of
 /// [`FreeCompliance`](crate::FreeCompliance) (theory.md, section 3.1). Built once and shared between problems and
@@ -18,7 +18,7 @@ pub struct FreeFullCompliance {
     compliance: Operator,
     normal: Arc<Convolution>,
     stiffness_range: [f64; 2],
-    contact_modulus: f64,
+    body: Body,
 }
 
 impl FreeFullCompliance {
@@ -39,7 +39,7 @@ impl FreeFullCompliance {
         let compliance = Operator::of_matrices(Transform::padded(2, &patch, share)?, share, matrices);
         let range = stiffness_range(body, &patch).map_or([0.0; 2], |range| [range.softest, range.stiffest]);
         let normal = Convolution::distributed(patch, share, patch_compliance(body, &patch)?).into();
-        Ok(Self { patch, compliance, normal, stiffness_range: range, contact_modulus: body.contact_modulus() })
+        Ok(Self { patch, compliance, normal, stiffness_range: range, body: body.clone() })
     }
 
     /// Returns the grid of the patch.
@@ -59,7 +59,16 @@ impl FreeFullCompliance {
 
     /// Returns E* of the body, in stress; 1/(1/E₁* + 1/E₂*) for two bodies.
     pub fn contact_modulus(&self) -> f64 {
-        self.contact_modulus
+        self.body.contact_modulus()
+    }
+
+    /// Tabulates the response of the cell of this patch ([`FullResponse::of_patch_over`]), with a stiffness, for the
+    /// `share` of rows of this process.
+    ///
+    /// # Errors
+    /// Returns an error if a mode of the cell is not positive definite.
+    pub fn cell(&self, share: &Share) -> Result<FullResponse, GreenError> {
+        FullResponse::of_patch_over(share, &self.patch, &self.body)
     }
 
     /// Returns the smallest and largest stiffness in a periodic cell of the size of the patch, in stress/length.

@@ -240,7 +240,9 @@ fn finite_slopes_over_ranks_have_the_bits_of_one_process() {
                 Load::Approach(approach) => Load::Approach(1.2 * approach),
             };
             let then = contact.equilibrate(next.into(), Solver::Auto, &Budget::default(), Some(&restored), &mut ());
-            [steep_bits(&state), steep_bits(&then.unwrap())]
+            let mut found = steep_bits(&state);
+            found.0.push(contact.stiffness(&state, 1e-8).unwrap().value.to_bits());
+            [found, steep_bits(&then.unwrap())]
         };
         let alone = solve(&grid.whole());
         let each = ThreadRanks::of(size, |ranks| solve(&Contact::share(ranks, grid).unwrap()));

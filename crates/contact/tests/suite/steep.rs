@@ -2,6 +2,7 @@
 
 use gfmd_contact::{
     Contact, Drive, Equilibrium, Fields, Load, MemoryCheckpoint, Refusal, Resumable, SolveError, Solver, SteepContact,
+    SteepSolution, Stiffness,
 };
 use gfmd_field::Grid;
 use gfmd_green::{Body, Material};
@@ -77,6 +78,74 @@ fn below_a_hardness_the_mean_pressure_is_the_derivative_of_the_stored_and_the_pl
     let load = Load::MeanPressure(state.normal.mean_pressure);
     let loaded = contact.press(load).tolerance(1e-12).solve().unwrap();
     approx::assert_relative_eq!(loaded.normal.approach, approach, max_relative = 1e-9);
+}
+
+/// Returns the change of the mean pressure divided by the change of the approach, from a state to a larger load, or
+/// between loads on both sides if `is_smooth`.
+fn quotient(contact: &SteepContact, state: &SteepSolution, is_smooth: bool) -> f64 {
+    let at = |factor: f64| {
+        let load = Load::MeanPressure(factor * state.normal.mean_pressure);
+        contact.press(load).tolerance(1e-11).solve().unwrap().normal
+    };
+    let below = at(if is_smooth { 1.0 - 1e-5 } else { 1.0 });
+    let above = at(1.0 + 1e-5);
+    let touches = |state: &gfmd_contact::Solution| state.pressure.mapv(|p| p > 0.0);
+    assert_eq!(touches(&below), touches(&above));
+    (above.mean_pressure - below.mean_pressure) / (above.approach - below.approach)
+}
+
+#[test]
+fn the_stiffness_is_the_derivative_of_the_mean_pressure() {
+    let slab = |nu: f64| Body::slab(Material::from_contact_modulus(1.0, nu).unwrap(), 0.3).unwrap();
+    let bodies = [body(0.0), body(0.3), body(0.5), slab(0.2)];
+    for (body, is_line) in bodies.iter().flat_map(|body| [(body, true), (body, false)]) {
+        let (grid, heights) = rough(0.3, is_line);
+        let [steep, hard] = [None, Some(0.12)].map(|hardness| {
+            let contact = SteepContact::new(body, &grid, &heights).unwrap();
+            match hardness {
+                Some(hardness) => contact.with_hardness(hardness).unwrap(),
+                None => contact,
+            }
+        });
+        for pressure in [0.005, 0.05, 0.1] {
+            let load = Load::MeanPressure(pressure);
+            for (contact, is_smooth) in [(&steep, true), (&hard, false)] {
+                let state = contact.press(load).tolerance(1e-11).solve().unwrap();
+                let found = contact.stiffness(&state, 1e-9).unwrap();
+                assert!(found.error <= 1e-9);
+                let slope = quotient(contact, &state, is_smooth);
+                let loose = contact.stiffness(&state, Stiffness::TOLERANCE).unwrap();
+                approx::assert_relative_eq!(found.value, slope, max_relative = if is_smooth { 2e-6 } else { 1e-5 });
+                approx::assert_relative_eq!(loose.value, found.value, max_relative = loose.error + found.error);
+            }
+        }
+    }
+}
+
+/// The surface moves sideways, so that the mean level of a half-space does not fix the approach.
+#[test]
+fn full_contact_has_a_stiffness() {
+    let (grid, heights) = rough(0.1, false);
+    let contact = SteepContact::new(&body(0.3), &grid, &heights).unwrap();
+    let state = contact.press(Load::MeanPressure(0.5)).tolerance(1e-11).solve().unwrap();
+    assert_eq!(state.summary().area_fraction, 1.0);
+    let found = contact.stiffness(&state, 1e-9).unwrap();
+    approx::assert_relative_eq!(found.value, quotient(&contact, &state, true), max_relative = 1e-5);
+    assert!(found.error <= 1e-9);
+}
+
+#[test]
+fn small_slopes_give_the_stiffness_of_the_contact_with_small_slopes() {
+    let difference = |gradient: f64| {
+        let (grid, heights) = rough(gradient, false);
+        let steep = SteepContact::new(&body(0.2), &grid, &heights).unwrap();
+        let state = steep.press(Load::MeanPressure(0.1 * gradient)).tolerance(1e-11).solve().unwrap();
+        let flat = Contact::new(&body(0.2), &grid, &heights).unwrap();
+        let found = steep.stiffness(&state, 1e-9).unwrap().value;
+        found / flat.stiffness_of_pressure(&state.normal.pressure, 1e-9).unwrap().value - 1.0
+    };
+    let [small, large] = [1e-4, 2e-4].map(difference);
+    assert!(small.abs() < 1e-4 && (large / small - 2.0).abs() < 0.05, "{small:e} {large:e}");
 }
 
 #[test]

@@ -24,6 +24,18 @@ fn the_spline_goes_through_the_points_and_its_slopes_are_those_of_its_values() {
                 };
                 let slope = (beside(1e-5) - beside(-1e-5)) / 2e-5;
                 assert!((slopes[axis] - slope).abs() < 1e-8, "{points:?} {point:?}: {slopes:?} {slope}");
+                let beside = |step: f64| {
+                    let mut offset = offset;
+                    offset[axis] += step;
+                    spline.near(point, offset).1
+                };
+                let [above, below] = [1e-5, -1e-5].map(beside);
+                let [xx, yy, xy] = spline.curvatures_near(point, offset);
+                let curvatures = if axis == 0 { [xx, xy] } else { [xy, yy] };
+                for (curvature, (above, below)) in curvatures.into_iter().zip(above.into_iter().zip(below)) {
+                    let slope = (above - below) / 2e-5;
+                    assert!((curvature - slope).abs() < 1e-7, "{points:?} {point:?}: {curvature} {slope}");
+                }
             }
         }
     }

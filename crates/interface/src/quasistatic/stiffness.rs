@@ -21,9 +21,6 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Reasons why a state along a path has no stiffness, or an inexact one.
 #[derive(Debug, thiserror::Error)]
 pub enum StiffnessError {
-    /// The surfaces of a patch shear each other beside a law.
-    #[error("not computed for a patch with a law and shear")]
-    ShearedPatch,
     /// The law shears the surfaces, and the fields do not tell their lateral displacement.
     #[error("not computed from the pressure and the gap alone: the law shears the surfaces")]
     Lateral,
@@ -96,14 +93,20 @@ impl QuasistaticContact {
         };
         if let Some(response) = &self.response {
             let Stiffening::All(factor) = stiffening else { return Err(Refusal::OtherKind.into()) };
-            let Response::Periodic(response) = response else {
-                return self.stiffness_of_stuck(response, pressure, factor, tolerance);
-            };
-            let (interface, wall_pressure, gap) = match &self.normal {
-                Normal::Law(interface) => (interface.in_components_of(response), of_law(interface), gap),
-                Normal::Wall(_) => {
+            let (interface, wall_pressure, gap) = match (&self.normal, response) {
+                (Normal::Law(interface), Response::Periodic(response)) => {
+                    (interface.in_components_of(response), of_law(interface), gap)
+                }
+                (Normal::Law(interface), Response::Free(response)) => {
+                    let cell = response.cell(self.share()).map_err(Refusal::from)?;
+                    (interface.in_components_of_cell(cell), of_law(interface), gap)
+                }
+                (Normal::Wall(_), Response::Periodic(response)) => {
                     let closed = Zip::from(&pressure).and(&gap).map_collect(|p, gap| if *p > 0.0 { 0.0 } else { *gap });
                     (self.wall_in_all_components(response)?, pressure, closed)
+                }
+                (Normal::Wall(_), Response::Free(_)) => {
+                    return self.stiffness_of_stuck(response, pressure, factor, tolerance);
                 }
             };
             let interface = interface.weakened(factor);
@@ -164,7 +167,6 @@ impl QuasistaticContact {
         factor: f64,
         tolerance: f64,
     ) -> Result<Stiffness, StiffnessError> {
-        let Normal::Wall(_) = &self.normal else { return Err(StiffnessError::ShearedPatch) };
         let (pressure, lateral) = (self.with_hardness_exact(pressure), response.components().normal());
         let touches = pressure.iter().map(|p| f64::from(*p > 0.0));
         let mut held: Vec<f64> = std::iter::repeat_n(touches, lateral).flatten().collect();

@@ -704,10 +704,10 @@ class Steps(Record):
         """Stress/length [step]: instantaneous d(mean pressure)/d(approach) at the end of the step: fixed points in
         contact, constant pressure at the hardness (under a growing load; on unloading the contact is stiffer), no
         wear, instantaneous moduli of a viscoelastic body, no lateral motion; with friction points in contact stick;
-        NaN where infinite (full contact with a fixed mean level) or not computed (a patch with friction), with the
-        reason in the attribute undefined. With `yield_stress`: d(mean pressure)/d(approach) at the end of the step
-        with fixed points in contact: elastic, as at the onset of unloading; NaN where infinite (full contact with a
-        fixed mean level), with the reason in the attribute undefined.
+        NaN where infinite (full contact with a fixed mean level) or not computed, with the reason in the attribute
+        undefined. With `yield_stress`: d(mean pressure)/d(approach) at the end of the step with fixed points in
+        contact: elastic, as at the onset of unloading; NaN where infinite (full contact with a fixed mean level),
+        with the reason in the attribute undefined.
         """
 
     @property
