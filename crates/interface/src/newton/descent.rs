@@ -195,8 +195,8 @@ impl<'a, M: Model> Descent<'a, M> {
         let Self { interface, frame, wall, model, here: Placed { w, reaction, .. }, force, multipliers, .. } = self;
         let points = frame.points();
         let stiffness = interface.elastic.stiffness_range();
-        // Soft points make longer steps, which may leave a branch early: measured for steps back in the approach. Under a
-        // load the rounds with the attraction held come before.
+        // Soft points make longer steps, which may leave a branch early (measured: steps back in the approach). Under a
+        // load, rounds with the attraction held come before.
         let is_near = matches!(frame.drive.load, Load::MeanPressure(_)) && interface.patch.is_none();
         let least = if is_near && frame.components() == 1 { f64::NEG_INFINITY } else { 0.0 };
         let (mut unbalanced, mut largest) = (0.0_f64, interface.stress_scale(frame.drive.load));
