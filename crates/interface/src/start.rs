@@ -16,9 +16,10 @@ use crate::{Interface, State};
 /// Largest number of rounds with the attraction held. Measured: of 3 to 6 rounds, 4 take the fewest transform pairs
 /// (loops of nine loads, 128 to 512 points along an axis).
 const ROUNDS: usize = 4;
-/// Change of the attraction in the last round, divided by the largest attraction. Chosen: small steps of the load take
-/// one round.
+/// Change of the attraction in the last round, divided by the largest attraction. Chosen.
 const SETTLED: f64 = 0.2;
+/// Relative change of the load that the search follows as well from the last state. Chosen.
+const SMALL: f64 = 0.1;
 /// Tolerance of the contact in a round.
 const TOLERANCE_OF_ROUND: f64 = 1e-2;
 
@@ -57,13 +58,17 @@ impl Interface {
         watch: &mut dyn Watch,
     ) -> Option<State> {
         let Load::MeanPressure(mean) = drive.load else { return None };
+        let change = mean - start.mean_pressure;
+        if change.abs() <= SMALL * mean.abs().max(start.mean_pressure.abs()) {
+            return None;
+        }
         if !self.law.has_wall() || self.gives_way() || self.law.stiffness_bound(0.0) == 0.0 {
             return None;
         }
         let budget = Budget { tolerance: budget.tolerance.max(TOLERANCE_OF_ROUND), ..*budget };
         let mut pull = self.pull(&start.gap)?;
         // Force on the points before a round: at first the change of the load.
-        let mut force = vec![mean - start.mean_pressure; pull.len()];
+        let mut force = vec![change; pull.len()];
         let mut found: Option<State> = None;
         for _ in 0..ROUNDS {
             let from = found.as_ref().unwrap_or(start);
@@ -81,14 +86,17 @@ impl Interface {
                 })
             };
             let [before, after] = reduce(&self.share, pull.len(), &works, &add);
-            let is_first = found.is_none();
-            state.passed_instability = after > before || (!is_first && from.passed_instability);
-            state.effort.transform_pairs += if is_first { 0.0 } else { from.effort.transform_pairs };
             let largest = |values: &[f64]| {
                 let of = |range: Range<usize>| values[range].iter().fold(0.0, |most: f64, value| most.max(value.abs()));
                 reduce(&self.share, values.len(), &of, &f64::max)
             };
             let is_last = largest(&pull) <= SETTLED * largest(&next);
+            // Where the attraction hardly changes, rounding errors would decide.
+            state.passed_instability = !is_last && after > before.max(0.0);
+            if let Some(found) = &found {
+                state.passed_instability |= found.passed_instability;
+                state.effort.transform_pairs += found.effort.transform_pairs;
+            }
             (force, pull) = (pull, next);
             found = Some(state);
             if is_last {
