@@ -1,5 +1,5 @@
 use gfmd_contact::{Drive, Equilibrium, Fields as _, Load, Refusal, SolveError, Solver, Units, judge};
-use gfmd_relax::{Budget, Fire, Progress, Watch};
+use gfmd_relax::{Budget, Ending, Fire, Progress, Watch};
 
 use crate::certify::certify;
 use crate::frame::Frame;
@@ -134,7 +134,18 @@ impl Interface {
                 self.without_attraction(drive, budget, &mut |now: &Progress| watch.see(now))?
             }
             Some(start) if matches!(method, Method::Newton) && watch.recall().is_none() => {
-                self.with_attraction_held(drive, budget, start, &mut |now: &Progress| watch.see(now))
+                let mut is_stopped = false;
+                let nearer = self.with_attraction_held(drive, budget, start, &mut |now: &Progress| {
+                    let flow = watch.see(now);
+                    is_stopped |= flow.is_break();
+                    flow
+                });
+                if self.share.any(is_stopped) {
+                    // Without a checkpoint, a continued search makes all rounds again.
+                    let position = frame.starting_position(&self.elastic, Some(start));
+                    return judge(certify(self, &frame, &position, &[]), Ending::Interrupted, budget.tolerance);
+                }
+                nearer
             }
             _ => None,
         };

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use gfmd_contact::{
-    Boundary, Budget, Drive, Equilibrium, Fields as _, Load, MemoryCheckpoint, Progress, Resumable, Solver,
+    Boundary, Budget, Drive, Equilibrium, Fields as _, Load, MemoryCheckpoint, Progress, Resumable, SolveError, Solver,
     Variables as _, Visit, Watch,
 };
 use gfmd_field::Grid;
@@ -87,6 +87,54 @@ fn a_law_continues_bit_for_bit() {
             assert!(second.kept.is_at_end() && second.calls == whole.calls - at);
         }
     }
+}
+
+/// Watcher that stops a search at one of its calls, and keeps the last checkpoint before.
+#[derive(Default)]
+struct Stopper {
+    at: Option<usize>,
+    calls: usize,
+    kept: MemoryCheckpoint,
+    recalls: bool,
+}
+
+impl Watch for Stopper {
+    fn see(&mut self, _: &Progress) -> ControlFlow<()> {
+        self.calls += 1;
+        if self.at == Some(self.calls) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn checkpoint(&mut self, variables: &mut dyn FnMut(&mut dyn Visit)) {
+        self.kept = MemoryCheckpoint::default();
+        variables(&mut self.kept);
+    }
+
+    fn recall(&mut self) -> Option<&mut dyn Visit> {
+        (self.recalls && !self.kept.is_at_end()).then_some(&mut self.kept)
+    }
+}
+
+#[test]
+fn a_law_stopped_anywhere_continues_bit_for_bit() {
+    let interface = interface();
+    let start = interface.press(Load::MeanPressure(0.02)).solve().unwrap();
+    let load = Load::MeanPressure(0.005).into();
+    let solve =
+        |watch: &mut Stopper| interface.equilibrate(load, Solver::Newton, &Budget::default(), Some(&start), watch);
+    let mut whole = Stopper::default();
+    let expected = checkpoint(&interface, solve(&mut whole).unwrap());
+    let mut without = 0;
+    for at in 1..=whole.calls {
+        let mut first = Stopper { at: Some(at), ..Stopper::default() };
+        assert!(matches!(solve(&mut first), Err(SolveError::Interrupted { .. })), "{at} of {}", whole.calls);
+        let mut kept = first.kept;
+        without += usize::from(kept == MemoryCheckpoint::default());
+        kept.rewind();
+        let mut second = Stopper { recalls: kept != MemoryCheckpoint::default(), kept, ..Stopper::default() };
+        assert!(checkpoint(&interface, solve(&mut second).unwrap()) == expected, "{at} of {}", whole.calls);
+    }
+    // The rounds before the search keep none.
+    assert!(without > 2 && without < whole.calls, "{without} of {}", whole.calls);
 }
 
 #[test]
