@@ -209,7 +209,7 @@ impl Interface {
         }
     }
 
-    pub(crate) fn is_wall_alone(&self) -> bool {
+    fn is_wall_alone(&self) -> bool {
         self.law.has_wall() && self.law.stiffness_bound(0.0) == 0.0 && self.law.steepness() == 0.0
     }
 }
