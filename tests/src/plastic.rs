@@ -80,7 +80,7 @@ fn along(file: &File, path: &Value) -> Result<Check, ValidationError> {
         worst.compare(state.mean_pressure(), expected("mean_pressure"));
         worst.compare(state.approach(), expected("approach"));
         worst.compare(state.plastic_volume().unwrap_or(f64::NAN), depth);
-        worst.compare(state.elastic_energy, work);
+        worst.compare(state.elastic_energy(), work);
         worst.compare_to(step.dissipated.unwrap_or(f64::NAN), expected("work"), work);
         worst.compare(state.pressure().iter().filter(|p| **p > 0.0).count() as f64, expected("contact_nodes"));
     }

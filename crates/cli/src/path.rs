@@ -326,7 +326,7 @@ fn finish(
     let report = report_of(args, prepared, contact.surface(), (records, places))?;
     let mut report = Report { parted_at, not_converged, out, ..report };
     if let (None, Some(prefix), Some(shown)) = (&failure, &args.plots, widest) {
-        let depth = path.state().and_then(|state| state.on_path()?.wear_depth());
+        let depth = path.state().and_then(|state| state.of_parts()?.wear_depth());
         let depth = depth.map(|depth| Field { name: "wear_depth", units: "length", values: depth.into() });
         let strained =
             path.state().and_then(AnyState::yielding).and_then(|state| figures::Strained::of(&prepared.surface, state));

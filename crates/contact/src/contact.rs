@@ -321,7 +321,7 @@ impl Contact {
 
     /// Returns the rigid surface.
     #[allow(clippy::misnamed_getters, reason = "`surface` is the one in the units of the solve")]
-    pub fn surface(&self) -> &RigidSurface {
+    pub fn surface(&self) -> &Arc<RigidSurface> {
         &self.surface
     }
 

@@ -4,9 +4,9 @@
 //! - [`Interface`]: a law acting across the gap, with or without a hard wall, in u_z alone or in all components. The
 //!   wall may have a hardness and springs. In equilibrium the elastic traction balances the tractions of law and wall.
 //!   If several equilibria exist, the solver finds a stable one by lowering the energy from the starting state.
-//! - [`QuasistaticContact`]: a contact made of [`Parts`], solved increment by increment: a wall or a law, friction, a
-//!   hardness, wear, and a body that relaxes, in any combination.
-//! - [`Squeezed`]: either of them at both faces of a plate between two surfaces.
+//! - [`QuasistaticContact`]: a contact made of [`Parts`], under loads or increment by increment: a wall or a law,
+//!   friction, a hardness, wear, and a body that relaxes, in any combination.
+//! - [`Squeezed`]: such a contact at both faces of a plate between two surfaces.
 //! - [`Path`]: any of these contacts along a path of drives, with the energy lost in each step; [`follow`] keeps all
 //!   states, from which [`QuasistaticContact::gradient_along`] computes derivatives.
 
@@ -41,8 +41,8 @@ pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
 pub use problem::{Interface, Trapping};
 pub use quasistatic::{
     Increment, LimitingPressure, Losses, Parts, PathGradient, PathGradientError, QuasistaticContact, QuasistaticState,
-    Shear, StiffnessError, Wear,
+    Sequence, Shear, StiffnessError, Wear,
 };
-pub use squeezed::{Squeezed, SqueezedState, Stacked, stiffness_between_walls};
+pub use squeezed::{Squeezed, SqueezedState, stiffness_between_walls};
 pub use state::{Residual, State};
 pub use stored_fields::StoredFields;

@@ -1,9 +1,10 @@
-//! Contacts made of parts, solved increment by increment.
+//! Contacts made of parts, under loads or increment by increment.
 
 mod division;
 mod end;
 mod faces;
 mod gradient;
+mod loads;
 mod normal;
 mod parts;
 mod response;
@@ -17,30 +18,31 @@ mod tangential;
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Boundary, Contact, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface,
-    SolveError, Solver, Units, Variables as _, Visit,
+    Boundary, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError,
+    Solver, Units, Variables as _, Visit,
 };
 use gfmd_field::Share;
 use gfmd_law::{InUnits, Law};
 use gfmd_medium::Medium;
 use gfmd_relax::{Budget, Progress, Watch};
-use gfmd_response::{FreeFullCompliance, FullResponse, NormalResponse};
+use gfmd_response::{FreeFullCompliance, FullResponse};
 use ndarray::{Array2, ArrayRef2};
 
 use crate::path::{Loss, Quasistatic, Reading};
-use crate::{Interface, StoredFields, Trapping};
+use crate::{StoredFields, Trapping};
 pub use gradient::{Increment, PathGradient, PathGradientError};
 use normal::Normal;
-pub use parts::{LimitingPressure, Parts, Shear, Wear};
+pub use parts::{LimitingPressure, Parts, Sequence, Shear, Wear};
 use response::Response;
 pub use state::{Losses, QuasistaticState};
 use step::Step;
 pub use stiffness::StiffnessError;
 
-/// A rigid rough surface above an elastic body, made of [`Parts`] and solved increment by increment: any body, any
-/// interaction, any history (theory.md, section 8.2).
+/// A rigid rough surface above an elastic body, made of [`Parts`]: any body, any interaction, any history (theory.md,
+/// section 8.2).
 ///
-/// A drive is one increment from the previous state, or from the undeformed surfaces at first touch. Each increment is
+/// Under [loads](Sequence::Loads) each drive is a problem of its own. Along a [path](Sequence::Path) a drive is one
+/// increment from the previous state, or from the undeformed surfaces at first touch. Each increment is
 /// one problem: the body relates displacement and traction by an affine function, which contains its memory; the
 /// repulsion at a point has bounds, and a compliance where the surfaces wear; the shear has a limit, set by the
 /// repulsion; depths worn off and pressed in are updated at the end (implicit steps). At points where the shear is
@@ -54,6 +56,7 @@ pub use stiffness::StiffnessError;
 /// A clone shares the data.
 #[derive(Clone)]
 pub struct QuasistaticContact {
+    sequence: Sequence,
     /// Contact along the normal on a body with its long-term moduli, hardness and law in `units`.
     normal: Normal,
     medium: Option<Arc<dyn Medium>>,
@@ -91,11 +94,19 @@ impl QuasistaticContact {
     ///
     /// # Errors
     /// Returns an error for heights that do not match the grid or are not finite; for flat heights at a wall; for parts
-    /// that are out of range; and for a body with unknown compliance of a patch, or with unknown relaxation.
+    /// that are out of range; for a body with unknown compliance of a patch, or with unknown relaxation; and for loads
+    /// with shear, relaxation or wear.
     pub fn new(parts: &Parts) -> Result<Self, Refusal> {
+        match parts.sequence {
+            Sequence::Loads => Self::of_loads(parts),
+            Sequence::Path => Self::of_path(parts),
+        }
+    }
+
+    fn of_path(parts: &Parts) -> Result<Self, Refusal> {
         let Parts { body, grid, heights, boundary, law, all_components, held, .. } = parts;
         let Parts { hardness, shear, wear, sideways, .. } = parts;
-        let share = &parts.share.cloned().unwrap_or_else(|| grid.whole());
+        let share = &parts.share();
         let surface = RigidSurface::distributed(share, grid, heights)?;
         let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
         let units = Units::of(body, &given)?;
@@ -128,26 +139,7 @@ impl QuasistaticContact {
                 Some(Response::Free(FreeFullCompliance::distributed(*grid, body, share)?.into()))
             }
         };
-        let normal = match (law, &response) {
-            (None, Some(Response::Periodic(full))) => {
-                Normal::Wall(Contact::with_response(NormalResponse::of_all_components(full), &heights)?)
-            }
-            (None, _) if *held => Normal::Wall(Contact::held_sideways_over(share, body, grid, &heights)?),
-            (None, _) => Normal::Wall(Contact::with_boundary_over(share, *boundary, body, grid, &heights)?),
-            (Some(law), _) if *all_components => Normal::Law(Interface::in_all_components_with_boundary_over(
-                share, *boundary, body, grid, &heights, law,
-            )?),
-            (Some(law), _) if *held => Normal::Law(Interface::held_sideways_over(share, body, grid, &heights, law)?),
-            (Some(law), Some(Response::Periodic(full))) => {
-                Normal::Law(Interface::with_response(NormalResponse::of_all_components(full), &heights, law)?)
-            }
-            (Some(law), _) => Normal::Law(Interface::with_boundary_over(share, *boundary, body, grid, &heights, law)?),
-        };
-        let normal = match (normal, &hardness) {
-            (normal, None) => normal,
-            (Normal::Wall(contact), Some(hardness)) => Normal::Wall(contact.with_hardness(hardness.clone())?),
-            (Normal::Law(interface), Some(hardness)) => Normal::Law(interface.with_hardness(hardness.clone())?),
-        };
+        let normal = Normal::of(parts, share, (body, grid, &heights), law, response.as_ref(), hardness.as_ref())?;
         let components = match &normal {
             Normal::Law(interface) => interface.elastic().components(),
             Normal::Wall(_) => 1,
@@ -162,6 +154,7 @@ impl QuasistaticContact {
             return Err(Refusal::Start { found: sideways.len(), expected });
         }
         Ok(Self {
+            sequence: Sequence::Path,
             normal,
             medium: parts.medium(grid, share, components)?,
             hardness,
@@ -199,6 +192,9 @@ impl QuasistaticContact {
     /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one:
     /// with shear, or of a body with a memory.
     pub fn basis(&self) -> &'static [&'static str] {
+        if self.sequence == Sequence::Loads {
+            return self.normal.basis();
+        }
         let has_history = self.shear.is_some() || self.medium.is_some() || self.all_components;
         match (&self.normal, &self.hardness, self.wear) {
             _ if has_history => &[],
@@ -219,6 +215,9 @@ impl QuasistaticContact {
     /// # Errors
     /// Returns an error if the fields are not the basis, or do not fit the grid, or if the drive is invalid.
     pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<QuasistaticState, Refusal> {
+        if self.sequence == Sequence::Loads {
+            return self.certify_load(fields, drive);
+        }
         let names = self.basis();
         if names.is_empty() || fields.len() != names.len() {
             return Err(Refusal::Basis { found: fields.len(), expected: names.len() });
@@ -249,6 +248,9 @@ impl QuasistaticContact {
     /// # Errors
     /// Returns an error for a contact with a history, or if the fields do not fit the grid.
     pub fn recall(&self, stored: StoredFields<'_>) -> Result<QuasistaticState, Refusal> {
+        if self.sequence == Sequence::Loads {
+            return self.recall_load(stored);
+        }
         if self.basis().iter().any(|name| name.ends_with("depth")) || self.basis().is_empty() {
             return Err(Refusal::Basis { found: 3, expected: self.basis().len() });
         }
@@ -355,6 +357,9 @@ impl QuasistaticContact {
         (start, near): (Option<&QuasistaticState>, Option<&QuasistaticState>),
         watch: &mut dyn Watch,
     ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
+        if self.sequence == Sequence::Loads {
+            return self.load(drive, solver, budget, near.or(start), watch);
+        }
         budget.check().map_err(Refusal::from)?;
         self.check(drive)?;
         if self.shear.is_some() {
@@ -399,6 +404,9 @@ impl Equilibrium for QuasistaticContact {
     /// periodic boundaries: surfaces may part, and touch again after recovery. Ignores a lateral displacement of
     /// surfaces that do not shear each other.
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        if self.sequence == Sequence::Loads {
+            return self.normal.check(drive);
+        }
         drive.check()?;
         check_order(drive, [0.0; 2])?;
         let is_wall = matches!(self.normal, Normal::Wall(_));
@@ -422,7 +430,8 @@ impl Equilibrium for QuasistaticContact {
         }
     }
 
-    /// Solves the increment from `start`, or from the undeformed surfaces at time 0 and distance 0. A law on a body
+    /// Solves the load, with a search from `start`; or the increment from `start`, or from the undeformed surfaces at
+    /// time 0 and distance 0. A law on a body
     /// that relaxes first draws the surfaces together, which takes a second solve.
     fn equilibrate(
         &self,
@@ -461,7 +470,7 @@ impl QuasistaticContact {
 
 impl Quasistatic for QuasistaticContact {
     fn reading(&self, state: &QuasistaticState) -> Reading {
-        let stored = || state.elastic_energy + state.interface_energy();
+        let stored = || state.elastic_energy() + state.interface_energy();
         let loss = match &self.normal {
             Normal::Law(_) if !self.has_energy() => Loss::Unknown,
             Normal::Law(_) if !self.loses() => Loss::Balance(stored()),
@@ -526,10 +535,16 @@ impl Quasistatic for QuasistaticContact {
 
 impl Resumable for QuasistaticContact {
     fn keep(&self, state: &mut QuasistaticState, visitor: &mut dyn Visit) {
-        state.visit(visitor);
+        match self.sequence {
+            Sequence::Loads => self.keep_load(state, visitor),
+            Sequence::Path => state.visit(visitor),
+        }
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<QuasistaticState, Refusal> {
+        if self.sequence == Sequence::Loads {
+            return self.restore_load(drive, visitor);
+        }
         self.check(drive)?;
         let mut state = self.given_units(self.blank()?);
         state.visit(visitor);
@@ -539,9 +554,10 @@ impl Resumable for QuasistaticContact {
 
 impl std::fmt::Debug for QuasistaticContact {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { shear, wear, all_components, .. } = self;
+        let Self { sequence, shear, wear, all_components, .. } = self;
         let relaxes = self.medium.is_some();
         f.debug_struct("QuasistaticContact")
+            .field("sequence", sequence)
             .field("relaxes", &relaxes)
             .field("shear", shear)
             .field("wear", wear)

@@ -11,8 +11,6 @@ use gfmd_contact::{
     SqueezedContact, SqueezedSolution, Stiffness, Visit,
 };
 use gfmd_field::{Grid, Share};
-use gfmd_green::{Body, GreenError, Plate};
-use gfmd_law::Law;
 use gfmd_measure::{Scales, Summary};
 use gfmd_relax::{Budget, Watch};
 use gfmd_vector::contiguous;
@@ -22,11 +20,10 @@ use crate::quasistatic::{Parts, QuasistaticContact, QuasistaticState, StiffnessE
 use crate::{Interface, Loss, Quasistatic, Reading, State, StoredFields, Trapping};
 
 /// Slab, or stack of layers, between two rigid surfaces, with one law at both faces. Nothing else holds the slab: the
-/// mean pressures on its two faces are equal. `C` is the contact of both faces as one: an [`Interface`] under loads, a
-/// [`QuasistaticContact`] along a path. Clones share the data.
+/// mean pressures on its two faces are equal. Clones share the data.
 #[derive(Clone, Debug)]
-pub struct Squeezed<C> {
-    contact: C,
+pub struct Squeezed {
+    contact: QuasistaticContact,
     surfaces: [Arc<RigidSurface>; 2],
 }
 
@@ -34,58 +31,15 @@ pub struct Squeezed<C> {
 /// Displacements are measured from the level at which the mean displacements of the two faces are opposite, positive
 /// out of the plate. In both faces, energies, losses, residuals and effort belong to the whole plate.
 #[derive(Clone, Debug)]
-pub struct SqueezedState<S> {
+pub struct SqueezedState {
     /// Both faces as one.
-    both: S,
+    both: QuasistaticState,
     /// Contact with the upper surface.
-    pub upper: S,
+    pub upper: QuasistaticState,
     /// Contact with the lower surface, seen from below.
-    pub lower: S,
+    pub lower: QuasistaticState,
     /// Approach of the two rigid surfaces to each other beyond the distance at which both touch the undeformed slab.
     pub approach: f64,
-}
-
-/// Contact of both faces of a plate as one. Its approach and its energies per area are half the values of the plate.
-pub trait Stacked: Quasistatic + Resumable {
-    /// Returns the law at both faces.
-    fn interface(&self) -> Option<&Interface>;
-
-    /// Returns a face, 0 for the upper one, of a state.
-    fn face(&self, both: &Self::State, face: usize, surface: &Arc<RigidSurface>) -> Self::State;
-
-    /// Returns the names of the fields that determine a state.
-    fn basis(&self) -> &'static [&'static str];
-
-    /// Computes the state of the basis fields.
-    ///
-    /// # Errors
-    /// Returns an error for fields that do not fit the grid, or an invalid drive.
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Self::State, Refusal>;
-
-    /// Restores a state from stored fields.
-    ///
-    /// # Errors
-    /// Returns an error for fields that do not fit the grid.
-    fn recall(&self, stored: StoredFields<'_>) -> Result<Self::State, Refusal>;
-
-    /// Computes the stiffness of a state.
-    ///
-    /// # Errors
-    /// Returns the reason why there is none.
-    fn stiffness(&self, state: &Self::State, tolerance: f64) -> Result<Stiffness, StiffnessError>;
-
-    /// Computes the stiffness of the state with these fields, also where they do not determine it.
-    ///
-    /// # Errors
-    /// Returns the reason why there is none; always under loads, where the fields make the state.
-    fn stiffness_of_fields(
-        &self,
-        _pressure: &ArrayRef2<f64>,
-        _gap: &ArrayRef2<f64>,
-        _tolerance: f64,
-    ) -> Result<Stiffness, StiffnessError> {
-        Err(Refusal::OtherKind.into())
-    }
 }
 
 /// Computes the stiffness d(mean pressure)/d(approach) of a slab between two hard walls, in stress/length, to a
@@ -116,67 +70,6 @@ pub fn stiffness_between_walls(
     let traction = -wall_pressure.clone().insert_axis(Axis(0));
     let found = walls.stiffness(&State { traction, gap, wall_pressure, approach: 0.0, ..blank }, tolerance)?;
     Ok(Stiffness { value: 0.5 * found.value * units.stiffness(), ..found })
-}
-
-impl Stacked for Interface {
-    fn interface(&self) -> Option<&Interface> {
-        Some(self)
-    }
-
-    fn face(&self, both: &State, face: usize, surface: &Arc<RigidSurface>) -> State {
-        self.face_of(both, face, surface, self.units.length())
-    }
-
-    fn basis(&self) -> &'static [&'static str] {
-        Interface::basis(self)
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
-        self.certify_fields(fields, drive)
-    }
-
-    fn recall(&self, stored: StoredFields<'_>) -> Result<State, Refusal> {
-        Interface::recall(self, stored)
-    }
-
-    fn stiffness(&self, state: &State, tolerance: f64) -> Result<Stiffness, StiffnessError> {
-        Ok(Interface::stiffness(self, state, tolerance)?)
-    }
-}
-
-impl Stacked for QuasistaticContact {
-    fn interface(&self) -> Option<&Interface> {
-        self.interface()
-    }
-
-    fn face(&self, both: &QuasistaticState, face: usize, surface: &Arc<RigidSurface>) -> QuasistaticState {
-        self.face(both, face, surface)
-    }
-
-    fn basis(&self) -> &'static [&'static str] {
-        QuasistaticContact::basis(self)
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<QuasistaticState, Refusal> {
-        QuasistaticContact::certify(self, fields, drive)
-    }
-
-    fn recall(&self, stored: StoredFields<'_>) -> Result<QuasistaticState, Refusal> {
-        QuasistaticContact::recall(self, stored)
-    }
-
-    fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, StiffnessError> {
-        QuasistaticContact::stiffness(self, state, tolerance)
-    }
-
-    fn stiffness_of_fields(
-        &self,
-        pressure: &ArrayRef2<f64>,
-        gap: &ArrayRef2<f64>,
-        tolerance: f64,
-    ) -> Result<Stiffness, StiffnessError> {
-        QuasistaticContact::stiffness_of_fields(self, pressure, gap, tolerance)
-    }
 }
 
 impl Interface {
@@ -235,106 +128,22 @@ fn stacked(upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Array2<f64> {
     concatenate(Axis(0), &[upper.view(), lower.view()]).expect("the fields of both faces have one shape")
 }
 
-impl Squeezed<Interface> {
-    /// Creates the contact of the layers of `body`, without its base, with two rigid profiles on `grid`: `upper` above
-    /// the slab and `lower` below it, each in length with peaks towards the slab. Points with the same indices lie
-    /// above each other, and a constant in the heights has no effect.
+impl Squeezed {
+    /// Creates the contact of the layers of a body, without its base, with two rigid profiles: the heights of `parts`
+    /// above the slab and `lower` below it, each in length with peaks towards the slab. Points with the same indices
+    /// lie above each other, and a constant in the heights has no effect. Without a law, both are hard walls, solved
+    /// as laws; a hardness has the points of one face.
     ///
     /// # Errors
-    /// Returns an error for a body that is no slab and no stack of layers, and for heights that differ in shape from
-    /// the grid or are not finite.
-    pub fn new(
-        body: &Body,
-        grid: &Grid,
-        upper: &ArrayRef2<f64>,
-        lower: &ArrayRef2<f64>,
-        law: impl Law + 'static,
-    ) -> Result<Self, Refusal> {
-        Self::distributed(&grid.whole(), body, grid, [upper, lower], law)
-    }
-
-    /// Creates the contact as [`new`](Self::new), solved by the processes of a
-    /// [`share`](gfmd_contact::Contact::share), which give and get their rows of the fields of both faces.
-    ///
-    /// # Errors
-    /// Returns an error as [`new`](Self::new), on all processes.
-    pub fn distributed(
-        share: &Share,
-        body: &Body,
-        grid: &Grid,
-        faces: [&ArrayRef2<f64>; 2],
-        law: impl Law + 'static,
-    ) -> Result<Self, Refusal> {
-        Self::of_plate(Plate::of, body, surfaces(share, grid, faces)?, law)
-    }
-
-    /// Creates the contact as [`new`](Self::new) of a slab whose faces have no lateral displacement: the two surfaces
-    /// hold all their points sideways.
-    ///
-    /// # Errors
-    /// Returns an error as [`new`](Self::new).
-    pub fn held_sideways(
-        body: &Body,
-        grid: &Grid,
-        upper: &ArrayRef2<f64>,
-        lower: &ArrayRef2<f64>,
-        law: impl Law + 'static,
-    ) -> Result<Self, Refusal> {
-        Self::held_sideways_over(&grid.whole(), body, grid, [upper, lower], law)
-    }
-
-    /// Creates the contact as [`held_sideways`](Self::held_sideways), solved by several processes as
-    /// [`distributed`](Self::distributed).
-    ///
-    /// # Errors
-    /// Returns an error as [`new`](Self::new), on all processes.
-    pub fn held_sideways_over(
-        share: &Share,
-        body: &Body,
-        grid: &Grid,
-        faces: [&ArrayRef2<f64>; 2],
-        law: impl Law + 'static,
-    ) -> Result<Self, Refusal> {
-        Self::of_plate(Plate::held_sideways, body, surfaces(share, grid, faces)?, law)
-    }
-
-    fn of_plate(
-        plate: impl FnOnce(&Body) -> Result<Plate, GreenError>,
-        body: &Body,
-        surfaces: [Arc<RigidSurface>; 2],
-        law: impl Law + 'static,
-    ) -> Result<Self, Refusal> {
-        let given = RigidSurface::stacked(&surfaces[0], &surfaces[1])?.into();
-        Ok(Self { contact: Interface::of_plate(plate, body, &given, law)?, surfaces })
-    }
-
-    /// Sets the hardness of both faces, as [`Interface::with_hardness`]; a field has the points of one face.
-    ///
-    /// # Errors
-    /// Returns an error as [`Interface::with_hardness`].
-    pub fn with_hardness(self, hardness: impl Into<Hardness>) -> Result<Self, Refusal> {
-        let hardness = of_both(&hardness.into(), &self.surfaces[0])?;
-        Ok(Self { contact: self.contact.with_hardness(hardness)?, ..self })
-    }
-}
-
-impl Squeezed<QuasistaticContact> {
-    /// Creates the contact of these parts with a second surface `lower` below the slab, along a path; a hard wall
-    /// without a law. A hardness has the points of one face.
-    ///
-    /// # Errors
-    /// Returns an error as [`QuasistaticContact::new`] and [`Squeezed::new`], and for shear, wear by slip, a body that
-    /// relaxes in shear alone, and free boundaries.
-    pub fn on_path(parts: &Parts, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let share = &parts.share.cloned().unwrap_or_else(|| parts.grid.whole());
-        let surfaces = surfaces(share, parts.grid, [parts.heights, lower])?;
+    /// Returns an error as [`QuasistaticContact::new`]; for a body that is no slab and no stack of layers; and for
+    /// shear, wear by slip, a body that relaxes in shear alone, and free boundaries.
+    pub fn new(parts: &Parts, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+        let surfaces = surfaces(&parts.share(), parts.grid, [parts.heights, lower])?;
         let hardness = parts.hardness.as_ref().map(|hardness| of_both(hardness, &surfaces[0])).transpose()?;
         let contact = QuasistaticContact::squeezed(&Parts { hardness, ..parts.clone() }, &surfaces)?;
         Ok(Self { contact, surfaces })
     }
-}
 
-impl<C: Stacked> Squeezed<C> {
     /// Returns the rigid surfaces: the upper, then the lower.
     pub fn surfaces(&self) -> [&RigidSurface; 2] {
         self.surfaces.each_ref().map(|surface| &**surface)
@@ -342,7 +151,7 @@ impl<C: Stacked> Squeezed<C> {
 
     /// Returns a warning if the law is too steep for the grid ([`Interface::trapping`]).
     pub fn trapping(&self) -> Option<Trapping> {
-        self.contact.interface().and_then(Interface::trapping)
+        self.contact.trapping()
     }
 
     /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one,
@@ -372,7 +181,7 @@ impl<C: Stacked> Squeezed<C> {
     ///
     /// # Errors
     /// Returns an error if the fields are not the basis or do not fit the grid, or if the drive is invalid.
-    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedState<C::State>, Refusal> {
+    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedState, Refusal> {
         let expected = self.basis().len();
         if expected == 0 || fields.len() != expected {
             return Err(Refusal::Basis { found: fields.len(), expected });
@@ -389,7 +198,7 @@ impl<C: Stacked> Squeezed<C> {
     ///
     /// # Errors
     /// Returns an error for fields that do not fit the grid.
-    pub fn recall(&self, upper: StoredFields<'_>, lower: StoredFields<'_>) -> Result<SqueezedState<C::State>, Refusal> {
+    pub fn recall(&self, upper: StoredFields<'_>, lower: StoredFields<'_>) -> Result<SqueezedState, Refusal> {
         let clearance = self.surfaces[0].clearance();
         let (share, approach) = (self.surfaces[0].share(), 0.5 * upper.approach);
         let pressure = self.stack(upper.pressure, lower.pressure)?;
@@ -407,7 +216,7 @@ impl<C: Stacked> Squeezed<C> {
     ///
     /// # Errors
     /// Returns the reason why there is none.
-    pub fn stiffness(&self, state: &SqueezedState<C::State>, tolerance: f64) -> Result<Stiffness, StiffnessError> {
+    pub fn stiffness(&self, state: &SqueezedState, tolerance: f64) -> Result<Stiffness, StiffnessError> {
         let found = self.contact.stiffness(&state.both, tolerance)?;
         Ok(Stiffness { value: 0.5 * found.value, ..found })
     }
@@ -436,7 +245,7 @@ impl<C: Stacked> Squeezed<C> {
         }
     }
 
-    fn state(&self, both: C::State) -> SqueezedState<C::State> {
+    fn state(&self, both: QuasistaticState) -> SqueezedState {
         let [upper, lower] = [0, 1].map(|face| self.contact.face(&both, face, &self.surfaces[face]));
         let approach = 2.0 * both.approach();
         SqueezedState { both, upper, lower, approach }
@@ -456,8 +265,8 @@ fn whole(refusal: Refusal) -> Refusal {
     if let Refusal::Distance { .. } = refusal { refusal } else { refusal.times(2.0, 1.0) }
 }
 
-impl<C: Stacked> Equilibrium for Squeezed<C> {
-    type State = SqueezedState<C::State>;
+impl Equilibrium for Squeezed {
+    type State = SqueezedState;
 
     fn solvers(&self) -> &'static [Solver] {
         self.contact.solvers()
@@ -487,7 +296,7 @@ impl<C: Stacked> Equilibrium for Squeezed<C> {
     }
 }
 
-impl<C: Stacked> Quasistatic for Squeezed<C> {
+impl Quasistatic for Squeezed {
     fn reading(&self, state: &Self::State) -> Reading {
         let reading = self.contact.reading(&state.both);
         let loss = match reading.loss {
@@ -518,7 +327,7 @@ impl<C: Stacked> Quasistatic for Squeezed<C> {
 }
 
 /// The faces follow from the state of both.
-impl<C: Stacked> Resumable for Squeezed<C> {
+impl Resumable for Squeezed {
     fn keep(&self, state: &mut Self::State, visitor: &mut dyn Visit) {
         self.contact.keep(&mut state.both, visitor);
     }
@@ -528,7 +337,7 @@ impl<C: Stacked> Resumable for Squeezed<C> {
     }
 }
 
-impl<S: Fields> Fields for SqueezedState<S> {
+impl Fields for SqueezedState {
     fn pressure(&self) -> CowArray<'_, f64, Ix2> {
         self.upper.pressure()
     }

@@ -1,12 +1,12 @@
 //! Kinds of contact.
 
 use gfmd_contact::{
-    Budget, Contact, Cotangents, Drive, Gradient, Load, Refusal, RigidSurface, Solution, SolveError, Solver,
-    SqueezedContact, SqueezedSolution, SteepContact, SteepSolution, Stiffness,
+    Budget, Cotangents, Drive, Gradient, Load, Refusal, RigidSurface, SolveError, Solver, SqueezedContact,
+    SqueezedSolution, SteepContact, SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    Increment, Interface, Loss, Losses, PathGradient, Quasistatic, QuasistaticContact, QuasistaticState, Reading,
-    Squeezed, SqueezedState, Stacked, State, StiffnessError, StoredFields, Trapping, stiffness_between_walls,
+    Increment, Loss, Losses, PathGradient, Quasistatic, QuasistaticContact, QuasistaticState, Reading, Squeezed,
+    SqueezedState, StiffnessError, StoredFields, Trapping, stiffness_between_walls,
 };
 use gfmd_plasticity::{PlasticState, YieldingContact};
 use gfmd_relax::{Watch, Why};
@@ -24,29 +24,6 @@ fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRe
 fn inexact((reached, why): (Stiffness, Why)) -> NoStiffness {
     let text = format!("the error of the stiffness {:e} is {:.1e} ({why})", reached.value, reached.error);
     NoStiffness::Inexact(reached, text)
-}
-
-impl ContactKind for Contact {
-    fn surface(&self) -> &RigidSurface {
-        Contact::surface(self)
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<Solution, Refusal> {
-        let [pressure] = all(fields)?;
-        Contact::certify(self, pressure, drive.load)
-    }
-
-    fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<Solution, Refusal> {
-        Contact::certify(self, stored.pressure, Load::Approach(stored.approach))
-    }
-
-    fn stiffness(&self, state: &Solution, tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        Contact::stiffness(self, state, tolerance).map_err(inexact)
-    }
-
-    fn gradient(&self, state: &Solution, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
-        Contact::gradient(self, state, load, of).map_err(|error| Unusable::of(error.to_string()))
-    }
 }
 
 impl ContactKind for SteepContact {
@@ -87,10 +64,7 @@ impl ContactKind for SqueezedContact {
     }
 }
 
-impl<C> ContactKind for Squeezed<C>
-where
-    C: Stacked<State: Send + Sync + 'static> + Send + Sync + 'static,
-{
+impl ContactKind for Squeezed {
     fn surface(&self) -> &RigidSurface {
         self.surfaces()[0]
     }
@@ -99,19 +73,15 @@ where
         Squeezed::basis(self)
     }
 
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedState<C::State>, Refusal> {
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<SqueezedState, Refusal> {
         Squeezed::certify(self, fields, drive)
     }
 
-    fn recall(
-        &self,
-        stored: StoredFields<'_>,
-        lower: Option<StoredFields<'_>>,
-    ) -> Result<SqueezedState<C::State>, Refusal> {
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<SqueezedState, Refusal> {
         Squeezed::recall(self, stored, lower.ok_or(Refusal::Basis { found: 1, expected: 2 })?)
     }
 
-    fn stiffness(&self, state: &SqueezedState<C::State>, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+    fn stiffness(&self, state: &SqueezedState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
         Squeezed::stiffness(self, state, tolerance).map_err(no_stiffness)
     }
 
@@ -120,65 +90,20 @@ where
         Squeezed::stiffness_of_fields(self, faces, tolerance).map_err(no_stiffness)
     }
 
-    fn reading(&self, state: &SqueezedState<C::State>) -> Reading {
+    fn reading(&self, state: &SqueezedState) -> Reading {
         Quasistatic::reading(self, state)
     }
 
-    fn depends_on_division(
-        &self,
-        start: Option<&SqueezedState<C::State>>,
-        end: &SqueezedState<C::State>,
-        tolerance: f64,
-    ) -> bool {
+    fn depends_on_division(&self, start: Option<&SqueezedState>, end: &SqueezedState, tolerance: f64) -> bool {
         Quasistatic::depends_on_division(self, start, end, tolerance)
     }
 
-    fn change(
-        &self,
-        start: Option<&SqueezedState<C::State>>,
-        from: &SqueezedState<C::State>,
-        to: &SqueezedState<C::State>,
-    ) -> f64 {
+    fn change(&self, start: Option<&SqueezedState>, from: &SqueezedState, to: &SqueezedState) -> f64 {
         Quasistatic::change(self, start, from, to)
     }
 
     fn trapping(&self) -> Option<Trapping> {
         Squeezed::trapping(self)
-    }
-}
-
-impl ContactKind for Interface {
-    fn surface(&self) -> &RigidSurface {
-        Interface::surface(self)
-    }
-
-    fn basis(&self) -> &'static [&'static str] {
-        Interface::basis(self)
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<State, Refusal> {
-        self.certify_fields(fields, drive)
-    }
-
-    fn recall(&self, stored: StoredFields<'_>, _: Option<StoredFields<'_>>) -> Result<State, Refusal> {
-        Interface::recall(self, stored)
-    }
-
-    fn stiffness(&self, state: &State, _: f64) -> Result<Stiffness, NoStiffness> {
-        // The linear problem of one load is short beside its search, and is solved as well as it can be.
-        Interface::stiffness(self, state, 0.0).map_err(|error| NoStiffness::Undefined(error.to_string().into()))
-    }
-
-    fn reading(&self, state: &State) -> Reading {
-        Quasistatic::reading(self, state)
-    }
-
-    fn trapping(&self) -> Option<Trapping> {
-        Interface::trapping(self)
-    }
-
-    fn gradient(&self, state: &State, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
-        Interface::gradient(self, state, load, of).map_err(|error| Unusable::of(error.to_string()))
     }
 }
 
@@ -213,6 +138,10 @@ impl ContactKind for QuasistaticContact {
     fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
         let [[pressure, gap]] = faces.try_into().map_err(|_| other_fields())?;
         QuasistaticContact::stiffness_of_fields(self, pressure, gap, tolerance).map_err(no_stiffness)
+    }
+
+    fn gradient(&self, state: &QuasistaticState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+        QuasistaticContact::gradient(self, state, load, of).map_err(|error| Unusable::of(error.to_string()))
     }
 
     fn gradient_along(&self, increments: &[OfState<QuasistaticState>]) -> Result<PathGradient, Unusable> {

@@ -118,7 +118,7 @@ pub const ARRAYS: &[Array] = &[
         "wear_depth",
         "length",
         &[(between, "depth lost by the upper face and surface so far"), (any, "depth lost by both surfaces so far")],
-        |rest, _| rest.on_path()?.wear_depth().map(|depth| depth.view().into()),
+        |rest, _| rest.of_parts()?.wear_depth().map(|depth| depth.view().into()),
     )
     .of_paths(|facts| facts.wear.is_some()),
     Array::new("displacement_x", "length", &[(any, "displacement of the elastic surface along x")], |rest, _| {
@@ -174,7 +174,7 @@ pub const ARRAYS: &[Array] = &[
     )
     .with(HARD_BETWEEN, hard_between),
     Array::new("lower_wear_depth", "length", &[(any, "depth lost by the lower face and surface so far")], |rest, _| {
-        rest.lower_on_path()?.wear_depth().map(|depth| depth.view().into())
+        rest.lower_of_parts()?.wear_depth().map(|depth| depth.view().into())
     })
     .of_paths(|facts| between(facts) && facts.wear.is_some()),
     Array::new(

@@ -31,7 +31,7 @@ const ROUNDING_OF_DISPLACEMENT: f64 = 1e-9;
 /// Writes the memory of the last state.
 pub(super) fn write(file: &mut StateFile, surface: &Surface, state: &AnyState) -> Result<(), Failure> {
     let share = &surface.share;
-    for (face, state) in FACES.into_iter().zip([state.on_path(), state.lower_on_path()]) {
+    for (face, state) in FACES.into_iter().zip([state.of_parts(), state.lower_of_parts()]) {
         let Some(memory) = state.and_then(QuasistaticState::memory) else { continue };
         let Some((indentation, branches)) = memory.split_first() else { continue };
         let mut archive = file.archive();

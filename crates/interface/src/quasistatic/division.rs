@@ -75,7 +75,7 @@ impl QuasistaticContact {
         let repulsion = b.repulsion();
         let repulsion = contiguous(&repulsion);
         let repulsion = sum(&|i| repulsion[i]) / all;
-        let scale = (limits / repulsion).powi(2) * changed / largest * b.elastic_energy;
+        let scale = (limits / repulsion).powi(2) * changed / largest * b.elastic_energy();
         if scale > 0.0 { energy.abs() / scale } else { 0.0 }
     }
 

@@ -62,10 +62,7 @@ impl QuasistaticContact {
                     dot(share, &contiguous(&normal.pressure()), &contiguous(&normal.fields().displacement_z()));
                 0.5 * (lateral - pressed) / all
             }
-            (None, None) => match &normal {
-                NormalState::Law(state) => state.elastic_energy,
-                NormalState::Wall(solution) => solution.summary().elastic_energy,
-            },
+            (None, None) => normal.elastic_energy(),
         };
         let mut losses = Losses { relaxation: energies.map_or(0.0, |energies| energies.lost), ..Losses::default() };
         let before = |of: fn(&QuasistaticState) -> Option<&Array2<f64>>| {
@@ -109,7 +106,7 @@ impl QuasistaticContact {
             worn,
             pressed_in,
             plastic_fraction,
-            elastic_energy: stored,
+            stored: Some(stored),
             losses,
             work_imbalance: 0.0,
         };
@@ -122,7 +119,7 @@ impl QuasistaticContact {
         let interface_energy = state.interface_energy();
         let (mut energy, mut forces, mut places) = (0.0, [0.0; 3], [0.0; 3]);
         if let Some(start) = step.start {
-            energy = start.elastic_energy + start.interface_energy();
+            energy = start.elastic_energy() + start.interface_energy();
             (forces, places) = start.forces_and_places();
         }
         let (forces_now, places_now) = state.forces_and_places();
@@ -133,7 +130,7 @@ impl QuasistaticContact {
             // Largest error of the work if the forces change monotonically, jumps included.
             spread += 0.5 * ((forces_now[k] - forces[k]) * moved).abs();
         }
-        let missing = work - (state.elastic_energy + interface_energy - energy) - state.losses.total();
+        let missing = work - (state.elastic_energy() + interface_energy - energy) - state.losses.total();
         let is_at_once =
             (self.medium.is_none() || step.affine.duration == 0.0) && (self.wear.is_none() || step.moved == 0.0);
         let flows = self.shear.is_some() || self.hardness.is_some();
@@ -219,9 +216,12 @@ impl QuasistaticState {
         Some((self.mean_of(depth), deepest))
     }
 
-    /// Returns the mean depth pressed in so far over the whole surface, length.
+    /// Returns the mean [plastic depth](Self::plastic_depth) over the whole surface, length.
     pub fn plastic_volume(&self) -> Option<f64> {
-        self.plastic_depth().map(|depth| self.mean_of(depth))
+        match (&self.pressed_in, &self.normal) {
+            (None, NormalState::Wall(solution)) => solution.plastic.as_ref().map(|plastic| plastic.volume),
+            _ => self.plastic_depth().map(|depth| self.mean_of(depth)),
+        }
     }
 
     /// Returns the points of this process.

@@ -8,7 +8,7 @@ use gfmd_law::{HardWall, InUnits, Law};
 use gfmd_medium::Relaxes;
 
 use super::normal::{Normal, NormalState};
-use super::{Parts, QuasistaticContact, QuasistaticState, Wear};
+use super::{Parts, QuasistaticContact, QuasistaticState, Sequence, Wear};
 use crate::Interface;
 
 impl QuasistaticContact {
@@ -26,7 +26,11 @@ impl QuasistaticContact {
             }
         }
         let given = Arc::new(RigidSurface::stacked(&surfaces[0], &surfaces[1])?);
-        let units = Units::of(body, &given)?;
+        let units = match parts.sequence {
+            // The interface has units of its own.
+            Sequence::Loads => Units::ONE,
+            Sequence::Path => Units::of(body, &given)?,
+        };
         let (stress, length) = (units.stress(), units.length());
         let law = law.clone().unwrap_or_else(|| HardWall.into_shared());
         let law = if units.are_one() { law } else { InUnits::new(law, stress, length).into_shared() };
@@ -45,7 +49,12 @@ impl QuasistaticContact {
             Some(hardness) => interface.with_hardness(hardness.clone())?,
             None => interface,
         };
+        if parts.sequence == Sequence::Loads {
+            parts.check_of_loads()?;
+            return Ok(Self::of_normal(Normal::Law(interface), body.contact_modulus()));
+        }
         Ok(Self {
+            sequence: Sequence::Path,
             normal: Normal::Law(interface),
             medium,
             hardness,
@@ -61,17 +70,15 @@ impl QuasistaticContact {
         })
     }
 
-    /// Returns the interface of a contact with a law.
-    pub(crate) fn interface(&self) -> Option<&Interface> {
-        if let Normal::Law(interface) = &self.normal { Some(interface) } else { None }
-    }
-
     /// Returns a face, 0 for the upper one, of the state of both faces of a plate.
     pub(crate) fn face(&self, both: &QuasistaticState, face: usize, surface: &Arc<RigidSurface>) -> QuasistaticState {
         let normal = match (&both.normal, &self.normal) {
-            (NormalState::Law(state), Normal::Law(interface)) => {
-                NormalState::Law(interface.face_of(state, face, surface, self.units.length()))
-            }
+            (NormalState::Law(state), Normal::Law(interface)) => NormalState::Law(interface.face_of(
+                state,
+                face,
+                surface,
+                self.units.length() * interface.units.length(),
+            )),
             (state, _) => state.clone(),
         };
         let part = |field: &ndarray::Array2<f64>| {
@@ -86,11 +93,14 @@ impl QuasistaticContact {
             both.memory.as_ref().and_then(|memory| memory.part(face * points..(face + 1) * points, indentation));
         QuasistaticState {
             memory,
-            plastic_fraction: hardness.map_or(0.0, |hardness| self.saturated(&normal, &hardness)),
+            plastic_fraction: match hardness {
+                Some(hardness) => self.saturated(&normal, &hardness),
+                None => normal.plastic_fraction(),
+            },
             normal,
             worn: both.worn.as_ref().map(part),
             pressed_in: both.pressed_in.as_ref().map(part),
-            elastic_energy: 2.0 * both.elastic_energy,
+            stored: both.stored.map(|energy| 2.0 * energy),
             losses: both.losses.times(2.0),
             work_imbalance: 2.0 * both.work_imbalance,
             ..both.clone()

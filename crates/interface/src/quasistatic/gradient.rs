@@ -407,7 +407,7 @@ impl QuasistaticContact {
         }
         if self.medium.is_some() || end.sheared.is_some() {
             let sign = if self.medium.is_some() { 1.0 } else { -1.0 };
-            modulus += sign * of.elastic_energy * end.elastic_energy;
+            modulus += sign * of.elastic_energy * end.elastic_energy();
             of.elastic_energy = 0.0;
         }
         let factor = affine.factor();

@@ -1,14 +1,21 @@
 //! Elastic contact along the normal, which each step solves with other moduli and another clearance.
 
-use gfmd_contact::{
-    Boundary, Contact, Drive, Effort, Equilibrium as _, Fields, Load, Refusal, RigidSurface, Solution, SolveError,
-    Solver, Springs, Variables as _, Visit,
-};
-use gfmd_medium::Stiffening;
-use gfmd_relax::{Budget, Watch};
-use ndarray::{Array2, Axis, CowArray, Ix2};
 use std::sync::Arc;
 
+use gfmd_contact::{
+    Boundary, Contact, Drive, Effort, Equilibrium as _, Fields, Hardness, Load, Refusal, RigidSurface, Solution,
+    SolveError, Solver, Springs, Variables as _, Visit,
+};
+use gfmd_field::{Grid, Share};
+use gfmd_green::Body;
+use gfmd_law::Law;
+use gfmd_medium::Stiffening;
+use gfmd_relax::{Budget, Watch};
+use gfmd_response::NormalResponse;
+use ndarray::{Array2, ArrayRef2, Axis, CowArray, Ix2};
+
+use super::parts::Parts;
+use super::response::Response;
 use crate::{Interface, State, StoredFields};
 
 /// Hard wall, solved for the pressure, or law, solved for the displacement.
@@ -26,7 +33,47 @@ pub(super) enum NormalState {
 }
 
 impl Normal {
-    pub(super) fn surface(&self) -> &RigidSurface {
+    /// Creates the normal contact of these parts, with body, grid, heights and law in any units, and with the hardness
+    /// in the same ones; `response` is the response of all components, with shear.
+    pub(super) fn of(
+        parts: &Parts,
+        share: &Share,
+        (body, grid, heights): (&Body, &Grid, &ArrayRef2<f64>),
+        law: Option<Arc<dyn Law>>,
+        response: Option<&Response>,
+        hardness: Option<&Hardness>,
+    ) -> Result<Self, Refusal> {
+        let Parts { boundary, all_components, held, .. } = parts;
+        let of_all = |full| NormalResponse::of_all_components(full);
+        let Some(law) = law else {
+            let contact = match response {
+                Some(Response::Periodic(full)) => Contact::with_response(of_all(full), heights)?,
+                _ if *all_components => Contact::in_all_components(body, grid, heights)?,
+                _ if *held => Contact::held_sideways_over(share, body, grid, heights)?,
+                _ => Contact::with_boundary_over(share, *boundary, body, grid, heights)?,
+            };
+            let contact = contact.with_dynamics(parts.dynamics);
+            return Ok(Self::Wall(match hardness {
+                Some(hardness) => contact.with_hardness(hardness.clone())?,
+                None => contact,
+            }));
+        };
+        let interface = match response {
+            _ if *all_components => {
+                Interface::in_all_components_with_boundary_over(share, *boundary, body, grid, heights, law)?
+            }
+            _ if *held => Interface::held_sideways_over(share, body, grid, heights, law)?,
+            Some(Response::Periodic(full)) => Interface::with_response(of_all(full), heights, law)?,
+            _ => Interface::with_boundary_over(share, *boundary, body, grid, heights, law)?,
+        };
+        Ok(Self::Law(match hardness {
+            Some(hardness) => interface.with_hardness(hardness.clone())?,
+            None => interface,
+        }))
+    }
+
+    /// Returns the rigid surface as given.
+    pub(super) fn surface(&self) -> &Arc<RigidSurface> {
         match self {
             Self::Wall(contact) => contact.surface(),
             Self::Law(interface) => interface.surface(),
@@ -37,6 +84,14 @@ impl Normal {
         match self {
             Self::Wall(contact) => contact.boundary(),
             Self::Law(interface) => interface.boundary(),
+        }
+    }
+
+    /// Returns the names of the fields that determine a state.
+    pub(super) fn basis(&self) -> &'static [&'static str] {
+        match self {
+            Self::Wall(_) => &["pressure"],
+            Self::Law(interface) => interface.basis(),
         }
     }
 
@@ -118,14 +173,15 @@ impl Normal {
         start: Option<&NormalState>,
         watch: &mut dyn Watch,
     ) -> Result<NormalState, SolveError<NormalState>> {
-        match (self, start) {
-            (Self::Wall(contact), start) => {
-                let start = start.and_then(NormalState::wall).filter(|start| start.mean_pressure > 0.0);
+        match self {
+            Self::Wall(contact) => {
+                let start = start.map(|start| start.wall().ok_or(Refusal::OtherKind)).transpose()?;
+                let start = start.filter(|start| start.mean_pressure > 0.0);
                 let solved = contact.equilibrate(drive, solver, budget, start, watch);
                 solved.map(NormalState::Wall).map_err(|error| error.map(NormalState::Wall))
             }
-            (Self::Law(interface), start) => {
-                let start = start.and_then(NormalState::law);
+            Self::Law(interface) => {
+                let start = start.map(|start| start.law().ok_or(Refusal::OtherKind)).transpose()?;
                 let solved = interface.equilibrate(drive, solver, budget, start, watch);
                 solved.map(NormalState::Law).map_err(|error| error.map(NormalState::Law))
             }
@@ -207,6 +263,14 @@ impl NormalState {
         match self {
             Self::Wall(solution) => &mut solution.approach,
             Self::Law(state) => &mut state.approach,
+        }
+    }
+
+    /// Returns the elastic energy per area, stress × length.
+    pub(super) fn elastic_energy(&self) -> f64 {
+        match self {
+            Self::Wall(solution) => solution.summary().elastic_energy,
+            Self::Law(state) => state.elastic_energy,
         }
     }
 

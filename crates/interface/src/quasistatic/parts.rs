@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Hardness, Refusal};
+use gfmd_contact::{Boundary, Dynamics, Hardness, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
@@ -11,6 +11,8 @@ use ndarray::{Array2, ArrayRef2};
 /// combination with a physical meaning can be solved.
 #[derive(Clone)]
 pub struct Parts<'a> {
+    /// Meaning of a drive.
+    pub sequence: Sequence,
     /// Elastic body; with its long-term moduli if it relaxes.
     pub body: &'a Body,
     /// Grid of the surface.
@@ -25,7 +27,8 @@ pub struct Parts<'a> {
     /// Law across the gap; `None` for a hard wall, which is solved for the pressure. With a
     /// [`HardWall`](gfmd_law::HardWall) as a law, the wall is solved for the displacement.
     pub law: Option<Arc<dyn Law>>,
-    /// True if the law moves all components of the displacement, which needs a law that shears.
+    /// True if all components of the displacement are unknown: a law that shears moves them, and above a hard wall under
+    /// [loads](Sequence::Loads) the damped dynamics.
     pub all_components: bool,
     /// True if u_x and u_y of the surface are held at zero, without shear and with periodic boundaries.
     pub held: bool,
@@ -40,12 +43,25 @@ pub struct Parts<'a> {
     /// u_x and u_y (u_x of a profile) of the surface by a base that moves, `[x, y]`, in length; empty at rest. Counts
     /// for a law that moves all components.
     pub sideways: &'a [Array2<f64>],
+    /// Time step and damping of the dynamic solvers of a hard wall.
+    pub dynamics: Dynamics,
+}
+
+/// Meaning of the drives of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sequence {
+    /// Each drive is a load of its own, on undeformed surfaces; the state to start from only begins the search.
+    Loads,
+    /// Each drive is an increment from the state to start from.
+    #[default]
+    Path,
 }
 
 impl<'a> Parts<'a> {
-    /// Returns the parts of a hard wall above an elastic body, with periodic boundaries.
+    /// Returns the parts of a hard wall above an elastic body, with periodic boundaries, along a path.
     pub fn new(body: &'a Body, grid: &'a Grid, heights: &'a ArrayRef2<f64>) -> Self {
         Self {
+            sequence: Sequence::Path,
             body,
             grid,
             share: None,
@@ -59,11 +75,27 @@ impl<'a> Parts<'a> {
             relaxation: None,
             wear: None,
             sideways: &[],
+            dynamics: Dynamics::default(),
         }
     }
 }
 
 impl Parts<'_> {
+    /// Returns the rows of this process.
+    pub(crate) fn share(&self) -> Share {
+        self.share.cloned().unwrap_or_else(|| self.grid.whole())
+    }
+
+    /// Checks that no part of a load depends on what happened before.
+    pub(super) fn check_of_loads(&self) -> Result<(), Refusal> {
+        let histories = [
+            (self.shear.is_some(), "limit of the shear"),
+            (self.relaxation.is_some(), "relaxation"),
+            (self.wear.is_some(), "coefficient of wear"),
+        ];
+        histories.into_iter().find(|(is_given, _)| *is_given).map_or(Ok(()), |(_, part)| Err(Refusal::Part { part }))
+    }
+
     /// Returns the body with a memory, for this number of displacement components on the `grid`; `None` for an elastic
     /// body.
     pub(super) fn medium(

@@ -10,8 +10,8 @@ use super::QuasistaticContact;
 use super::normal::NormalState;
 use crate::State;
 
-/// State of a [`QuasistaticContact`](crate::QuasistaticContact) at the end of an increment, with its history. Fields
-/// are `[x, y]`.
+/// State of a [`QuasistaticContact`](crate::QuasistaticContact) under a load, or at the end of an increment with its
+/// history. Fields are `[x, y]`.
 #[derive(Clone, Debug)]
 pub struct QuasistaticState {
     pub(super) normal: NormalState,
@@ -29,8 +29,8 @@ pub struct QuasistaticState {
     pub(super) pressed_in: Option<Array2<f64>>,
     /// Fraction of points with a pressure equal to the hardness, to the accuracy of the state; 0 without one.
     pub plastic_fraction: f64,
-    /// Elastic energy per area, stress × length; of the springs of all branches if the body relaxes.
-    pub elastic_energy: f64,
+    /// [Elastic energy](Self::elastic_energy) at the end of an increment; `None` under a load.
+    pub(super) stored: Option<f64>,
     /// Energies lost in the increment, per area, stress × length.
     pub losses: Losses,
     /// Magnitude of the difference between the work of the rigid surface in the increment, by the trapezoidal rule, and
@@ -112,6 +112,11 @@ impl QuasistaticState {
         self.normal.law()
     }
 
+    /// Returns the elastic energy per area, stress × length; of the springs of all branches if the body relaxes.
+    pub fn elastic_energy(&self) -> f64 {
+        self.stored.unwrap_or_else(|| self.normal.elastic_energy())
+    }
+
     /// Returns the energy of the law across the gap per area, stress × length; 0 without one, NaN if it has none.
     pub fn interface_energy(&self) -> f64 {
         self.normal.interface_energy()
@@ -145,9 +150,10 @@ impl QuasistaticState {
         self.worn.as_ref()
     }
 
-    /// Returns the depth by which the surfaces were pressed into each other so far, length; `None` without a hardness.
+    /// Returns the depth by which the surfaces were pressed into each other, length: so far along a path, or by a load;
+    /// `None` without a hardness.
     pub fn plastic_depth(&self) -> Option<&Array2<f64>> {
-        self.pressed_in.as_ref()
+        self.pressed_in.as_ref().or_else(|| self.normal.pressed_in())
     }
 
     /// Returns the indentation −u_z of a body that relaxes, and the elongation of the spring of each branch along z,
@@ -185,7 +191,7 @@ impl QuasistaticState {
             memory: self.memory.map(|memory| memory.times(length, stress)),
             worn: field(self.worn),
             pressed_in: field(self.pressed_in),
-            elastic_energy: self.elastic_energy * stress * length,
+            stored: self.stored.map(|energy| energy * stress * length),
             losses: self.losses.times(stress * length),
             work_imbalance: self.work_imbalance * stress * length,
             ..self
@@ -217,7 +223,7 @@ impl QuasistaticContact {
             worn: self.wear.map(|_| zeros()),
             pressed_in: self.hardness.as_ref().map(|_| zeros()),
             plastic_fraction: 0.0,
-            elastic_energy: 0.0,
+            stored: Some(0.0),
             losses: Losses::default(),
             work_imbalance: 0.0,
         })
@@ -242,8 +248,8 @@ impl Variables for QuasistaticState {
         }
         let Self { mean_shear: [shear_x, shear_y], lateral: [x, y], time, distance, .. } = self;
         visitor.numbers(&mut [shear_x, shear_y, x, y, time, distance]);
-        let Self { plastic_fraction, elastic_energy, losses, work_imbalance, .. } = self;
-        visitor.numbers(&mut [plastic_fraction, elastic_energy, work_imbalance]);
+        let Self { plastic_fraction, stored, losses, work_imbalance, .. } = self;
+        visitor.numbers(&mut [plastic_fraction, stored.get_or_insert_default(), work_imbalance]);
         let Losses { relaxation, friction, wear, plastic, jumps } = losses;
         visitor.numbers(&mut [relaxation, friction, wear, plastic, jumps]);
     }
@@ -288,6 +294,7 @@ impl Fields for QuasistaticState {
     }
 
     fn summary_in(&self, scales: &Scales) -> Summary {
-        Summary { elastic_energy: self.elastic_energy, ..self.normal.fields().summary_in(scales) }
+        let summary = self.normal.fields().summary_in(scales);
+        Summary { elastic_energy: self.stored.unwrap_or(summary.elastic_energy), ..summary }
     }
 }

@@ -11,7 +11,7 @@ use ndarray::{Array2, ArrayRef2, Axis, Zip};
 use super::normal::Normal;
 use super::response::Response;
 use super::stuck::Stuck;
-use super::{QuasistaticContact, QuasistaticState};
+use super::{QuasistaticContact, QuasistaticState, Sequence};
 use crate::newton::Sides;
 use crate::{Interface, State};
 
@@ -24,6 +24,9 @@ pub enum StiffnessError {
     /// The law shears the surfaces, and the fields do not tell their lateral displacement.
     #[error("not computed from the pressure and the gap alone: the law shears the surfaces")]
     Lateral,
+    /// The fields alone do not determine the state.
+    #[error("the fields do not determine the state")]
+    Fields,
     /// The state is of another kind of contact.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -42,7 +45,8 @@ pub enum StiffnessError {
 
 impl QuasistaticContact {
     /// Computes the stiffness of `state`, d(mean pressure)/d(approach) in stress/length, to the relative error
-    /// `tolerance` ([`Stiffness`]). It is the stiffness of an instant, in which nothing wears off and a body that
+    /// `tolerance` ([`Stiffness`]). Of a load it is the stiffness of the [wall](gfmd_contact::Contact::stiffness) or of
+    /// the [law](crate::Interface::stiffness). Along a path it is the stiffness of an instant, in which nothing wears off and a body that
     /// relaxes has its instantaneous moduli. Points in contact stay in contact, with friction or a shear strength
     /// without slip, and points at the hardness keep their pressure: where some are, it is the stiffness under a
     /// growing load, and the contact is stiffer when it is unloaded. The surfaces do not move sideways.
@@ -50,6 +54,9 @@ impl QuasistaticContact {
     /// # Errors
     /// Returns the reason why there is no stiffness, or the stiffness reached with a larger error.
     pub fn stiffness(&self, state: &QuasistaticState, tolerance: f64) -> Result<Stiffness, StiffnessError> {
+        if self.sequence == Sequence::Loads {
+            return self.stiffness_of_load(state, tolerance);
+        }
         let fields = (&*state.pressure(), &*state.gap());
         self.stiffness_of(fields, state.law(), tolerance)
     }
@@ -58,13 +65,16 @@ impl QuasistaticContact {
     /// do not determine the state: of a body with a memory.
     ///
     /// # Errors
-    /// Returns an error as [`stiffness`](Self::stiffness), and for fields that do not fit the grid.
+    /// Returns an error as [`stiffness`](Self::stiffness), for fields that do not fit the grid, and under loads.
     pub fn stiffness_of_fields(
         &self,
         pressure: &ArrayRef2<f64>,
         gap: &ArrayRef2<f64>,
         tolerance: f64,
     ) -> Result<Stiffness, StiffnessError> {
+        if self.sequence == Sequence::Loads {
+            return Err(StiffnessError::Fields);
+        }
         self.stiffness_of((pressure, gap), None, tolerance)
     }
 

@@ -99,7 +99,7 @@ fn parts_without_an_effect_leave_the_others_as_they_are() {
             for (found, expected) in states.iter().zip(&expected) {
                 assert!(apart(found, expected) < 1e-6, "{name}: {:e}", apart(found, expected));
                 let lost = [found, expected].map(|state| state.losses.total());
-                assert!((lost[0] - lost[1]).abs() <= 1e-6 * expected.elastic_energy, "{name}: {lost:?}");
+                assert!((lost[0] - lost[1]).abs() <= 1e-6 * expected.elastic_energy(), "{name}: {lost:?}");
             }
         }
     }

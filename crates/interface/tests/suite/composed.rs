@@ -110,7 +110,7 @@ fn numbers(state: &QuasistaticState) -> BTreeMap<&'static str, f64> {
         ("max_pressure", largest(&|i| p[i])),
         ("min_pressure", -largest(&|i| -p[i])),
         ("max_shear", largest(&|i| x[i].hypot(y[i]))),
-        ("elastic", state.elastic_energy),
+        ("elastic", state.elastic_energy()),
         ("interface", state.interface_energy()),
         ("wear_volume", state.wear_volume_and_depth().map_or(0.0, |(volume, _)| volume)),
         ("plastic_volume", state.plastic_volume().unwrap_or(0.0)),
@@ -196,7 +196,7 @@ fn missing(case: &Value, parts: u32) -> f64 {
                 distance: at(before.distance, end.distance),
             };
             let reached = contact.press(next).budget(budget).starting_from(state.as_ref()).solve().unwrap();
-            let energy = |state: &QuasistaticState| state.elastic_energy + state.interface_energy();
+            let energy = |state: &QuasistaticState| state.elastic_energy() + state.interface_energy();
             let start = state.as_ref();
             let number = |of: &dyn Fn(&QuasistaticState) -> f64| start.map_or(0.0, of);
             let mut work = 0.5

@@ -295,7 +295,7 @@ fn shear_to_both_sides_and_back_loses_nothing() {
     for lateral in [0.0, 0.006, 0.012, 0.0, -0.012, 0.0] {
         let step = path.step(drive(Load::MeanPressure(0.01), [lateral, 0.0]), &mut ()).unwrap();
         let state = path.state().unwrap();
-        let kept = state.elastic_energy + state.interface_energy().abs();
+        let kept = state.elastic_energy() + state.interface_energy().abs();
         assert_eq!(step.jumped, Some(false), "{lateral}");
         assert!(step.dissipated.unwrap().abs() < 1e-4 * kept, "{lateral}: {step:?} of {kept}");
         shears.push(state.mean_shear[0]);

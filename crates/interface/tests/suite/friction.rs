@@ -307,7 +307,7 @@ fn a_sphere_loaded_unloaded_and_loaded_again_ends_alike_in_one_and_in_three_step
     let mut displacement = vec![0.0; difference.len()];
     FreeFullTransforms::of(&compliance.into()).compliance(&difference, &mut displacement);
     let apart = difference.iter().zip(&displacement).map(|(t, u)| t * u).sum::<f64>();
-    let apart = 0.5 * apart / b.gap().len() as f64 / (0.3_f64.powi(2) * b.elastic_energy);
+    let apart = 0.5 * apart / b.gap().len() as f64 / (0.3_f64.powi(2) * b.elastic_energy());
     assert!(apart.abs() < 1e-3, "{apart:e}");
     let [a, b] = ends.map(|state| (stick_fraction(&state) / state.summary().area_fraction).sqrt());
     // Grid spacing divided by the radius.

@@ -197,7 +197,7 @@ fn value(of: &[Cotangents], states: &[QuasistaticState]) -> f64 {
             + of.approach * state.approach()
             + of.mean_pressure * state.mean_pressure()
             + of.mean_gap * state.gap().mean().unwrap()
-            + of.elastic_energy * state.elastic_energy
+            + of.elastic_energy * state.elastic_energy()
             + of.plastic_depth.as_ref().map_or(0.0, |by| (by * state.plastic_depth().unwrap()).sum())
             + of.shear.as_ref().map_or(0.0, |by| sheared(by, state))
             + of.mean_shear[0] * state.mean_shear[0]

@@ -131,7 +131,7 @@ fn the_work_of_the_path_is_stored_or_lost() {
             last = now;
         }
         let lost: f64 = steps.iter().map(|(_, step)| step.dissipated.unwrap()).sum();
-        let stored = steps.last().unwrap().0.elastic_energy;
+        let stored = steps.last().unwrap().0.elastic_energy();
         ((work - stored - lost) / lost).abs()
     });
     assert!(errors[2] < 0.02, "{errors:?}");

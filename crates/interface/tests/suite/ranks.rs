@@ -8,7 +8,7 @@ use gfmd_contact::{
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Base, Body, Material};
 use gfmd_interface::{
-    Interface, Parts, Quasistatic as _, QuasistaticContact, QuasistaticState, Shear, Squeezed, SqueezedState, Stacked,
+    Interface, Parts, Quasistatic as _, QuasistaticContact, QuasistaticState, Sequence, Shear, Squeezed, SqueezedState,
     State, Wear,
 };
 use gfmd_law::{Exponential, HardWall, Law, Limit, Morse, Npc, Separation};
@@ -177,12 +177,12 @@ fn a_wall_that_gives_way_below_a_law_has_the_bits_of_one_process() {
 }
 
 /// Solves loads on both faces of a slab, the second one from a restored copy of the first state.
-fn squeeze<C: Stacked>(contact: &Squeezed<C>, drives: &[Drive], bits: impl Fn(&C::State) -> Bits) -> Vec<[Bits; 2]> {
+fn squeeze(contact: &Squeezed, drives: &[Drive], bits: impl Fn(&QuasistaticState) -> Bits) -> Vec<[Bits; 2]> {
     let mut last = None;
     let reach = |drive: &Drive| {
         let start = last.take();
         let solved = contact.equilibrate(*drive, Solver::Auto, &Budget::default(), start.as_ref(), &mut ());
-        let mut state: SqueezedState<C::State> = solved.unwrap();
+        let mut state: SqueezedState = solved.unwrap();
         let mut kept = MemoryCheckpoint::default();
         contact.keep(&mut state, &mut kept);
         kept.rewind();
@@ -232,16 +232,20 @@ fn slabs_between_two_surfaces_over_ranks_have_the_bits_of_one_process() {
         if share.is_whole() { field.clone() } else { field.slice(s![share.rows(), ..]).to_owned() }
     };
     let loads = [Load::MeanPressure(0.004), Load::MeanPressure(-0.0003), Load::Approach(0.01)].map(Drive::from);
+    fn under_loads<'a>(body: &'a Body, grid: &'a Grid, upper: &'a Array2<f64>) -> Parts<'a> {
+        Parts { sequence: Sequence::Loads, ..Parts::new(body, grid, upper) }
+    }
     compare_faces(&grid, 3, |share| {
         let faces = [&upper, &lower].map(|heights| own(share, heights));
-        let contact = Squeezed::distributed(share, &slab, &grid, [&faces[0], &faces[1]], law()).unwrap();
-        squeeze(&contact, &loads, |state| bits(state, 0.0))
+        let parts = Parts { share: Some(share), law: Some(law()), ..under_loads(&slab, &grid, &faces[0]) };
+        squeeze(&Squeezed::new(&parts, &faces[1]).unwrap(), &loads, |state| bits(state.law().unwrap(), 0.0))
     });
     compare_faces(&grid, 2, |share| {
         let faces = [&upper, &lower].map(|heights| own(share, heights));
-        let contact = Squeezed::held_sideways_over(share, &slab, &grid, [&faces[0], &faces[1]], law()).unwrap();
-        let contact = contact.with_hardness(own(share, &field)).unwrap();
-        squeeze(&contact, &loads[..1], |state| bits(state, 0.0))
+        let (held, hardness) = (true, Some(own(share, &field).into()));
+        let parts = under_loads(&slab, &grid, &faces[0]);
+        let parts = Parts { share: Some(share), law: Some(law()), held, hardness, ..parts };
+        squeeze(&Squeezed::new(&parts, &faces[1]).unwrap(), &loads[..1], |state| bits(state.law().unwrap(), 0.0))
     });
     // Along a path: a hard wall, a hardness, wear and relaxation.
     let prony = Prony::from_fractions(&[(0.3, 0.2), (2.0, 0.4)]).unwrap();
@@ -256,7 +260,7 @@ fn slabs_between_two_surfaces_over_ranks_have_the_bits_of_one_process() {
                 relaxation: with_law.then_some((&prony, Relaxes::Both)),
                 ..Parts::new(&slab, &grid, &heights)
             };
-            let contact = Squeezed::on_path(&parts, &own(share, &lower)).unwrap();
+            let contact = Squeezed::new(&parts, &own(share, &lower)).unwrap();
             let drives = drives().map(|drive| Drive { lateral: [0.0; 2], ..drive });
             squeeze(&contact, &drives, |state: &QuasistaticState| {
                 let summary = state.summary();
@@ -264,7 +268,7 @@ fn slabs_between_two_surfaces_over_ranks_have_the_bits_of_one_process() {
                 let numbers = [
                     state.mean_pressure(),
                     state.approach(),
-                    state.elastic_energy,
+                    state.elastic_energy(),
                     state.losses.total(),
                     state.work_imbalance,
                     state.plastic_fraction,
@@ -315,7 +319,7 @@ fn follow(parts: &Parts) -> Vec<Bits> {
             let numbers = [
                 state.mean_pressure(),
                 state.approach(),
-                state.elastic_energy,
+                state.elastic_energy(),
                 state.interface_energy(),
                 losses.total(),
                 state.work_imbalance,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Dynamics};
+use gfmd_contact::Boundary;
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, Material};
 use gfmd_interface::Wear;
@@ -10,7 +10,7 @@ use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_medium::{Prony, Relaxes};
 use gfmd_plasticity::{Cells, Hardening};
 use gfmd_problem::options::Plasticity;
-use gfmd_problem::{Facts, Friction, Given, GridError, Inelastic, KeptStrain, Lower, Support, Task, Unknown, WearBy};
+use gfmd_problem::{Facts, Friction, Given, GridError, KeptStrain, Lower, Support, Task, Unknown, WearBy};
 use ndarray::Array2;
 
 const N: usize = 16;
@@ -88,24 +88,18 @@ impl Parts {
             WearBy::Distance => Wear { by_distance: 0.5, by_slip: 0.0 },
             WearBy::Slip => Wear { by_distance: 0.0, by_slip: 0.5 },
         });
-        // All fields: a part of a new kind must be given here.
         Given {
             facts: self.facts,
-            body: &self.body,
-            grid: &self.grid,
-            share: self.grid.whole(),
-            heights: &self.heights,
-            sideways: &[],
-            lower: self.lower.as_deref(),
-            law: Arc::clone(&self.law),
-            hardness: self.facts.hardness.then_some(HARDNESS.into()),
-            inelastic: Inelastic {
-                plasticity: self.plasticity.clone(),
+            parts: gfmd_interface::Parts {
+                law: Some(Arc::clone(&self.law)),
+                hardness: self.facts.hardness.then_some(HARDNESS.into()),
                 shear: shear.map(Into::into),
-                relaxation: self.prony.clone().zip(self.facts.relaxes),
+                relaxation: self.prony.as_ref().zip(self.facts.relaxes),
                 wear,
+                ..gfmd_interface::Parts::new(&self.body, &self.grid, &self.heights)
             },
-            dynamics: Dynamics::default(),
+            lower: self.lower.as_deref(),
+            plasticity: self.plasticity.as_ref(),
             moves_all: false,
         }
     }

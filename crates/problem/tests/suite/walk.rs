@@ -10,7 +10,9 @@ use gfmd_contact::{
     SteepContact, Visit,
 };
 use gfmd_green::BaseKind;
-use gfmd_interface::{Interface, Path, QuasistaticContact, QuasistaticState, Refinement, Squeezed, StoredFields, Wear};
+use gfmd_interface::{
+    Interface, Path, QuasistaticContact, QuasistaticState, Refinement, Sequence, Squeezed, StoredFields, Wear,
+};
 use gfmd_law::LawKind;
 use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Rule, Support, Task, Unknown, WearBy, pose, rules_of};
 use gfmd_problem::{rules_of_sliding, table};
@@ -52,12 +54,14 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
     let facts = Facts { law: LawKind::Exponential, ..facts };
     let law = || Arc::clone(&Parts::of(facts).law);
-    let glued = Squeezed::new(&slab.body, &slab.grid, &slab.heights, lower, law()).unwrap();
-    same(&solved(facts), &glued.press(load).solve().unwrap());
-    let hard = glued.with_hardness(HARDNESS).unwrap().press(load).solve().unwrap();
-    same(&solved(Facts { hardness: true, ..facts }), &hard);
-    let held = Squeezed::held_sideways(&slab.body, &slab.grid, &slab.heights, lower, law()).unwrap();
-    same(&solved(Facts { unknown: Unknown::Held, ..facts }), &held.press(load).solve().unwrap());
+    let parts = gfmd_interface::Parts::new(&slab.body, &slab.grid, &slab.heights);
+    let parts = gfmd_interface::Parts { sequence: Sequence::Loads, law: Some(law()), ..parts };
+    let glued = |parts| Squeezed::new(&parts, lower).unwrap().press(load).solve().unwrap();
+    same(&solved(facts), &glued(parts.clone()));
+    let hard = gfmd_interface::Parts { hardness: Some(HARDNESS.into()), ..parts.clone() };
+    same(&solved(Facts { hardness: true, ..facts }), &glued(hard));
+    let held = gfmd_interface::Parts { held: true, ..parts };
+    same(&solved(Facts { unknown: Unknown::Held, ..facts }), &glued(held));
     assert!(solved(facts).law().is_some() && solved(facts).lower_law().is_some());
     assert!(state.lower().is_some());
     assert!(state.steep().is_none());
@@ -72,7 +76,7 @@ fn parts_are_those_of_the_facts() {
     for facts in [given[0].facts, given[1].facts] {
         for given in &given {
             let posed = pose(&Given { facts, ..given.clone() });
-            match facts.hardness == given.hardness.is_some() {
+            match facts.hardness == given.parts.hardness.is_some() {
                 true => assert!(posed.is_ok()),
                 false => assert!(matches!(posed, Err(Refusal::Part { part: "hardness" }))),
             }
@@ -157,7 +161,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
                 let law = Some(Arc::clone(&parts.law));
                 let hardness = facts.hardness.then(|| HARDNESS.into());
                 let all = gfmd_interface::Parts { law, hardness, ..gfmd_interface::Parts::new(body, grid, heights) };
-                let contact = Squeezed::on_path(&all, parts.lower.as_ref().unwrap()).unwrap();
+                let contact = Squeezed::new(&all, parts.lower.as_ref().unwrap()).unwrap();
                 let mut direct = Path::new(&contact, Budget::default(), refinement);
                 drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
             }
@@ -169,7 +173,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
             (_, wears) => {
                 let contact = QuasistaticContact::new(&gfmd_interface::Parts {
                     hardness: facts.hardness.then(|| HARDNESS.into()),
-                    shear: given.inelastic.shear,
+                    shear: given.parts.shear,
                     wear: wears.then_some(Wear { by_distance: 0.5, by_slip: 0.0 }),
                     ..gfmd_interface::Parts::new(body, grid, heights)
                 });

@@ -162,7 +162,7 @@ fn ratio(at: &StateContext, value: f64) -> Cell {
 
 /// Returns the state of a path.
 fn on_path<'a>(at: &StateContext<'a>) -> Option<&'a QuasistaticState> {
-    at.rest.and_then(|rest| rest.on_path())
+    at.rest.and_then(|rest| rest.of_parts())
 }
 
 /// Returns mean and largest depth that the surfaces have lost.

@@ -135,5 +135,5 @@ fn plastic(at: &StateContext) -> Option<(f64, f64)> {
 
 /// Returns mean and largest depth lost at the lower face.
 fn worn(at: &StateContext) -> Option<(f64, f64)> {
-    at.rest.and_then(|rest| rest.lower_on_path()).and_then(QuasistaticState::wear_volume_and_depth)
+    at.rest.and_then(|rest| rest.lower_of_parts()).and_then(QuasistaticState::wear_volume_and_depth)
 }

@@ -9,6 +9,7 @@ use gfmd_field::{Grid, Share};
 use gfmd_files::Reader;
 use gfmd_flow::Fluid;
 use gfmd_green::Body;
+use gfmd_interface::Parts;
 use gfmd_law::Law;
 use gfmd_measure::{GapGas, Scales, top_inside_of_shared, top_of_shared};
 use gfmd_plasticity::Cell;
@@ -287,19 +288,22 @@ impl Prepared {
     /// Returns an error if the parts do not make a contact.
     pub fn pose(&self, source: &SourceArgs, law: &Arc<dyn Law>) -> Result<Posed, Failure> {
         let heights = MovedBase::under(self.base.as_ref(), &self.surface.heights);
-        // All fields, so that no part is left out of the contact.
+        let Inelastic { plasticity, shear, relaxation, wear } = &self.inelastic;
         let given = Given {
             facts: self.facts,
-            body: &self.body,
-            grid: &self.surface.grid,
-            heights: &heights,
-            sideways: self.base.as_ref().map_or(&[], |base| &base.sideways),
-            share: self.surface.share.clone(),
+            parts: Parts {
+                share: Some(&self.surface.share),
+                law: Some(Arc::clone(law)),
+                hardness: self.hardness.clone(),
+                shear: *shear,
+                relaxation: relaxation.as_ref().map(|(prony, relaxes)| (prony, *relaxes)),
+                wear: *wear,
+                sideways: self.base.as_ref().map_or(&[], |base| &base.sideways),
+                dynamics: self.dynamics,
+                ..Parts::new(&self.body, &self.surface.grid, &heights)
+            },
             lower: self.lower.as_ref().map(|lower| &*lower.heights),
-            law: Arc::clone(law),
-            hardness: self.hardness.clone(),
-            inelastic: self.inelastic.clone(),
-            dynamics: self.dynamics,
+            plasticity: plasticity.as_ref(),
             moves_all: self.moves_all,
         };
         pose(&given).map_err(|refusal| Failure::posing(refusal, source.name()))

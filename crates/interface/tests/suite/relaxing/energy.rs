@@ -86,14 +86,14 @@ fn energy_is_never_gained_in_random_steps_and_the_work_of_the_pressure_is_accoun
                 held = load(&mut numbers);
             }
             let state = step(&contact, held, time, last.as_ref());
-            assert!(state.losses.total() >= 0.0 && state.elastic_energy >= 0.0);
+            assert!(state.losses.total() >= 0.0 && state.elastic_energy() >= 0.0);
             let (pressure, approach, stored) = last
                 .as_ref()
-                .map_or((0.0, 0.0, 0.0), |last| (last.mean_pressure(), last.approach(), last.elastic_energy));
-            let scale = state.elastic_energy.max(stored) + (state.mean_pressure() * state.approach()).abs();
+                .map_or((0.0, 0.0, 0.0), |last| (last.mean_pressure(), last.approach(), last.elastic_energy()));
+            let scale = state.elastic_energy().max(stored) + (state.mean_pressure() * state.approach()).abs();
             // The work of the last pressure bounds the stored energy, for any duration (theory.md, section 7.7).
             let bound = state.mean_pressure() * (state.approach() - approach);
-            let gained = state.elastic_energy - stored;
+            let gained = state.elastic_energy() - stored;
             assert!(gained <= bound + 1e-8 * scale, "case {case}, step {index}: {gained:e} gained, {bound:e} allowed");
             // Work of the pressure by the trapezoidal rule; p and d are not linear in time together.
             let work = 0.5 * (pressure + state.mean_pressure()) * (state.approach() - approach);
@@ -140,7 +140,7 @@ fn the_memory_gives_the_pressure_back() {
         let energy = random.medium.elastic_energy(&random.body, &memory).unwrap();
         assert_eq!(energy.is_none(), contact.boundary() == Boundary::Free);
         if let Some(energy) = energy {
-            let stored = second.elastic_energy;
+            let stored = second.elastic_energy();
             assert!((energy - stored).abs() <= 1e-8 * stored, "case {case}: {energy:e} {stored:e}");
         }
         let other = random.mismatch(&first.pressure().to_owned(), &memory);

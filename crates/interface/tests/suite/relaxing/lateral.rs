@@ -37,7 +37,7 @@ fn same(found: &QuasistaticState, known: &QuasistaticState, what: &str) {
     found.displacement_z().iter().zip(known.displacement_z()).for_each(|(a, b)| close(*a, *b, 0.02));
     (0..2).for_each(|axis| close(found.mean_shear[axis], known.mean_shear[axis], most));
     close(found.approach(), known.approach(), 0.02);
-    close(found.interface_energy(), known.interface_energy(), known.elastic_energy);
+    close(found.interface_energy(), known.interface_energy(), known.elastic_energy());
 }
 
 /// At once the body has its instantaneous moduli, and long after its long-term moduli, also where it was sheared.

@@ -49,24 +49,24 @@ fn volume_and_energy_are_accounted_for_in_random_steps() {
             let press = contact.press(Drive::from(now).after(distance)).tolerance(1e-10);
             let state = press.starting_from(last.as_ref()).solve().unwrap();
             let (pressure, approach, stored, before) = last.as_ref().map_or((0.0, 0.0, 0.0, 0.0), |last| {
-                (last.mean_pressure(), last.approach(), last.elastic_energy, last.distance)
+                (last.mean_pressure(), last.approach(), last.elastic_energy(), last.distance)
             });
             volume += coefficient * state.mean_pressure() * (state.distance - before);
             let (found, deepest) = state.wear_volume_and_depth().unwrap();
             assert_relative_eq!(found, volume, max_relative = 1e-12);
             assert!(state.losses.total() >= 0.0 && deepest >= found * (1.0 - 1e-12), "case {case}");
-            let scale = state.elastic_energy.max(stored)
+            let scale = state.elastic_energy().max(stored)
                 + state.losses.total()
                 + (state.mean_pressure() * state.approach()).abs();
             let missing = 0.5 * (pressure + state.mean_pressure()) * (state.approach() - approach)
-                - (state.elastic_energy - stored)
+                - (state.elastic_energy() - stored)
                 - state.losses.total();
             let reported = if moved == 0.0 { 0.0 } else { missing.abs() };
             assert!((state.work_imbalance - reported).abs() <= 1e-12 * scale, "case {case}, step {index}");
             // The work of the load at the end of a step bounds the energy gained and lost, for steps of any length
             // (theory.md, section 7.10).
             let bound = state.mean_pressure() * (state.approach() - approach);
-            let gained = state.elastic_energy - stored + state.losses.total();
+            let gained = state.elastic_energy() - stored + state.losses.total();
             assert!(gained <= bound + 1e-8 * scale, "case {case}, step {index}: {gained:e} gained, {bound:e} allowed");
             last = Some(state);
         }

@@ -27,7 +27,7 @@ fn a_restored_state_goes_on_bit_for_bit() {
         let again = contact.restore(drives[1], &mut checkpoint).unwrap();
         let numbers = |state: &QuasistaticState| {
             [
-                state.elastic_energy,
+                state.elastic_energy(),
                 state.losses.total(),
                 state.work_imbalance,
                 state.wear_volume_and_depth().unwrap().0,
