@@ -46,6 +46,33 @@ pub trait Equilibrium {
     }
 }
 
+impl<E: Equilibrium + ?Sized> Equilibrium for Box<E> {
+    type State = E::State;
+
+    fn solvers(&self) -> &'static [Solver] {
+        (**self).solvers()
+    }
+
+    fn check(&self, drive: Drive) -> Result<(), Refusal> {
+        (**self).check(drive)
+    }
+
+    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
+        (**self).check_resolution(drive, tolerance)
+    }
+
+    fn equilibrate(
+        &self,
+        drive: Drive,
+        solver: Solver,
+        budget: &Budget,
+        start: Option<&Self::State>,
+        watch: &mut dyn Watch,
+    ) -> Result<Self::State, SolveError<Self::State>> {
+        (**self).equilibrate(drive, solver, budget, start, watch)
+    }
+}
+
 /// Solve of one [`Equilibrium`], made by [`Equilibrium::press`]. The defaults are [`Solver::Auto`], a tolerance of
 /// 1e-8, no start and no watcher.
 #[must_use = "nothing is solved before `solve`"]

@@ -3,8 +3,8 @@
 //!
 //! Start at [`Contact`]; use a free [`Boundary`] for a surface that does not repeat. Types common to all contacts are
 //! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
-//! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. The states of [`Resumable`] contacts can be saved outside the
-//! process. [`Contact::in_all_components`] moves the surface sideways, too, [`Contact::held_sideways`] holds it;
+//! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. [`Quasistatic`] contacts can be followed along a path, and the
+//! states of [`Resumable`] ones can be saved outside the process. [`Contact::in_all_components`] moves the surface sideways, too, [`Contact::held_sideways`] holds it;
 //! [`Springs`] between the surfaces act point by point; [`Dynamics`] sets time step and damping. [`SqueezedContact`] is
 //! a slab between two rigid surfaces, [`SteepContact`] allows finite slopes, [`SteadyContact`] has a complex stiffness
 //! of each wave, and [`Conductors`] touch at the contact points of any contact.
@@ -44,6 +44,7 @@ mod gradient;
 mod layer;
 mod load_search;
 mod pull_push;
+mod quasistatic;
 mod refine;
 mod resumable;
 mod solve;
@@ -66,6 +67,7 @@ pub use gradient::{ClearanceGradient, Cotangents, Gradient, GradientError};
 pub use hardness::Hardness;
 pub use load::{Drive, Load};
 pub use ndarray;
+pub use quasistatic::{Loss, Losses, Quasistatic, Reading};
 pub use refusal::Refusal;
 pub use resumable::Resumable;
 pub use rigid_surface::RigidSurface;

@@ -16,6 +16,16 @@ pub trait Resumable: Equilibrium {
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Self::State, Refusal>;
 }
 
+impl<R: Resumable + ?Sized> Resumable for Box<R> {
+    fn keep(&self, state: &mut Self::State, visitor: &mut dyn Visit) {
+        (**self).keep(state, visitor);
+    }
+
+    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<Self::State, Refusal> {
+        (**self).restore(drive, visitor)
+    }
+}
+
 /// The state of a hard wall follows from its pressure, except for the lateral traction left by the dynamics.
 impl Resumable for Contact {
     fn keep(&self, state: &mut Solution, visitor: &mut dyn Visit) {

@@ -3,7 +3,7 @@
 use gfmd_contact::{Drive, SolveError, Solver};
 use gfmd_relax::{Budget, Watch};
 
-use crate::path::{Quasistatic, Reading};
+use gfmd_contact::{Quasistatic, Reading};
 
 /// Follows a path from the undeformed surfaces, without an energy balance: each step leads to a drive in a number of
 /// equal increments, at least one. Returns the states at the ends of all increments, each to the tolerance of the

@@ -33,14 +33,14 @@ mod state;
 mod stiffness;
 mod stored_fields;
 
-pub use gfmd_contact::{Body, Equilibrium, Grid, Load, Material};
+pub use gfmd_contact::{Body, Equilibrium, Grid, Load, Loss, Losses, Material, Quasistatic, Reading};
 pub use gfmd_law as law;
 pub use increments::follow;
 pub use ndarray;
-pub use path::{Loss, Path, Quasistatic, Reading, Refinement, Step};
+pub use path::{Path, Refinement, Step};
 pub use problem::{Interface, Trapping};
 pub use quasistatic::{
-    Increment, LimitingPressure, Losses, Parts, PathGradient, PathGradientError, QuasistaticContact, QuasistaticState,
+    Increment, LimitingPressure, Parts, PathGradient, PathGradientError, QuasistaticContact, QuasistaticState,
     Sequence, Shear, StiffnessError, Wear,
 };
 pub use squeezed::{Squeezed, SqueezedState, stiffness_between_walls};

@@ -1,55 +1,11 @@
 //! Contacts along a path of drives, with the energy lost in each step (theory.md, section 8).
 
-use gfmd_contact::{Drive, Effort, Equilibrium, Fields, Load, Refusal, Resumable, SolveError, Solver, Visit};
+use gfmd_contact::{
+    Drive, Effort, Fields, Loss, Losses, Quasistatic, Reading, Refusal, Resumable, SolveError, Solver, Visit,
+};
 use gfmd_relax::{Budget, Watch};
 
-use crate::{Interface, Losses, State};
-
-/// A contact that can be followed along a path of equilibrium states.
-pub trait Quasistatic: Equilibrium {
-    /// Returns the values of a state for the energy balance of a path.
-    fn reading(&self, state: &Self::State) -> Reading;
-
-    /// Returns true if the state `end` may depend, by a [`change`](Self::change) above `tolerance`, on the number of
-    /// increments from `start`, or from the undeformed surface. No solve is made.
-    fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
-        false
-    }
-
-    /// Returns the change between two states under the same drive, both reached from `start`, or from the undeformed
-    /// surface, in different numbers of increments: the energy of their difference divided by the energy of the forces
-    /// that depend on the path from `start`.
-    fn change(&self, _start: Option<&Self::State>, _from: &Self::State, _to: &Self::State) -> f64 {
-        0.0
-    }
-
-    /// Returns true if surfaces slip, so that states depend on the division of steps.
-    fn slips(&self) -> bool {
-        false
-    }
-
-    /// Brings the contact to rest as [`equilibrate`](Equilibrium::equilibrate), from the state `near` under the same
-    /// drive, found from the same `start` to a lower accuracy.
-    ///
-    /// # Errors
-    /// Returns the errors of [`equilibrate`](Equilibrium::equilibrate).
-    fn polish(
-        &self,
-        drive: Drive,
-        solver: Solver,
-        budget: &Budget,
-        (start, _near): (Option<&Self::State>, &Self::State),
-        watch: &mut dyn Watch,
-    ) -> Result<Self::State, SolveError<Self::State>> {
-        self.equilibrate(drive, solver, budget, start, watch)
-    }
-
-    /// Returns the change of the sticking fraction between two states under the same drive. Points slip in the last
-    /// increment at the end, so that this fraction depends on its length even where the tractions hardly do.
-    fn change_of_stick(&self, _from: &Self::State, _to: &Self::State) -> f64 {
-        0.0
-    }
-}
+use crate::{Interface, State};
 
 /// Equilibrium state with its forces and energies.
 type SolvedState<S> = (S, Reading);
@@ -62,50 +18,6 @@ struct Divided<S> {
     /// Sums of the losses and of the imbalances of all increments.
     losses: Losses,
     imbalance: f64,
-}
-
-/// Values of an equilibrium state for the energy balance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// Mean pressure, stress.
-    pub mean_pressure: f64,
-    /// Rigid approach, length.
-    pub approach: f64,
-    /// Mean lateral traction along x and y, stress.
-    pub mean_shear: [f64; 2],
-    /// Lateral displacement of the rigid surface, length.
-    pub lateral: [f64; 2],
-    /// Time, if the state has one.
-    pub time: f64,
-    /// Sliding distance, if the state has one, length.
-    pub distance: f64,
-    /// Energies lost in the increment to this state by cause, as far as the solver knows them.
-    pub losses: Losses,
-    /// Source of the energy lost in the step to this state.
-    pub loss: Loss,
-}
-
-/// Source of the energy lost in a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Loss {
-    /// Balance of work and energy, from this stored energy per area. Energy is lost only in jumps.
-    Balance(f64),
-    /// Loss of an increment per area, from the solver. Its error is the error of the increment.
-    Known(f64),
-    /// Loss of an increment per area and imbalance of its work and energy, from the solver.
-    Certified {
-        /// Energy lost.
-        lost: f64,
-        /// Magnitude of the trapezoidal work of the rigid surface minus the energies gained and lost.
-        imbalance: f64,
-        /// Stored energy per area, if energy may also be lost in jumps. In an instantaneous step only jumps lose
-        /// energy, and the balance of work and energy gives the loss.
-        stored: Option<f64>,
-        /// True if energy may also be lost in no time and no distance, by slip or yield.
-        flows: bool,
-    },
-    /// Unknown loss, because the tractions have no energy.
-    Unknown,
 }
 
 /// Accuracy of the energy balance of a path.
@@ -925,47 +837,6 @@ impl Halves {
         match self.missing < 0.0 {
             true => self.spread - self.missing,
             false => self.spread.min(self.missing.max(self.change.abs())),
-        }
-    }
-}
-
-impl Reading {
-    /// Surfaces before the first step.
-    pub(crate) const UNLOADED: Self = Self {
-        mean_pressure: 0.0,
-        approach: 0.0,
-        mean_shear: [0.0; 2],
-        lateral: [0.0; 2],
-        time: 0.0,
-        distance: 0.0,
-        losses: Losses { relaxation: 0.0, friction: 0.0, wear: 0.0, plastic: 0.0, jumps: 0.0 },
-        loss: Loss::Known(0.0),
-    };
-
-    /// Returns the imbalance of the increment, 0 if its loss is not certified.
-    fn imbalance(&self) -> f64 {
-        if let Loss::Certified { imbalance, .. } = self.loss { imbalance } else { 0.0 }
-    }
-
-    /// Returns true if the step from `begin` takes no time and no distance.
-    fn is_at_once(&self, begin: &Self) -> bool {
-        self.time == begin.time && self.distance == begin.distance
-    }
-
-    /// Returns the drive at the fraction `share` of the path from this state to `drive`.
-    pub(crate) fn towards(&self, drive: Drive, share: f64) -> Drive {
-        if share == 1.0 {
-            return drive;
-        }
-        let at = |from: f64, to: f64| from + share * (to - from);
-        Drive {
-            load: match drive.load {
-                Load::MeanPressure(to) => Load::MeanPressure(at(self.mean_pressure, to)),
-                Load::Approach(to) => Load::Approach(at(self.approach, to)),
-            },
-            lateral: std::array::from_fn(|c| at(self.lateral[c], drive.lateral[c])),
-            time: at(self.time, drive.time),
-            distance: at(self.distance, drive.distance),
         }
     }
 }

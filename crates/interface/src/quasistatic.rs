@@ -18,8 +18,8 @@ mod tangential;
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Boundary, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError,
-    Solver, Units, Variables as _, Visit,
+    Boundary, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Loss, Quasistatic, Reading, Refusal, Resumable,
+    RigidSurface, SolveError, Solver, Units, Variables as _, Visit,
 };
 use gfmd_field::Share;
 use gfmd_law::{InUnits, Law};
@@ -28,13 +28,12 @@ use gfmd_relax::{Budget, Progress, Watch};
 use gfmd_response::{FreeFullCompliance, FullResponse};
 use ndarray::{Array2, ArrayRef2};
 
-use crate::path::{Loss, Quasistatic, Reading};
 use crate::{StoredFields, Trapping};
 pub use gradient::{Increment, PathGradient, PathGradientError};
 use normal::Normal;
 pub use parts::{LimitingPressure, Parts, Sequence, Shear, Wear};
 use response::Response;
-pub use state::{Losses, QuasistaticState};
+pub use state::QuasistaticState;
 use step::Step;
 pub use stiffness::StiffnessError;
 

@@ -1,6 +1,9 @@
 //! The contact as one that paths, files and the program take.
 
-use gfmd_contact::{Budget, Drive, Equilibrium, Refusal, Resumable, SolveError, Solver, Visit, Watch};
+use gfmd_contact::{
+    Budget, Drive, Equilibrium, Loss, Losses, Quasistatic, Reading, Refusal, Resumable, SolveError, Solver, Visit,
+    Watch,
+};
 use gfmd_relax::Variables as _;
 use gfmd_vector::with_contiguous;
 use ndarray::Array2;
@@ -45,6 +48,15 @@ impl Equilibrium for YieldingContact {
 }
 
 /// A state follows from its pressure and its plastic strain, with the numbers of the search that found it.
+impl Quasistatic for YieldingContact {
+    fn reading(&self, state: &PlasticState) -> Reading {
+        let losses = Losses { plastic: state.dissipated, ..Losses::default() };
+        let loss =
+            Loss::Certified { lost: state.dissipated, imbalance: state.work_imbalance, stored: None, flows: true };
+        Reading { losses, loss, ..Reading::of(state) }
+    }
+}
+
 impl Resumable for YieldingContact {
     fn keep(&self, state: &mut PlasticState, visitor: &mut dyn Visit) {
         let mesh = &self.volume.mesh;

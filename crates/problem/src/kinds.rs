@@ -1,19 +1,19 @@
 //! Kinds of contact.
 
 use gfmd_contact::{
-    Budget, Cotangents, Drive, Gradient, Load, Refusal, RigidSurface, SolveError, Solver, SqueezedContact,
-    SqueezedSolution, SteepContact, SteepSolution, Stiffness,
+    Cotangents, Drive, Gradient, Load, Refusal, RigidSurface, SqueezedContact, SqueezedSolution, SteepContact,
+    SteepSolution, Stiffness,
 };
 use gfmd_interface::{
-    Increment, Loss, Losses, PathGradient, Quasistatic, QuasistaticContact, QuasistaticState, Reading, Squeezed,
-    SqueezedState, StiffnessError, StoredFields, Trapping, stiffness_between_walls,
+    Increment, PathGradient, QuasistaticContact, QuasistaticState, Squeezed, SqueezedState, StiffnessError,
+    StoredFields, Trapping, stiffness_between_walls,
 };
 use gfmd_plasticity::{PlasticState, YieldingContact};
-use gfmd_relax::{Watch, Why};
+use gfmd_relax::Why;
 use ndarray::ArrayRef2;
 
 use crate::Unusable;
-use crate::posed::{ContactKind, NoStiffness, OfState, of_fields, other_fields};
+use crate::posed::{ContactKind, NoStiffness, OfState, other_fields};
 
 /// Returns the basis fields of a kind, which must be `N` fields.
 fn all<'a, const N: usize>(fields: &[&'a ArrayRef2<f64>]) -> Result<[&'a ArrayRef2<f64>; N], Refusal> {
@@ -90,18 +90,6 @@ impl ContactKind for Squeezed {
         Squeezed::stiffness_of_fields(self, faces, tolerance).map_err(no_stiffness)
     }
 
-    fn reading(&self, state: &SqueezedState) -> Reading {
-        Quasistatic::reading(self, state)
-    }
-
-    fn depends_on_division(&self, start: Option<&SqueezedState>, end: &SqueezedState, tolerance: f64) -> bool {
-        Quasistatic::depends_on_division(self, start, end, tolerance)
-    }
-
-    fn change(&self, start: Option<&SqueezedState>, from: &SqueezedState, to: &SqueezedState) -> f64 {
-        Quasistatic::change(self, start, from, to)
-    }
-
     fn trapping(&self) -> Option<Trapping> {
         Squeezed::trapping(self)
     }
@@ -150,37 +138,6 @@ impl ContactKind for QuasistaticContact {
         QuasistaticContact::gradient_along(self, &increments).map_err(|error| Unusable::of(error.to_string()))
     }
 
-    fn reading(&self, state: &QuasistaticState) -> Reading {
-        Quasistatic::reading(self, state)
-    }
-
-    fn depends_on_division(&self, start: Option<&QuasistaticState>, end: &QuasistaticState, tolerance: f64) -> bool {
-        Quasistatic::depends_on_division(self, start, end, tolerance)
-    }
-
-    fn change(&self, start: Option<&QuasistaticState>, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
-        Quasistatic::change(self, start, from, to)
-    }
-
-    fn change_of_stick(&self, from: &QuasistaticState, to: &QuasistaticState) -> f64 {
-        Quasistatic::change_of_stick(self, from, to)
-    }
-
-    fn slips(&self) -> bool {
-        Quasistatic::slips(self)
-    }
-
-    fn polish(
-        &self,
-        drive: Drive,
-        solver: Solver,
-        budget: &Budget,
-        from: (Option<&QuasistaticState>, &QuasistaticState),
-        watch: &mut dyn Watch,
-    ) -> Result<QuasistaticState, SolveError<QuasistaticState>> {
-        Quasistatic::polish(self, drive, solver, budget, from, watch)
-    }
-
     fn trapping(&self) -> Option<Trapping> {
         QuasistaticContact::trapping(self)
     }
@@ -210,12 +167,5 @@ impl ContactKind for YieldingContact {
         let elastic = self.contact().certify(pressure, Load::Approach(0.0));
         let elastic = elastic.map_err(|refusal| NoStiffness::Undefined(refusal.to_string().into()))?;
         self.contact().stiffness(&elastic, tolerance).map_err(inexact)
-    }
-
-    fn reading(&self, state: &PlasticState) -> Reading {
-        let losses = Losses { plastic: state.dissipated, ..Losses::default() };
-        let loss =
-            Loss::Certified { lost: state.dissipated, imbalance: state.work_imbalance, stored: None, flows: true };
-        Reading { losses, loss, ..of_fields(state) }
     }
 }

@@ -1,12 +1,11 @@
 use gfmd_contact::{Refusal, SqueezedContact, SteepContact};
-use gfmd_field::Share;
 use gfmd_interface::{Parts, QuasistaticContact, Sequence, Squeezed};
 use gfmd_plasticity::{PlasticityError, YieldingContact};
 use ndarray::ArrayRef2;
 
 use crate::facts::Task;
 use crate::options::Plasticity;
-use crate::posed::Posed;
+use crate::posed::{Posed, posed};
 use crate::rules::Facts;
 use crate::sideways::Sideways;
 use crate::unknown::Unknown;
@@ -52,25 +51,12 @@ impl<'a> Given<'a> {
 /// Returns an error if heights, body, hardness or law cannot be in contact, or if the given parts differ from the
 /// facts.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
-    let Given { facts, parts: Parts { body, grid, share, .. }, moves_all, .. } = given;
-    let share = share.cloned().unwrap_or_else(|| grid.whole());
-    let posed = pose_normal(given, &share)?;
-    // Finite slopes have a lateral displacement of their own.
-    if facts.unknown != Unknown::All || facts.finite_slope || *moves_all {
-        return Ok(posed);
-    }
-    Ok(posed.with_sideways(Sideways::new(facts.boundary, &share, grid, body)?))
-}
-
-/// Builds the contact in u_z, unless a dynamic solver moves all components.
-fn pose_normal(given: &Given, share: &Share) -> Result<Posed, Refusal> {
-    let Given { facts, lower, plasticity, .. } = given;
+    let Given { facts, lower, plasticity, moves_all, .. } = given;
     let parts = given.told_parts();
-    let Parts { body, grid, heights, hardness, .. } = &parts;
     // All parts, so that none of them is left out of the contact.
     for (part, is_fact, is_given) in [
         ("lower surface", facts.lower.is_some(), lower.is_some()),
-        ("hardness", facts.hardness, hardness.is_some()),
+        ("hardness", facts.hardness, parts.hardness.is_some()),
         ("yield stress", facts.yields, plasticity.is_some()),
         ("limit of the shear", facts.friction.is_some(), parts.shear.is_some()),
         ("relaxation", facts.relaxes.is_some(), parts.relaxation.is_some()),
@@ -80,32 +66,38 @@ fn pose_normal(given: &Given, share: &Share) -> Result<Posed, Refusal> {
             return Err(Refusal::Part { part });
         }
     }
+    let Parts { body, grid, heights, .. } = &parts;
+    let share = &parts.share.cloned().unwrap_or_else(|| grid.whole());
+    let moves_sideways = facts.unknown == Unknown::All && !facts.finite_slope && !*moves_all;
+    let sideways = || moves_sideways.then(|| Sideways::new(facts.boundary, share, grid, body)).transpose();
     if let Some(lower) = lower {
         if facts.task == Task::Path || facts.has_law() {
-            return Ok(Posed::new(Squeezed::new(&parts, lower)?));
+            return Ok(posed(Squeezed::new(&parts, lower)?, sideways()?));
         }
-        let contact = match facts.unknown {
-            Unknown::Held => SqueezedContact::held_sideways_over(share, body, grid, heights, lower)?,
-            _ => SqueezedContact::distributed(share, body, grid, heights, lower)?,
+        let contact = match parts.held {
+            true => SqueezedContact::held_sideways_over(share, body, grid, heights, lower)?,
+            false => SqueezedContact::distributed(share, body, grid, heights, lower)?,
         };
-        return Ok(Posed::new(match hardness {
-            Some(hardness) => contact.with_hardness(hardness.clone())?,
-            None => contact,
-        }));
+        return Ok(match &parts.hardness {
+            Some(hardness) => posed(contact.with_hardness(hardness.clone())?, sideways()?),
+            None => posed(contact, sideways()?),
+        });
     }
     if facts.finite_slope {
+        // Finite slopes have a lateral displacement of their own.
         let contact = SteepContact::distributed(share, body, grid, heights)?;
-        return Ok(Posed::new(match hardness {
-            Some(hardness) => contact.with_hardness(hardness.clone())?,
-            None => contact,
-        }));
+        return Ok(match &parts.hardness {
+            Some(hardness) => posed(contact.with_hardness(hardness.clone())?, None),
+            None => posed(contact, None),
+        });
     }
     if let Some(Plasticity { hardening, cells, .. }) = plasticity {
         let contact = YieldingContact::distributed(share, body, grid, heights, hardening, cells);
-        return contact.map(Posed::new).map_err(|error| match error {
+        let contact = contact.map_err(|error| match error {
             PlasticityError::Contact(refusal) => refusal,
             _ => Refusal::Part { part: "cells" },
         });
+        return Ok(posed(contact?, sideways()?));
     }
-    Ok(Posed::new(QuasistaticContact::new(&parts)?))
+    Ok(posed(QuasistaticContact::new(&parts)?, sideways()?))
 }

@@ -2,10 +2,10 @@ use std::any::Any;
 use std::borrow::Cow;
 
 use gfmd_contact::{
-    Budget, Cotangents, Drive, Effort, Equilibrium, Fields, Gradient, Load, Refusal, Resumable, RigidSurface,
-    SolveError, Solver, Stiffness, Visit, Watch,
+    Budget, Cotangents, Drive, Effort, Equilibrium, Fields, Gradient, Load, Quasistatic, Reading, Refusal, Resumable,
+    RigidSurface, SolveError, Solver, Stiffness, Visit, Watch,
 };
-use gfmd_interface::{Loss, Losses, PathGradient, Quasistatic, Reading, StoredFields, Trapping};
+use gfmd_interface::{PathGradient, StoredFields, Trapping};
 use gfmd_measure::{Scales, Summary};
 use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 
@@ -13,7 +13,7 @@ use crate::Unusable;
 use crate::sideways::Sideways;
 
 /// Kind of contact, with all that solvers, paths and files need. A new kind implements this trait, once.
-pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
+pub trait ContactKind: Quasistatic + Resumable<State: Send + Sync + 'static> + Send + Sync + 'static {
     /// Returns the rigid surface; the upper one of two.
     fn surface(&self) -> &RigidSurface;
 
@@ -71,47 +71,6 @@ pub trait ContactKind: Resumable<State: Send + Sync + 'static> + Send + Sync + '
         Err(Unusable::of("derivatives along a path are not implemented for this contact"))
     }
 
-    /// Returns the forces, positions and energy of a state, for the balance of a path.
-    fn reading(&self, state: &Self::State) -> Reading {
-        of_fields(state)
-    }
-
-    /// Returns true if the state `end` may depend on the division of the step from `start`
-    /// ([`Quasistatic::depends_on_division`]).
-    fn depends_on_division(&self, _start: Option<&Self::State>, _end: &Self::State, _tolerance: f64) -> bool {
-        false
-    }
-
-    /// Returns the change between two states under one drive, both reached from `start` ([`Quasistatic::change`]).
-    fn change(&self, _start: Option<&Self::State>, _from: &Self::State, _to: &Self::State) -> f64 {
-        0.0
-    }
-
-    /// Returns the change of the sticking part of the contact ([`Quasistatic::change_of_stick`]).
-    fn change_of_stick(&self, _from: &Self::State, _to: &Self::State) -> f64 {
-        0.0
-    }
-
-    /// Returns true if surfaces slip ([`Quasistatic::slips`]).
-    fn slips(&self) -> bool {
-        false
-    }
-
-    /// Brings the contact to rest from a state near the end ([`Quasistatic::polish`]).
-    ///
-    /// # Errors
-    /// Returns the errors of [`equilibrate`](Equilibrium::equilibrate).
-    fn polish(
-        &self,
-        drive: Drive,
-        solver: Solver,
-        budget: &Budget,
-        (start, _near): (Option<&Self::State>, &Self::State),
-        watch: &mut dyn Watch,
-    ) -> Result<Self::State, SolveError<Self::State>> {
-        self.equilibrate(drive, solver, budget, start, watch)
-    }
-
     /// Returns a warning if the law is too steep for the grid.
     fn trapping(&self) -> Option<Trapping> {
         None
@@ -129,21 +88,6 @@ pub(crate) fn other_fields() -> NoStiffness {
 /// Returns the reason why the state of another kind of contact has no derivatives.
 fn other_kind() -> Unusable {
     Unusable::of("the state is of another kind of contact")
-}
-
-/// Returns the reading of a state that is pressed without shear and has an unknown loss.
-pub(crate) fn of_fields(state: &impl Fields) -> Reading {
-    let (mean_pressure, approach) = (state.mean_pressure(), state.approach());
-    Reading {
-        mean_pressure,
-        approach,
-        mean_shear: [0.0; 2],
-        lateral: [0.0; 2],
-        time: 0.0,
-        distance: 0.0,
-        losses: Losses::default(),
-        loss: Loss::Unknown,
-    }
 }
 
 /// Reasons why a contact has no stiffness, or an inexact one.
@@ -256,259 +200,39 @@ fn own<S: 'static>(state: &AnyState) -> Result<&S, Refusal> {
     state.get().ok_or(Refusal::OtherKind)
 }
 
-/// [`ContactKind`] without its state type.
-trait DynContact: Send + Sync {
-    fn surface(&self) -> &RigidSurface;
-    fn solvers(&self) -> &'static [Solver];
-    fn check(&self, drive: Drive) -> Result<(), Refusal>;
-    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal>;
-    fn equilibrate(
-        &self,
-        drive: Drive,
-        solver: Solver,
-        budget: &Budget,
-        start: Option<&AnyState>,
-        watch: &mut dyn Watch,
-    ) -> Result<AnyState, SolveError<AnyState>>;
-    fn keep(&self, state: &mut AnyState, visitor: &mut dyn Visit);
-    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal>;
-    fn basis(&self) -> &'static [&'static str];
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal>;
-    fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal>;
-    fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness>;
-    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness>;
-    fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable>;
-    fn gradient_along(&self, increments: &[OfState<AnyState>]) -> Result<PathGradient, Unusable>;
-    fn reading(&self, state: &AnyState) -> Reading;
-    fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool;
-    fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64;
-    fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64;
-    fn slips(&self) -> bool;
-    fn polish(
-        &self,
-        drive: Drive,
-        solver: Solver,
-        budget: &Budget,
-        from: (Option<&AnyState>, &AnyState),
-        watch: &mut dyn Watch,
-    ) -> Result<AnyState, SolveError<AnyState>>;
-    fn trapping(&self) -> Option<Trapping>;
-}
-
-impl<K: ContactKind> DynContact for K {
-    fn surface(&self) -> &RigidSurface {
-        ContactKind::surface(self)
-    }
-
-    fn solvers(&self) -> &'static [Solver] {
-        Equilibrium::solvers(self)
-    }
-
-    fn check(&self, drive: Drive) -> Result<(), Refusal> {
-        Equilibrium::check(self, drive)
-    }
-
-    fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
-        Equilibrium::check_resolution(self, drive, tolerance)
-    }
-
-    fn equilibrate(
-        &self,
-        drive: Drive,
-        solver: Solver,
-        budget: &Budget,
-        start: Option<&AnyState>,
-        watch: &mut dyn Watch,
-    ) -> Result<AnyState, SolveError<AnyState>> {
-        let start = start.map(own).transpose()?;
-        let solved = Equilibrium::equilibrate(self, drive, solver, budget, start, watch);
-        solved.map(AnyState::new).map_err(|error| error.map(AnyState::new))
-    }
-
-    fn keep(&self, state: &mut AnyState, visitor: &mut dyn Visit) {
-        if let Some(state) = state.get_mut() {
-            Resumable::keep(self, state, visitor);
-        }
-    }
-
-    fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal> {
-        Resumable::restore(self, drive, visitor).map(AnyState::new)
-    }
-
-    fn basis(&self) -> &'static [&'static str] {
-        ContactKind::basis(self)
-    }
-
-    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal> {
-        ContactKind::certify(self, fields, drive).map(AnyState::new)
-    }
-
-    fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal> {
-        ContactKind::recall(self, stored, lower).map(AnyState::new)
-    }
-
-    fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        match state.get() {
-            Some(state) => ContactKind::stiffness(self, state, tolerance),
-            None => Err(NoStiffness::Undefined("the state is of another kind of contact".into())),
-        }
-    }
-
-    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        ContactKind::stiffness_of_fields(self, faces, tolerance)
-    }
-
-    fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
-        match state.get() {
-            Some(state) => ContactKind::gradient(self, state, load, of),
-            None => Err(other_kind()),
-        }
-    }
-
-    fn gradient_along(&self, increments: &[OfState<AnyState>]) -> Result<PathGradient, Unusable> {
-        let own = increments.iter().map(|(load, state, of)| Ok((*load, state.get().ok_or_else(other_kind)?, *of)));
-        ContactKind::gradient_along(self, &own.collect::<Result<Vec<_>, Unusable>>()?)
-    }
-
-    fn reading(&self, state: &AnyState) -> Reading {
-        state.get().map_or_else(|| of_fields(state), |state| ContactKind::reading(self, state))
-    }
-
-    fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool {
-        end.get()
-            .is_some_and(|end| ContactKind::depends_on_division(self, start.and_then(AnyState::get), end, tolerance))
-    }
-
-    fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64 {
-        let both = from.get().zip(to.get());
-        both.map_or(f64::NAN, |(from, to)| ContactKind::change(self, start.and_then(AnyState::get), from, to))
-    }
-
-    fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64 {
-        from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| ContactKind::change_of_stick(self, from, to))
-    }
-
-    fn slips(&self) -> bool {
-        ContactKind::slips(self)
-    }
-
-    fn polish(
-        &self,
-        drive: Drive,
-        solver: Solver,
-        budget: &Budget,
-        (start, near): (Option<&AnyState>, &AnyState),
-        watch: &mut dyn Watch,
-    ) -> Result<AnyState, SolveError<AnyState>> {
-        let from = (start.map(own).transpose()?, own(near)?);
-        let solved = ContactKind::polish(self, drive, solver, budget, from, watch);
-        solved.map(AnyState::new).map_err(|error| error.map(AnyState::new))
-    }
-
-    fn trapping(&self) -> Option<Trapping> {
-        ContactKind::trapping(self)
-    }
-}
-
 /// Problem of any kind, ready to be solved. Everything that takes an [`Equilibrium`] takes it, such as
 /// [`Press`](gfmd_contact::Press) and [`Path`](gfmd_interface::Path).
-pub struct Posed {
-    kind: Box<dyn DynContact>,
+pub type Posed = Box<dyn ContactKind<State = AnyState>>;
+
+/// Poses a contact; `sideways` completes its states by the lateral displacement.
+pub(crate) fn posed(kind: impl ContactKind, sideways: Option<Sideways>) -> Posed {
+    Box::new(OfAnyState { kind, sideways })
+}
+
+/// Contact of one kind that takes and gives states of any kind.
+struct OfAnyState<K> {
+    kind: K,
     /// Response of the lateral displacement, if it is requested beside a contact in u_z.
     sideways: Option<Sideways>,
 }
 
-impl Posed {
-    /// Wraps a contact.
-    pub fn new(kind: impl ContactKind) -> Self {
-        Self { kind: Box::new(kind), sideways: None }
-    }
-
-    /// Adds the lateral displacement by the pressure to every state.
-    pub(crate) fn with_sideways(self, sideways: Sideways) -> Self {
-        Self { sideways: Some(sideways), ..self }
-    }
-
-    /// Completes a state by its lateral displacement, if it is requested.
-    fn completed(&self, state: AnyState) -> AnyState {
+impl<K: ContactKind> OfAnyState<K> {
+    /// Returns a state of this kind, completed by its lateral displacement if that is requested.
+    fn any(&self, state: K::State) -> AnyState {
+        let state = AnyState::new(state);
         match &self.sideways {
             Some(sideways) => AnyState { sideways: sideways.displacement(&state), ..state },
             None => state,
         }
     }
 
-    /// Returns the rigid surface; the upper one of two.
-    pub fn surface(&self) -> &RigidSurface {
-        self.kind.surface()
-    }
-
-    /// Returns the names of the fields that [`certify`](Self::certify) needs for a state; empty if it cannot make one.
-    pub fn basis(&self) -> &'static [&'static str] {
-        self.kind.basis()
-    }
-
-    /// Computes the state of the [`basis`](Self::basis) fields under a drive, with fresh transforms.
-    ///
-    /// # Errors
-    /// Returns an error if the fields do not fit the grid, or if the drive is invalid.
-    pub fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal> {
-        self.kind.certify(fields, drive).map(|state| self.completed(state))
-    }
-
-    /// Restores a state from stored fields, and from the fields of the lower face if there is one, as a start.
-    ///
-    /// # Errors
-    /// Returns an error if fields are missing or do not fit the grid.
-    pub fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal> {
-        self.kind.recall(stored, lower).map(|state| self.completed(state))
-    }
-
-    /// Computes the stiffness of a state at rest, d(mean pressure)/d(approach), stress/length, to this relative error.
-    ///
-    /// # Errors
-    /// Returns the reason why there is no stiffness, or why it is less exact than requested.
-    pub fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
-        self.kind.stiffness(state, tolerance)
-    }
-
-    /// Computes the [`stiffness`](Self::stiffness) of the state along a path with this pressure and gap of each face,
-    /// the upper one first, also where they do not determine the state.
-    ///
-    /// # Errors
-    /// Returns an error as [`stiffness`](Self::stiffness), and for a contact of another kind.
-    pub fn stiffness_of_fields(
-        &self,
-        faces: &[[&ArrayRef2<f64>; 2]],
-        tolerance: f64,
-    ) -> Result<Stiffness, NoStiffness> {
-        self.kind.stiffness_of_fields(faces, tolerance)
-    }
-
-    /// Computes the derivatives of a scalar under a `load` of this kind, from its derivatives `of` with respect to a
-    /// state; see [`Facts::check_gradient`](crate::Facts::check_gradient).
-    ///
-    /// # Errors
-    /// Returns the reason why there are none.
-    pub fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
-        self.kind.gradient(state, load, of)
-    }
-
-    /// Computes the derivatives of a scalar along a path, from its derivatives with respect to the states at the ends
-    /// of all increments, under loads of these kinds.
-    ///
-    /// # Errors
-    /// Returns the reason why there are none.
-    pub fn gradient_along(&self, increments: &[OfState<AnyState>]) -> Result<PathGradient, Unusable> {
-        self.kind.gradient_along(increments)
-    }
-
-    /// Returns a warning if the law is too steep for the grid.
-    pub fn trapping(&self) -> Option<Trapping> {
-        self.kind.trapping()
+    /// Returns the result of a solve with a state of any kind.
+    fn solved(&self, solved: Result<K::State, SolveError<K::State>>) -> Result<AnyState, SolveError<AnyState>> {
+        solved.map(|state| self.any(state)).map_err(|error| error.map(|state| self.any(state)))
     }
 }
 
-impl Equilibrium for Posed {
+impl<K: ContactKind> Equilibrium for OfAnyState<K> {
     type State = AnyState;
 
     fn solvers(&self) -> &'static [Solver] {
@@ -531,36 +255,39 @@ impl Equilibrium for Posed {
         start: Option<&AnyState>,
         watch: &mut dyn Watch,
     ) -> Result<AnyState, SolveError<AnyState>> {
-        let solved = self.kind.equilibrate(drive, solver, budget, start, watch);
-        solved.map(|state| self.completed(state)).map_err(|error| error.map(|state| self.completed(state)))
+        let start = start.map(own).transpose()?;
+        self.solved(self.kind.equilibrate(drive, solver, budget, start, watch))
     }
 }
 
-impl Resumable for Posed {
+impl<K: ContactKind> Resumable for OfAnyState<K> {
     fn keep(&self, state: &mut AnyState, visitor: &mut dyn Visit) {
-        self.kind.keep(state, visitor);
+        if let Some(state) = state.get_mut() {
+            self.kind.keep(state, visitor);
+        }
     }
 
     fn restore(&self, drive: Drive, visitor: &mut dyn Visit) -> Result<AnyState, Refusal> {
-        self.kind.restore(drive, visitor).map(|state| self.completed(state))
+        self.kind.restore(drive, visitor).map(|state| self.any(state))
     }
 }
 
-impl Quasistatic for Posed {
+impl<K: ContactKind> Quasistatic for OfAnyState<K> {
     fn reading(&self, state: &AnyState) -> Reading {
-        self.kind.reading(state)
+        state.get().map_or_else(|| Reading::of(state), |state| self.kind.reading(state))
     }
 
     fn depends_on_division(&self, start: Option<&AnyState>, end: &AnyState, tolerance: f64) -> bool {
-        self.kind.depends_on_division(start, end, tolerance)
+        end.get().is_some_and(|end| self.kind.depends_on_division(start.and_then(AnyState::get), end, tolerance))
     }
 
     fn change(&self, start: Option<&AnyState>, from: &AnyState, to: &AnyState) -> f64 {
-        self.kind.change(start, from, to)
+        let both = from.get().zip(to.get());
+        both.map_or(f64::NAN, |(from, to)| self.kind.change(start.and_then(AnyState::get), from, to))
     }
 
     fn change_of_stick(&self, from: &AnyState, to: &AnyState) -> f64 {
-        self.kind.change_of_stick(from, to)
+        from.get().zip(to.get()).map_or(f64::NAN, |(from, to)| self.kind.change_of_stick(from, to))
     }
 
     fn slips(&self) -> bool {
@@ -572,11 +299,53 @@ impl Quasistatic for Posed {
         drive: Drive,
         solver: Solver,
         budget: &Budget,
-        from: (Option<&AnyState>, &AnyState),
+        (start, near): (Option<&AnyState>, &AnyState),
         watch: &mut dyn Watch,
     ) -> Result<AnyState, SolveError<AnyState>> {
-        let solved = self.kind.polish(drive, solver, budget, from, watch);
-        solved.map(|state| self.completed(state)).map_err(|error| error.map(|state| self.completed(state)))
+        let from = (start.map(own).transpose()?, own(near)?);
+        self.solved(self.kind.polish(drive, solver, budget, from, watch))
+    }
+}
+
+impl<K: ContactKind> ContactKind for OfAnyState<K> {
+    fn surface(&self) -> &RigidSurface {
+        self.kind.surface()
+    }
+
+    fn basis(&self) -> &'static [&'static str] {
+        self.kind.basis()
+    }
+
+    fn certify(&self, fields: &[&ArrayRef2<f64>], drive: Drive) -> Result<AnyState, Refusal> {
+        self.kind.certify(fields, drive).map(|state| self.any(state))
+    }
+
+    fn recall(&self, stored: StoredFields<'_>, lower: Option<StoredFields<'_>>) -> Result<AnyState, Refusal> {
+        self.kind.recall(stored, lower).map(|state| self.any(state))
+    }
+
+    fn stiffness(&self, state: &AnyState, tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        match state.get() {
+            Some(state) => self.kind.stiffness(state, tolerance),
+            None => Err(NoStiffness::Undefined("the state is of another kind of contact".into())),
+        }
+    }
+
+    fn stiffness_of_fields(&self, faces: &[[&ArrayRef2<f64>; 2]], tolerance: f64) -> Result<Stiffness, NoStiffness> {
+        self.kind.stiffness_of_fields(faces, tolerance)
+    }
+
+    fn gradient(&self, state: &AnyState, load: Load, of: &Cotangents) -> Result<Gradient, Unusable> {
+        self.kind.gradient(state.get().ok_or_else(other_kind)?, load, of)
+    }
+
+    fn gradient_along(&self, increments: &[OfState<AnyState>]) -> Result<PathGradient, Unusable> {
+        let own = increments.iter().map(|(load, state, of)| Ok((*load, state.get().ok_or_else(other_kind)?, *of)));
+        self.kind.gradient_along(&own.collect::<Result<Vec<_>, Unusable>>()?)
+    }
+
+    fn trapping(&self) -> Option<Trapping> {
+        self.kind.trapping()
     }
 }
 

@@ -167,6 +167,7 @@ pub fn run(args: &Args, session: &Session) -> Result<Rows, Failure> {
         rows: Vec::new(),
     };
     rows.add(trial.processes()?);
+    rows.add(trial.report()?);
     rows.add(trial.tamaas()?);
     rows.add(trial.ramp()?);
     rows.add(trial.flow()?);

@@ -1,6 +1,6 @@
 //! State at the end of a step: histories, energies and losses.
 
-use gfmd_contact::{Fields as _, Hardness, Load, Refusal, Solution};
+use gfmd_contact::{Fields as _, Hardness, Load, Losses, Refusal, Solution};
 use gfmd_field::Share;
 use gfmd_medium::Energies;
 use gfmd_vector::contiguous;
@@ -9,7 +9,7 @@ use ndarray::Array2;
 use super::QuasistaticContact;
 use super::normal::{Normal, NormalState};
 use super::shear::Sheared;
-use super::state::{Losses, QuasistaticState, ShearFields};
+use super::state::{QuasistaticState, ShearFields};
 use super::step::{Reached, Step};
 use crate::numbers::{dot, total};
 

@@ -1,12 +1,14 @@
 //! Loads, each a problem of its own: the normal contact alone, in its own units and with its own methods.
 
-use gfmd_contact::{Cotangents, Drive, Gradient, GradientError, Load, Refusal, Resumable as _, SolveError, Solver};
-use gfmd_contact::{Stiffness, Units, Visit};
+use gfmd_contact::{
+    Cotangents, Drive, Gradient, GradientError, Load, Losses, Refusal, Resumable as _, SolveError, Solver, Stiffness,
+    Units, Visit,
+};
 use gfmd_relax::{Budget, Watch};
 use ndarray::ArrayRef2;
 
 use super::normal::{Normal, NormalState};
-use super::{Losses, Parts, QuasistaticContact, QuasistaticState, Sequence, StiffnessError};
+use super::{Parts, QuasistaticContact, QuasistaticState, Sequence, StiffnessError};
 
 impl QuasistaticContact {
     /// Creates the contact of these parts under loads.

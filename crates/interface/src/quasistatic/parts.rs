@@ -27,8 +27,8 @@ pub struct Parts<'a> {
     /// Law across the gap; `None` for a hard wall, which is solved for the pressure. With a
     /// [`HardWall`](gfmd_law::HardWall) as a law, the wall is solved for the displacement.
     pub law: Option<Arc<dyn Law>>,
-    /// True if all components of the displacement are unknown: a law that shears moves them, and above a hard wall under
-    /// [loads](Sequence::Loads) the damped dynamics.
+    /// True if all components of the displacement are unknown: a law that shears moves them, and, at a hard wall under
+    /// [loads](Sequence::Loads), the damped dynamics.
     pub all_components: bool,
     /// True if u_x and u_y of the surface are held at zero, without shear and with periodic boundaries.
     pub held: bool,

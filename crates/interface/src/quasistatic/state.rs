@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Effort, Fields, Refusal, RigidSurface, Solution, Variables, Visit};
+use gfmd_contact::{Effort, Fields, Losses, Refusal, RigidSurface, Solution, Variables, Visit};
 use gfmd_measure::{Scales, Summary};
 use gfmd_medium::Memory;
 use gfmd_vector::with_contiguous;
@@ -51,54 +51,6 @@ pub(super) struct ShearFields {
     pub(super) stick_fraction: f64,
     pub(super) friction: f64,
     pub(super) excess: f64,
-}
-
-/// Energies lost in an increment by cause, per area, stress × length.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Losses {
-    /// In the dashpots of a body that relaxes.
-    pub relaxation: f64,
-    /// By slip: the slip of each point times the mean of its limits at the start and the end.
-    pub friction: f64,
-    /// Work of the pressure on the depth worn off.
-    pub wear: f64,
-    /// Work of the pressure on the depth pressed in.
-    pub plastic: f64,
-    /// In jumps of surfaces that attract each other, where other losses leave the balance of energy to tell them.
-    pub jumps: f64,
-}
-
-impl Losses {
-    /// Returns the sum of all losses.
-    pub fn total(&self) -> f64 {
-        self.relaxation + self.friction + self.wear + self.plastic + self.jumps
-    }
-
-    /// Returns the sums of both, cause by cause.
-    pub(crate) fn and(self, other: Self) -> Self {
-        Self {
-            relaxation: self.relaxation + other.relaxation,
-            friction: self.friction + other.friction,
-            wear: self.wear + other.wear,
-            plastic: self.plastic + other.plastic,
-            jumps: self.jumps + other.jumps,
-        }
-    }
-
-    /// Returns the differences of both, cause by cause.
-    pub(crate) fn without(self, other: Self) -> Self {
-        self.and(other.times(-1.0))
-    }
-
-    pub(crate) fn times(self, unit: f64) -> Self {
-        Self {
-            relaxation: self.relaxation * unit,
-            friction: self.friction * unit,
-            wear: self.wear * unit,
-            plastic: self.plastic * unit,
-            jumps: self.jumps * unit,
-        }
-    }
 }
 
 impl QuasistaticState {

@@ -46,10 +46,10 @@ pub enum StiffnessError {
 impl QuasistaticContact {
     /// Computes the stiffness of `state`, d(mean pressure)/d(approach) in stress/length, to the relative error
     /// `tolerance` ([`Stiffness`]). Of a load it is the stiffness of the [wall](gfmd_contact::Contact::stiffness) or of
-    /// the [law](crate::Interface::stiffness). Along a path it is the stiffness of an instant, in which nothing wears off and a body that
-    /// relaxes has its instantaneous moduli. Points in contact stay in contact, with friction or a shear strength
-    /// without slip, and points at the hardness keep their pressure: where some are, it is the stiffness under a
-    /// growing load, and the contact is stiffer when it is unloaded. The surfaces do not move sideways.
+    /// the [law](crate::Interface::stiffness). Along a path it is the stiffness of an instant, in which nothing wears
+    /// off and a body that relaxes has its instantaneous moduli. Points in contact stay in contact, with friction or a
+    /// shear strength without slip, and points at the hardness keep their pressure: where some are, it is the stiffness
+    /// under a growing load, and the contact is stiffer when it is unloaded. The surfaces do not move sideways.
     ///
     /// # Errors
     /// Returns the reason why there is no stiffness, or the stiffness reached with a larger error.

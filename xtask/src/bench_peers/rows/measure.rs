@@ -194,6 +194,28 @@ impl<'a> Trial<'a> {
         ])
     }
 
+    /// Measures the time of `report` of a contact with half as many points along a side.
+    pub(super) fn report(&self) -> Result<Vec<Row>, Failure> {
+        let n = self.args.n / 2;
+        let [result, page] = ["report.h5", "report.html"].map(|name| self.scratch.path().join(name));
+        let out = result.to_string_lossy();
+        self.contact((&[], &["--out", &out]), &self.rough(n)?, USUAL, self.cores)?;
+        let mut case = self.case(n, USUAL, self.cores);
+        for _ in 0..self.args.repeats {
+            self.go_on()?;
+            let started = Instant::now();
+            let output = Command::new(&self.program).arg("report").arg(&result).arg("--out").arg(&page).output();
+            let seconds = started.elapsed().as_secs_f64();
+            let output = output.map_err(failed)?;
+            if !output.status.success() {
+                return Err(failed(format!("report: {}", String::from_utf8_lossy(&output.stderr).trim())));
+            }
+            case.found.push(seconds);
+            case.over.push(1.0);
+        }
+        Ok(vec![row("`report` of a result over a second", 0.25, Ok(vec![case]))])
+    }
+
     /// Compares the solution by Tamaas with the time of the load in `contact`, to the same certified residual.
     pub(super) fn tamaas(&self) -> Result<Vec<Row>, Failure> {
         let what = "solution by Tamaas over `seconds` of `contact`";
