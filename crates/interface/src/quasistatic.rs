@@ -179,7 +179,7 @@ impl QuasistaticContact {
         self.normal.boundary()
     }
 
-    /// Returns a warning if the law is too steep for the grid ([`Interface::trapping`]).
+    /// Returns a warning if the law is too steep for the grid ([`Interface::trapping`](crate::Interface::trapping)).
     pub fn trapping(&self) -> Option<Trapping> {
         let Normal::Law(interface) = &self.normal else { return None };
         let unit = self.units.stiffness();

@@ -430,7 +430,8 @@ impl Prepared {
             ],
         };
         let warning = || {
-            let found = format!(" is {p_star:.3e} times E* g = {said}, far beyond full contact (some 2): ");
+            let times = if p_star < 1e5 { format!("{p_star:.1}") } else { format!("{p_star:.1e}") };
+            let found = format!(" is {times} times E* g = {said}, far beyond full contact (some 2): ");
             words![key(option), found, hint]
         };
         (p_star > HIGHEST).then(warning)
