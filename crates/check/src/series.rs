@@ -3,7 +3,7 @@
 use gfmd_contact::{Boundary, Drive, Fields as _, Load};
 use gfmd_files::Reader;
 use gfmd_interface::{Quasistatic as _, Step};
-use gfmd_problem::{AnyState, GridError, Posed, Task};
+use gfmd_problem::{AnyState, GridError, Posed, Sequence};
 use gfmd_record::{Column, Origin, Record, StateContext, arrays, repulsion};
 use ndarray::{Array2, ArrayRef2, CowArray, Ix2};
 
@@ -202,7 +202,7 @@ impl<'a> Stored<'a> {
         match name {
             "pressure" if patch => self.prepared.unit_pressure(),
             "displacement_z" if patch => self.height(),
-            "gap" | "lower_gap" if self.prepared.facts.task == Task::Path => self.height(),
+            "gap" | "lower_gap" if self.prepared.facts.sequence == Sequence::Path => self.height(),
             _ => 0.0,
         }
     }
@@ -245,7 +245,7 @@ impl<'a> Stored<'a> {
 
     /// Returns the least scale of a number; smaller differences are rounding errors.
     fn floor(&self, column: &Column, record: &Record) -> f64 {
-        let is_path = self.prepared.facts.task == Task::Path;
+        let is_path = self.prepared.facts.sequence == Sequence::Path;
         match column.name {
             // Small beside 1, and caused by rounding.
             _ if column.origin == Origin::Residual => 1e-3,

@@ -33,7 +33,7 @@ use gfmd_problem::options::values::up_to;
 use gfmd_problem::options::{BodyArgs, RecordedBodyArgs};
 use gfmd_problem::options::{Kinds, Options};
 use gfmd_report::figures::parse_prefix;
-use gfmd_unit::Units;
+use gfmd_unit::{Units, digits};
 
 pub use comparison::{Comparison, Difference};
 pub use component::Component;
@@ -640,11 +640,11 @@ impl fmt::Display for Report {
         let unit = |kind: &str| Some(units.name(kind)).filter(|name| name != kind).unwrap_or_default();
         let [length, stress] = ["length", "stress"].map(unit);
         let after = |unit: &str| if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        writeln!(f, "{}\n{nx} x {ny} points, cell {lx:.6e} x {ly:.6e}{}", self.surface, after(&length))?;
+        writeln!(f, "{}\n{nx} x {ny} points, cell {} x {}{}", self.surface, digits(lx), digits(ly), after(&length))?;
         if let Some(slice) = self.slice {
             writeln!(f, "slice at {slice}")?;
         }
-        let traction: Vec<String> = self.mean_traction.iter().map(|mean| format!("{mean:.6e}")).collect();
+        let traction: Vec<String> = self.mean_traction.iter().map(|mean| digits(*mean)).collect();
         writeln!(f, "mean traction {}{}", traction.join(", "), after(&stress))?;
         writeln!(f, "\n{:>13} {:>13} {:>13} {:>13}", "depth", "max |u|", "max Mises", "mean energy")?;
         if !(length.is_empty() && stress.is_empty()) {

@@ -10,7 +10,7 @@ use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Subcommand};
 use gfmd_files::legible;
 use gfmd_mpi::World;
-use gfmd_problem::{Task, Written, key, rules_of, rules_of_sliding, words};
+use gfmd_problem::{Sequence, Written, key, rules_of, rules_of_sliding, words};
 use gfmd_vector::Ranks as _;
 use serde::Serialize;
 
@@ -204,8 +204,8 @@ fn named(command: clap::Command, name: &'static str) -> clap::Command {
             let terms: String = TERMS.iter().filter(known).map(|(_, meaning)| format!("{meaning}\n")).collect();
             let text = if terms.is_empty() { text } else { format!("Terms:\n{terms}\n{text}") };
             let rules = match command.get_name() {
-                "contact" => rules_of(Task::Loads),
-                "path" => rules_of(Task::Path),
+                "contact" => rules_of(Sequence::Loads),
+                "path" => rules_of(Sequence::Path),
                 "slide" => rules_of_sliding(),
                 _ => Vec::new(),
             };

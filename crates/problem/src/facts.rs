@@ -2,16 +2,6 @@ use gfmd_green::{BaseKind, Condition, Ground, Height};
 use gfmd_interface::Wear;
 use gfmd_law::Limit;
 
-/// Kind of load sequence.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Task {
-    /// Loads, each solved as its own problem.
-    #[default]
-    Loads,
-    /// Path of states that follow from one another.
-    Path,
-}
-
 /// Limit of the shear between the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Friction {

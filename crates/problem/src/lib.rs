@@ -32,7 +32,8 @@ mod written;
 
 pub use accuracy::{Accuracy, AccuracyError};
 pub use adhesion::Adhesion;
-pub use facts::{Friction, Lower, MovedBase, Support, Task, WearBy};
+pub use facts::{Friction, Lower, MovedBase, Support, WearBy};
+pub use gfmd_interface::Sequence;
 pub use grid_error::GridError;
 pub use inelastic::Inelastic;
 pub use kept_strain::KeptStrain;

@@ -1,6 +1,6 @@
 use gfmd_contact::{Boundary, Solver};
+use gfmd_interface::Sequence;
 
-use crate::facts::Task;
 use crate::rules::Facts;
 use crate::unknown::Unknown;
 
@@ -99,10 +99,10 @@ impl MemoryNeed {
 impl Facts {
     /// Returns the memory that the problem needs with this solver; less for `only` one load without statistics.
     pub fn memory_need(&self, solver: Solver, only: bool) -> MemoryNeed {
-        let flow = match self.task {
+        let flow = match self.sequence {
             _ if !self.flow => MemoryNeed(0),
-            Task::Loads => MemoryNeed::FLOW,
-            Task::Path => MemoryNeed::FLOW_ON_PATH,
+            Sequence::Loads => MemoryNeed::FLOW,
+            Sequence::Path => MemoryNeed::FLOW_ON_PATH,
         };
         // The fields of the search are freed before the flow is computed.
         let search =
@@ -113,7 +113,7 @@ impl Facts {
     fn need_of_search(&self, only: bool) -> MemoryNeed {
         let is_free = self.boundary == Boundary::Free;
         let normal = self.need_of_normal(only);
-        if self.task == Task::Path || self.unknown != Unknown::All || self.finite_slope {
+        if self.sequence == Sequence::Path || self.unknown != Unknown::All || self.finite_slope {
             return normal;
         }
         let sideways = if is_free { MemoryNeed::SIDEWAYS_FREE } else { MemoryNeed::SIDEWAYS };
@@ -123,17 +123,17 @@ impl Facts {
     /// Returns the need of a search that finds no lateral displacement by the pressure.
     fn need_of_normal(&self, only: bool) -> MemoryNeed {
         let is_free = self.boundary == Boundary::Free;
-        match self.task {
-            Task::Loads if self.finite_slope => MemoryNeed::STEEP,
-            Task::Loads if self.lower.is_some() && self.has_law() => MemoryNeed::SQUEEZED_BY_LAW,
-            Task::Loads if self.lower.is_some() && self.hardness => MemoryNeed::SQUEEZED_WITH_HARDNESS,
-            Task::Loads if self.lower.is_some() => MemoryNeed::SQUEEZED,
-            Task::Loads if self.has_law() && is_free => MemoryNeed::LAW_FREE,
-            Task::Loads if self.has_law() => MemoryNeed::LAW,
-            Task::Loads if self.hardness || is_free => MemoryNeed::FREE,
-            Task::Loads if only => MemoryNeed::HARD_WALL_ONCE,
-            Task::Loads => MemoryNeed::HARD_WALL,
-            Task::Path => self.need_of_path(is_free),
+        match self.sequence {
+            Sequence::Loads if self.finite_slope => MemoryNeed::STEEP,
+            Sequence::Loads if self.lower.is_some() && self.has_law() => MemoryNeed::SQUEEZED_BY_LAW,
+            Sequence::Loads if self.lower.is_some() && self.hardness => MemoryNeed::SQUEEZED_WITH_HARDNESS,
+            Sequence::Loads if self.lower.is_some() => MemoryNeed::SQUEEZED,
+            Sequence::Loads if self.has_law() && is_free => MemoryNeed::LAW_FREE,
+            Sequence::Loads if self.has_law() => MemoryNeed::LAW,
+            Sequence::Loads if self.hardness || is_free => MemoryNeed::FREE,
+            Sequence::Loads if only => MemoryNeed::HARD_WALL_ONCE,
+            Sequence::Loads => MemoryNeed::HARD_WALL,
+            Sequence::Path => self.need_of_path(is_free),
         }
     }
 

@@ -3,7 +3,6 @@ use gfmd_interface::{Parts, QuasistaticContact, Sequence, Squeezed};
 use gfmd_plasticity::{PlasticityError, YieldingContact};
 use ndarray::ArrayRef2;
 
-use crate::facts::Task;
 use crate::options::Plasticity;
 use crate::posed::{Posed, posed};
 use crate::rules::Facts;
@@ -15,8 +14,8 @@ use crate::unknown::Unknown;
 pub struct Given<'a> {
     /// Facts of the problem.
     pub facts: Facts,
-    /// Parts above the surface of the body. The facts tell the sequence, the boundary and the components, and whether
-    /// a wall is solved as a law.
+    /// Parts of the contact. The facts decide the sequence, the boundary and the components, and whether a wall is
+    /// solved as a law, whatever the parts say.
     pub parts: Parts<'a>,
     /// Heights of the rigid surface below the slab, `[x, y]`, length; peaks point at the body.
     pub lower: Option<&'a ArrayRef2<f64>>,
@@ -27,14 +26,11 @@ pub struct Given<'a> {
 }
 
 impl<'a> Given<'a> {
-    /// Returns the parts with what the facts tell.
-    fn told_parts(&self) -> Parts<'a> {
+    /// Returns the parts, completed by the facts.
+    fn completed(&self) -> Parts<'a> {
         let Self { facts, parts, moves_all, .. } = self;
         Parts {
-            sequence: match facts.task {
-                Task::Loads => Sequence::Loads,
-                Task::Path => Sequence::Path,
-            },
+            sequence: facts.sequence,
             boundary: facts.boundary,
             // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
             law: parts.law.clone().filter(|_| facts.solves_a_law()),
@@ -52,7 +48,7 @@ impl<'a> Given<'a> {
 /// facts.
 pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     let Given { facts, lower, plasticity, moves_all, .. } = given;
-    let parts = given.told_parts();
+    let parts = given.completed();
     // All parts, so that none of them is left out of the contact.
     for (part, is_fact, is_given) in [
         ("lower surface", facts.lower.is_some(), lower.is_some()),
@@ -71,7 +67,7 @@ pub fn pose(given: &Given) -> Result<Posed, Refusal> {
     let moves_sideways = facts.unknown == Unknown::All && !facts.finite_slope && !*moves_all;
     let sideways = || moves_sideways.then(|| Sideways::new(facts.boundary, share, grid, body)).transpose();
     if let Some(lower) = lower {
-        if facts.task == Task::Path || facts.has_law() {
+        if facts.sequence == Sequence::Path || facts.has_law() {
             return Ok(posed(Squeezed::new(&parts, lower)?, sideways()?));
         }
         let contact = match parts.held {

@@ -2,10 +2,11 @@ use std::fmt;
 
 use gfmd_contact::{Boundary, Contact, Solver};
 use gfmd_green::{BaseKind, Condition, Ground};
+use gfmd_interface::Sequence;
 use gfmd_law::LawKind;
 use gfmd_medium::Relaxes;
 
-use crate::facts::{Friction, Lower, MovedBase, Support, Task, WearBy};
+use crate::facts::{Friction, Lower, MovedBase, Support, WearBy};
 use crate::grid_error::GridError;
 use crate::unknown::Unknown;
 use crate::{Spelling, Unusable, Words, key, setting, words};
@@ -15,7 +16,7 @@ use crate::{Spelling, Unusable, Words, key, setting, words};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facts {
     /// Kind of load sequence.
-    pub task: Task,
+    pub sequence: Sequence,
     /// Law across the gap; [`LawKind::HardWall`] for none.
     pub law: LawKind,
     /// True if a hardness limits the pressure.
@@ -75,7 +76,7 @@ pub struct Facts {
 impl Default for Facts {
     fn default() -> Self {
         Self {
-            task: Task::Loads,
+            sequence: Sequence::Loads,
             law: LawKind::HardWall,
             hardness: false,
             yields: false,
@@ -115,7 +116,7 @@ impl Facts {
 
     /// Returns true if a law that shears moves all components of the displacement.
     pub fn shears_by_law(&self) -> bool {
-        self.task == Task::Path && self.lateral && self.friction.is_none()
+        self.sequence == Sequence::Path && self.lateral && self.friction.is_none()
     }
 
     /// Returns true for a profile on a patch over a half-space. Its displacement grows with the logarithm of the
@@ -130,7 +131,8 @@ impl Facts {
     pub fn moves_all_by(&self, solver: Solver) -> bool {
         let is_dynamic = solver != Solver::Auto && Contact::ALL_COMPONENTS_SOLVERS.contains(&solver);
         let is_wall = !self.has_law() && !self.hardness && self.boundary == Boundary::Periodic;
-        let all = self.task == Task::Loads && self.unknown == Unknown::All && !self.finite_slope && !self.approach;
+        let all =
+            self.sequence == Sequence::Loads && self.unknown == Unknown::All && !self.finite_slope && !self.approach;
         is_dynamic && is_wall && all
     }
 
@@ -149,12 +151,12 @@ impl Facts {
             || self.relaxes.is_some()
             || self.wear.is_some());
         let is_solved = is_alone || self.lower.is_some() || self.shears_by_law();
-        self.has_law() || self.task == Task::Path && is_solved
+        self.has_law() || self.sequence == Sequence::Path && is_solved
     }
 
     /// Returns true for the path of a hard wall without friction that is solved by hard-wall methods.
     pub fn is_wall_on_path(&self) -> bool {
-        self.task == Task::Path && !self.solves_a_law() && self.friction.is_none()
+        self.sequence == Sequence::Path && !self.solves_a_law() && self.friction.is_none()
     }
 }
 
@@ -312,7 +314,7 @@ parts! {
         (key("boundary"), "free", words![free, " and friction, ", key("lateral"), " or ", all])
     }, |f| f.boundary == Boundary::Free && f.moves_sideways();
     /// Path.
-    Path: |_| ("path".into(), "asked for", "a path".into()), |f| f.task == Task::Path;
+    Path: |_| ("path".into(), "asked for", "a path".into()), |f| f.sequence == Sequence::Path;
     /// Flow through the gap.
     Flow: |_| (key("flow"), "given", key("flow")), |f| f.flow;
     /// Leak of a fluid.
@@ -547,9 +549,9 @@ impl Part {
     }
 
     /// Returns true if loads, or a path, can have the part.
-    fn is_of(self, task: Task) -> bool {
-        match task {
-            Task::Loads => !matches!(
+    fn is_of(self, sequence: Sequence) -> bool {
+        match sequence {
+            Sequence::Loads => !matches!(
                 self,
                 Self::Friction
                     | Self::Lateral
@@ -566,14 +568,14 @@ impl Part {
                     | Self::WearBySlip
                     | Self::Frictionless
             ),
-            Task::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
+            Sequence::Path => !RULES.iter().any(|rule| rule.part == self && rule.with == Self::Path),
         }
     }
 }
 
 /// Returns the rules of loads, or of a path, by part: the part in words, and the parts that are refused with it.
-pub fn rules_of(task: Task) -> Vec<(String, Vec<String>)> {
-    rules_among(|part| part.is_of(task))
+pub fn rules_of(sequence: Sequence) -> Vec<(String, Vec<String>)> {
+    rules_among(|part| part.is_of(sequence))
 }
 
 /// Returns the rules of steady sliding, as [`rules_of`] does.

@@ -1,18 +1,18 @@
 //! Conditions on problems that select columns, fields and their meanings.
 
 use gfmd_contact::Boundary;
-use gfmd_problem::{Facts, Task};
+use gfmd_problem::{Facts, Sequence};
 
 pub(crate) fn any(_: &Facts) -> bool {
     true
 }
 
 pub(crate) fn loads(facts: &Facts) -> bool {
-    facts.task == Task::Loads
+    facts.sequence == Sequence::Loads
 }
 
 pub(crate) fn path(facts: &Facts) -> bool {
-    facts.task == Task::Path
+    facts.sequence == Sequence::Path
 }
 
 /// Returns true if the approach is prescribed instead of a load.

@@ -17,7 +17,7 @@ use std::time::Instant;
 use gfmd_contact::{Drive, Fields as _, Refusal, SolveError, Visit};
 use gfmd_files::{Output, contiguous};
 use gfmd_interface::{Path, Step};
-use gfmd_problem::{AnyState, Posed, Task, Words};
+use gfmd_problem::{AnyState, Posed, Sequence, Words};
 use gfmd_record::{Record, RecordError, StateContext};
 
 use crate::convergence::NotConverged;
@@ -209,7 +209,7 @@ impl Series<'_> {
         for (index, drive) in drives.iter().enumerate().skip(outcome.records.len()) {
             let started = Instant::now();
             // Only a part with a single solve can continue in its middle.
-            let is_single = facts.task == Task::Loads || facts.yields && path.solves_once();
+            let is_single = facts.sequence == Sequence::Loads || facts.yields && path.solves_once();
             let copies = if is_single { kept.as_deref_mut() } else { None };
             let place = format!("{part} {index}");
             let mut watch = Watching::new(place.clone(), progress, session).with(handler.tracer()?, copies);
@@ -228,7 +228,7 @@ impl Series<'_> {
                     outcome.failure = Some(Failure::computation(refusal.to_string()).at(&place));
                     break;
                 }
-                Err(SolveError::Detached { .. }) if facts.task == Task::Path => {
+                Err(SolveError::Detached { .. }) if facts.sequence == Sequence::Path => {
                     outcome.parted_at = Some(index);
                     break;
                 }

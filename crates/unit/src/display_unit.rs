@@ -25,15 +25,15 @@ impl DisplayUnit {
     }
 }
 
-/// Formats a number not much larger than 1000 with up to six significant digits.
-pub(crate) fn digits(value: f64) -> String {
+/// Formats a number with up to six significant digits, a very small or large one with an exponent.
+pub fn digits(value: f64) -> String {
     let decade = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     match decade {
         -4.0..=5.0 => {
             let text = format!("{value:.*}", (5.0 - decade) as usize);
             if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
         }
-        _ => format!("{value:.5e}"),
+        _ => format!("{:e}", format!("{value:.5e}").parse::<f64>().unwrap_or(value)),
     }
 }
 

@@ -12,7 +12,7 @@ mod quantity;
 mod units;
 
 pub use dimension::Dimension;
-pub use display_unit::DisplayUnit;
+pub use display_unit::{DisplayUnit, digits};
 pub use length::{Conversion, canonical, convert_lengths, is_length};
 pub use quantity::{Quantity, UnknownUnit};
 pub use units::{NoValue, Units};

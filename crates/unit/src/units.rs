@@ -1,6 +1,6 @@
 //! Units of a problem.
 
-use crate::display_unit::{self, DisplayUnit};
+use crate::display_unit::{self, DisplayUnit, digits};
 use crate::quantity::Unit;
 use crate::{Dimension, Quantity};
 
@@ -111,9 +111,8 @@ impl Units {
         match self.shown(kind, value) {
             Some(unit) => unit.text(value),
             None => {
-                let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
                 let name = self.name(kind);
-                if name == kind { rounded.to_string() } else { format!("{rounded} {name}") }
+                if name == kind { digits(value) } else { format!("{} {name}", digits(value)) }
             }
         }
     }

@@ -7,7 +7,7 @@ use gfmd_contact::Boundary;
 use gfmd_input::base::BaseArgs;
 use gfmd_problem::options::values::{one_or_all_within, one_or_list};
 use gfmd_problem::options::{named, parse_choice};
-use gfmd_problem::{Facts, GridError, Task, Unknown};
+use gfmd_problem::{Facts, GridError, Sequence, Unknown};
 use gfmd_run::resume::{CheckpointArgs, ResumeArgs};
 use gfmd_run::series::is_normal;
 use serde::{Deserialize, Serialize};
@@ -54,7 +54,7 @@ impl PathOptions {
     /// Returns the facts of a path; `resume` continues an earlier path.
     pub(super) fn series(&self, ResumeArgs { resume }: ResumeArgs) -> Facts {
         let Self { components: unknown, grid_error, .. } = *self;
-        Facts { task: Task::Path, unknown, resume, grid_error, ..Facts::default() }
+        Facts { sequence: Sequence::Path, unknown, resume, grid_error, ..Facts::default() }
     }
 }
 

@@ -48,12 +48,11 @@ pub struct Parts<'a> {
 }
 
 /// Meaning of the drives of a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sequence {
     /// Each drive is a load of its own, on undeformed surfaces; the state to start from only begins the search.
     Loads,
     /// Each drive is an increment from the state to start from.
-    #[default]
     Path,
 }
 

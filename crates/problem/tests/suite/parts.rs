@@ -10,7 +10,7 @@ use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_medium::{Prony, Relaxes};
 use gfmd_plasticity::{Cells, Hardening};
 use gfmd_problem::options::Plasticity;
-use gfmd_problem::{Facts, Friction, Given, GridError, KeptStrain, Lower, Support, Task, Unknown, WearBy};
+use gfmd_problem::{Facts, Friction, Given, GridError, KeptStrain, Lower, Sequence, Support, Unknown, WearBy};
 use ndarray::Array2;
 
 const N: usize = 16;
@@ -124,7 +124,7 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
             hardness: digit(2) == 1,
             yields: digit(2) == 1,
             friction: [None, Some(Friction::Coulomb)][digit(2)],
-            task: [Task::Loads, Task::Path][digit(2)],
+            sequence: [Sequence::Loads, Sequence::Path][digit(2)],
             law: [LawKind::HardWall, LawKind::Exponential][digit(2)],
             boundary: Boundary::ALL[digit(2)],
             unknown: Unknown::ALL[digit(Unknown::ALL.len())],
@@ -157,5 +157,5 @@ pub(crate) fn all_facts() -> impl Iterator<Item = Facts> {
         let no_part = facts.friction.is_none() && facts.relaxes.is_none() && facts.wear.is_none() && !facts.yields;
         no_part && !facts.lateral
     };
-    facts.filter(move |facts| facts.task == Task::Path || is_of_loads(facts))
+    facts.filter(move |facts| facts.sequence == Sequence::Path || is_of_loads(facts))
 }

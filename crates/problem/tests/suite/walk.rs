@@ -14,7 +14,7 @@ use gfmd_interface::{
     Interface, Path, QuasistaticContact, QuasistaticState, Refinement, Sequence, Squeezed, StoredFields, Wear,
 };
 use gfmd_law::LawKind;
-use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Rule, Support, Task, Unknown, WearBy, pose, rules_of};
+use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Rule, Support, Unknown, WearBy, pose, rules_of};
 use gfmd_problem::{rules_of_sliding, table};
 use gfmd_relax::Budget;
 
@@ -70,7 +70,7 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
 
 #[test]
 fn parts_are_those_of_the_facts() {
-    let with = Facts { hardness: true, task: Task::Path, ..Facts::default() };
+    let with = Facts { hardness: true, sequence: Sequence::Path, ..Facts::default() };
     let parts = [Parts::of(with), Parts::of(Facts { hardness: false, ..with })];
     let given = [parts[0].given(), parts[1].given()];
     for facts in [given[0].facts, given[1].facts] {
@@ -135,7 +135,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         distance: (100.0 * pressure).powi(2),
     };
     let drives = [0.004, 0.01, 0.02].map(drive);
-    let on_path = Facts { task: Task::Path, ..Facts::default() };
+    let on_path = Facts { sequence: Sequence::Path, ..Facts::default() };
     let between = Facts { lower: Some(Lower::Seed), support: Support::Slab(BaseKind::Bonded), ..on_path };
     for facts in [
         Facts { hardness: true, ..on_path },
@@ -285,15 +285,17 @@ fn every_combination_is_refused_by_the_table_or_solved() {
                 solved.map_err(|error| format!("solved: {error}"))
             };
             // The memory of a path acts from the second step on.
-            let state = match facts.task {
-                Task::Loads => press(0.0, None)?,
-                Task::Path => press(1.0, Some(&press(0.0, None)?))?,
+            let state = match facts.sequence {
+                Sequence::Loads => press(0.0, None)?,
+                Sequence::Path => press(1.0, Some(&press(0.0, None)?))?,
             };
             let lateral = state.lateral().iter().flatten();
             let bits = state.pressure().iter().chain(state.gap()).chain(lateral).map(|value| value.to_bits()).collect();
             match states.insert(bits, facts) {
                 // The first step of a path may be the state of a load.
-                Some(other) if (Facts { task: facts.task, ..other }) != facts => Err(format!("the state of {other:?}")),
+                Some(other) if (Facts { sequence: facts.sequence, ..other }) != facts => {
+                    Err(format!("the state of {other:?}"))
+                }
                 _ if state.worst() <= 1e-6 => Ok(()),
                 _ => Err(format!("residual {:e}", state.worst())),
             }
@@ -347,7 +349,7 @@ fn rules_of_bases_name_them() {
             _ => {}
         }
     }
-    let listed: BTreeSet<String> = (rules_of(Task::Path).into_iter().flat_map(|(_, parts)| parts))
+    let listed: BTreeSet<String> = (rules_of(Sequence::Path).into_iter().flat_map(|(_, parts)| parts))
         .filter_map(|part| part.strip_prefix("no --base ").map(str::to_owned))
         .filter(|part| !part.starts_with("or "))
         .collect();
@@ -375,8 +377,8 @@ fn the_page_has_the_rules() {
          relax in shear alone, and pairs of bodies of which one relaxes, have no --friction there: the lift by the\n\
          shear is not known.\n\n\
          ## Reasons\n\n{}",
-        lines(rules_of(Task::Loads)),
-        lines(rules_of(Task::Path)),
+        lines(rules_of(Sequence::Loads)),
+        lines(rules_of(Sequence::Path)),
         lines(rules_of_sliding()),
         table()
     );

@@ -1,7 +1,7 @@
 //! Python classes with the numbers and fields of states as attributes, generated from their tables.
 //! `GFMD_DOCS=write cargo test -p gfmd-record` writes them.
 
-use gfmd_problem::{Facts, Part, Task};
+use gfmd_problem::{Facts, Part, Sequence};
 use gfmd_record::{
     ARRAYS, COLUMNS, Column, Number, Punch, PunchFacts, SLIDING_FIELDS, STATISTICS, Sliding, SlidingFacts, State,
     Subject, Surface, SurfaceFacts,
@@ -229,15 +229,16 @@ fn statistics(group: &str, shape: &str, name: impl Fn(&str) -> String) -> Vec<Pr
 fn the_classes_of_python_have_the_columns() {
     let all: Vec<Facts> = all_facts()
         .flat_map(|facts| {
-            let flow = facts.task == Task::Path;
+            let flow = facts.sequence == Sequence::Path;
             let measured = Facts { statistics: flow, ..facts };
             let flows = [Facts { flow, ..facts }, Facts { flow, leak: flow, ..facts }, Facts { gas: flow, ..facts }];
             [facts, measured, Facts { conducts: flow, ..measured }].into_iter().chain(flows)
         })
         .filter(|facts| facts.check().is_ok())
         .collect();
-    let of = |task: Task| -> Vec<Facts> { all.iter().copied().filter(|facts| facts.task == task).collect() };
-    let [loads, path] = [of(Task::Loads), of(Task::Path)];
+    let of =
+        |sequence: Sequence| -> Vec<Facts> { all.iter().copied().filter(|facts| facts.sequence == sequence).collect() };
+    let [loads, path] = [of(Sequence::Loads), of(Sequence::Path)];
     let parts = [
         ("residual", "Residual", "Residuals, recomputed from the final fields; `float(...)` is the largest"),
         ("lower", "LowerFace", "Numbers of the lower face"),

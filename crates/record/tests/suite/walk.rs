@@ -4,7 +4,7 @@
 use crate::parts::{Parts, all_facts};
 use gfmd_contact::{Drive, Equilibrium, Fields, Load};
 use gfmd_interface::{Path, Quasistatic, Refinement, Step};
-use gfmd_problem::{AnyState, Facts, Posed, Task, pose};
+use gfmd_problem::{AnyState, Facts, Posed, Sequence, pose};
 use gfmd_record::{
     ARRAYS, Along, COLUMNS, Cell, Column, Origin, Punch, Record, Sliding, State, StateContext, Surface, arrays, page,
 };
@@ -14,7 +14,7 @@ use gfmd_relax::Budget;
 fn solved(problem: &Posed, facts: &Facts, check: impl FnOnce(&AnyState, Option<&Step>)) {
     let load = if facts.approach { Load::Approach(0.004) } else { Load::MeanPressure(0.01) };
     let drive = Drive { load, lateral: [if facts.lateral { 1e-4 } else { 0.0 }, 0.0], time: 0.0, distance: 0.0 };
-    if facts.task == Task::Loads {
+    if facts.sequence == Sequence::Loads {
         return check(&problem.press(drive).tolerance(1e-6).solve().unwrap(), None);
     }
     let refinement = Refinement { solves_per_step: 0, ..Refinement::default() };

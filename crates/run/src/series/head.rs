@@ -5,9 +5,9 @@ use std::fmt;
 
 use gfmd_contact::{Boundary, RigidSurface};
 use gfmd_law::Limit;
-use gfmd_problem::{Facts, GridError, Task, Unknown};
+use gfmd_problem::{Facts, GridError, Sequence, Unknown};
 use gfmd_record::{Record, State, columns};
-use gfmd_unit::Units;
+use gfmd_unit::{Units, digits};
 use serde::Serialize;
 
 use super::Slopes;
@@ -134,7 +134,7 @@ impl Head {
     pub fn new(asked: &Asked, prepared: &Prepared, surface: &RigidSurface) -> Self {
         let Prepared { facts, surface: Surface { grid, boundary, .. }, inelastic, .. } = prepared;
         let given = &prepared.surface;
-        let is_path = facts.task == Task::Path;
+        let is_path = facts.sequence == Sequence::Path;
         let friction = inelastic.shear.map(|shear| match shear.limit {
             Limit::Coulomb(_) => "coulomb",
             Limit::Tresca(_) => "tresca",
@@ -189,7 +189,7 @@ impl Head {
     pub fn read(&self, value: f64, kind: &str, unknown: &str) -> String {
         match self.units().shown(kind, value) {
             Some(unit) => unit.text(value),
-            None => format!("{value:.6e}{unknown}"),
+            None => format!("{}{unknown}", digits(value)),
         }
     }
 
@@ -213,7 +213,7 @@ impl fmt::Display for Head {
         }
         match self.units().shown("length", lx.max(*ly)) {
             Some(unit) => writeln!(f, "{nx} x {ny} points, cell {} x {}", unit.text(*lx), unit.text(*ly))?,
-            None => writeln!(f, "{nx} x {ny} points, cell {lx:.6e} x {ly:.6e} {unit}")?,
+            None => writeln!(f, "{nx} x {ny} points, cell {} x {} {unit}", digits(*lx), digits(*ly))?,
         }
         let (kind, free) = if self.boundary == Some(Boundary::Free.name()) {
             ("differences", "; free boundaries: a patch on an unbounded body")

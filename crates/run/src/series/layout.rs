@@ -1,6 +1,6 @@
 //! Parts of a series: their words, and their places in a file.
 
-use gfmd_problem::{Facts, Task};
+use gfmd_problem::{Facts, Sequence};
 
 /// Words for the parts of a series, and their places in a file.
 pub struct SeriesLayout {
@@ -19,9 +19,9 @@ pub struct SeriesLayout {
 impl SeriesLayout {
     /// Returns the parts of a problem.
     pub fn of(facts: &Facts) -> &'static Self {
-        match facts.task {
-            Task::Loads => &LOADS,
-            Task::Path => &STEPS,
+        match facts.sequence {
+            Sequence::Loads => &LOADS,
+            Sequence::Path => &STEPS,
         }
     }
 }
