@@ -5,10 +5,10 @@
 //! [`RigidSurface`], [`Load`], [`Drive`], [`Solver`], [`Effort`], [`Equilibrium`] with its builder [`Press`],
 //! [`Fields`] of a state, [`Refusal`] and [`SolveError`]. [`Quasistatic`] contacts can be followed along a path; states
 //! of [`Resumable`] ones can be saved outside the process. [`Contact::in_all_components`] moves the surface sideways,
-//! too, [`Contact::held_sideways`] holds it; [`Springs`] between the surfaces act point by point; [`Dynamics`] sets time
-//! step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`] allows finite slopes,
-//! [`SteadyContact`] has a complex stiffness of each wave, and [`Conductors`] touch at the contact points of any
-//! contact.
+//! too, [`Contact::held_sideways`] holds it; [`Springs`] between the surfaces act point by point; [`Dynamics`] sets
+//! time step and damping. [`SqueezedContact`] is a slab between two rigid surfaces, [`SteepContact`] allows finite
+//! slopes, [`SteadyContact`] has a complex stiffness of each wave, and [`Conductors`] touch at the contact points of
+//! any contact.
 //!
 //! | method                                  | unknown           | cost of a step     |
 //! |-----------------------------------------|-------------------|--------------------|

@@ -1,4 +1,6 @@
 use gfmd_contact::{Refusal, SqueezedContact, SteepContact};
+use gfmd_field::Grid;
+use gfmd_green::Body;
 use gfmd_interface::{Parts, QuasistaticContact, Sequence, Squeezed};
 use gfmd_plasticity::{PlasticityError, YieldingContact};
 use ndarray::ArrayRef2;
@@ -26,6 +28,11 @@ pub struct Given<'a> {
 }
 
 impl<'a> Given<'a> {
+    /// Describes a hard wall, for facts that need no more than a body and heights.
+    pub fn new(facts: Facts, body: &'a Body, grid: &'a Grid, heights: &'a ArrayRef2<f64>) -> Self {
+        Self { facts, parts: Parts::new(body, grid, heights), lower: None, plasticity: None, moves_all: false }
+    }
+
     /// Returns the parts, completed by the facts.
     fn completed(&self) -> Parts<'a> {
         let Self { facts, parts, moves_all, .. } = self;

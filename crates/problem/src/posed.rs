@@ -58,7 +58,7 @@ pub trait ContactKind: Quasistatic + Resumable<State: Send + Sync + 'static> + S
     /// Returns the reason why there are none.
     fn gradient(&self, _state: &Self::State, _load: Load, _of: &Cotangents) -> Result<Gradient, Unusable> {
         Err(Unusable::of(
-            "derivatives are those of a hard wall in u_z alone; those of this contact are not implemented",
+            "a load has derivatives if its contact is made of parts: one surface without finite slopes or yielding",
         ))
     }
 
@@ -68,7 +68,9 @@ pub trait ContactKind: Quasistatic + Resumable<State: Send + Sync + 'static> + S
     /// # Errors
     /// Returns the reason why there are none.
     fn gradient_along(&self, _increments: &[OfState<Self::State>]) -> Result<PathGradient, Unusable> {
-        Err(Unusable::of("derivatives along a path are not implemented for this contact"))
+        Err(Unusable::of(
+            "a path has derivatives if its contact is made of parts: one surface on a body that does not yield",
+        ))
     }
 
     /// Returns a warning if the law is too steep for the grid.
