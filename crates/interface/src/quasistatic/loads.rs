@@ -14,6 +14,9 @@ impl QuasistaticContact {
     /// Creates the contact of these parts under loads.
     pub(super) fn of_loads(parts: &Parts) -> Result<Self, Refusal> {
         parts.check_of_loads()?;
+        if parts.held {
+            parts.check_held()?;
+        }
         let Parts { body, grid, heights, law, hardness, .. } = parts;
         let normal = Normal::of(parts, &parts.share(), (body, grid, heights), law.clone(), None, hardness.as_ref())?;
         Ok(Self::of_normal(normal, body.contact_modulus()))

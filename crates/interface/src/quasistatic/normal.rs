@@ -48,7 +48,10 @@ impl Normal {
         let Some(law) = law else {
             let contact = match response {
                 Some(Response::Periodic(full)) => Contact::with_response(of_all(full), heights)?,
-                _ if *all_components => Contact::in_all_components(body, grid, heights)?,
+                _ if *all_components => {
+                    parts.check_moving_wall(share)?;
+                    Contact::in_all_components(body, grid, heights)?
+                }
                 _ if *held => Contact::held_sideways_over(share, body, grid, heights)?,
                 _ => Contact::with_boundary_over(share, *boundary, body, grid, heights)?,
             };

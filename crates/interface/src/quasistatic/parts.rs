@@ -85,14 +85,29 @@ impl Parts<'_> {
         self.share.cloned().unwrap_or_else(|| self.grid.whole())
     }
 
-    /// Checks that no part of a load depends on what happened before.
+    /// Checks that loads have no part that only acts along a path.
     pub(super) fn check_of_loads(&self) -> Result<(), Refusal> {
-        let histories = [
-            (self.shear.is_some(), "limit of the shear"),
-            (self.relaxation.is_some(), "relaxation"),
-            (self.wear.is_some(), "coefficient of wear"),
+        // A wall does not feel a surface that moves sideways without traction.
+        let shears = self.all_components && self.law.is_some();
+        let of_paths = [
+            (self.shear.is_some(), "a limit of the shear is"),
+            (self.relaxation.is_some(), "a relaxation is"),
+            (self.wear.is_some(), "a coefficient of wear is"),
+            (shears && !self.sideways.is_empty(), "a displacement of the base sideways is"),
         ];
-        histories.into_iter().find(|(is_given, _)| *is_given).map_or(Ok(()), |(_, part)| Err(Refusal::Part { part }))
+        let found = of_paths.into_iter().find(|(is_given, _)| *is_given);
+        found.map_or(Ok(()), |(_, part)| Err(Refusal::NoWall { part, with: "loads" }))
+    }
+
+    /// Checks that a hard wall can move all components of the displacement.
+    pub(super) fn check_moving_wall(&self, share: &Share) -> Result<(), Refusal> {
+        let others = [
+            (self.sequence == Sequence::Path, "a hard wall along a path"),
+            (self.boundary == Boundary::Free, "free boundaries"),
+            (!share.is_whole(), "several processes"),
+        ];
+        let found = others.into_iter().find(|(is_given, _)| *is_given);
+        found.map_or(Ok(()), |(_, with)| Err(Refusal::NotNormal { with }))
     }
 
     /// Returns the body with a memory, for this number of displacement components on the `grid`; `None` for an elastic

@@ -623,3 +623,25 @@ fn impossible_problems_are_refused() {
     let dynamics = contact.press(Load::MeanPressure(0.1)).solver(Solver::Fire2).solve();
     assert!(matches!(dynamics, Err(SolveError::Refused(Refusal::Solver { .. }))));
 }
+
+/// No part is ignored: what does not act under loads, or not beside another part, is refused by name.
+#[test]
+fn loads_refuse_parts_that_do_not_act() {
+    let (surface, grid, body) = (rough(&grid(), 1), grid(), slab(0.3, 0.2));
+    let loads = Parts { sequence: Sequence::Loads, ..Parts::new(&body, &grid, &surface) };
+    let refused = |parts: &Parts| QuasistaticContact::new(parts).unwrap_err();
+    let wear = Some(Wear { by_distance: 1.0, by_slip: 0.0 });
+    assert_eq!(
+        refused(&Parts { wear, ..loads.clone() }).to_string(),
+        "a coefficient of wear is given; it must be left out with loads"
+    );
+    assert!(matches!(Squeezed::new(&Parts { wear, ..loads.clone() }, &surface), Err(Refusal::NoWall { .. })));
+    let boundary = Boundary::Free;
+    assert!(matches!(refused(&Parts { held: true, boundary, ..loads.clone() }), Refusal::Held { .. }));
+    let moving = Parts { all_components: true, ..loads };
+    assert!(matches!(refused(&Parts { boundary, ..moving.clone() }), Refusal::NotNormal { with: "free boundaries" }));
+    assert!(matches!(refused(&Parts { held: true, ..moving.clone() }), Refusal::Held { .. }));
+    let on_path = Parts { sequence: Sequence::Path, ..moving.clone() };
+    assert!(matches!(refused(&on_path), Refusal::NotNormal { with: "a hard wall along a path" }));
+    assert!(QuasistaticContact::new(&moving).is_ok());
+}
