@@ -38,6 +38,14 @@ pub enum Refusal {
         /// Name of the part.
         part: &'static str,
     },
+    /// The parts have too few or too many rigid surfaces.
+    #[error("the parts have rigid surfaces for {found} faces; this contact has {expected}")]
+    Faces {
+        /// Number of rigid surfaces.
+        found: usize,
+        /// Number of faces of the contact.
+        expected: usize,
+    },
     /// A height is NaN or infinite.
     #[error("the height at {index:?} is {value}; it must be finite")]
     Height {

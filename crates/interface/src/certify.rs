@@ -353,25 +353,3 @@ impl Certificate<'_> {
         (displacement, approach)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use gfmd_field::Grid;
-    use gfmd_green::{Body, Material};
-    use gfmd_law::HardWall;
-
-    use super::*;
-
-    #[test]
-    fn a_gap_that_is_not_a_number_is_not_free_of_penetration() {
-        let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
-        let grid = Grid::line(8, 1.0).unwrap();
-        let heights = Array2::from_shape_fn((8, 1), |(i, _)| (i as f64).sin());
-        let interface = Interface::new(&body, &grid, &heights, HardWall).unwrap();
-        for load in [Load::MeanPressure(0.1), Load::Approach(0.1)] {
-            let frame = interface.frame(load.into()).unwrap();
-            let residual = certify(&interface, &frame, &[f64::NAN; 8], &[]).residual;
-            assert!(residual.penetration.is_nan() && residual.worst().is_nan(), "{residual:?}");
-        }
-    }
-}

@@ -93,9 +93,12 @@ impl QuasistaticContact {
     ///
     /// # Errors
     /// Returns an error for heights that do not match the grid or are not finite; for flat heights at a wall; for parts
-    /// that are out of range; for a body with unknown compliance of a patch, or with unknown relaxation; and for loads
-    /// with shear, relaxation or wear.
+    /// that are out of range; for a lower surface; for a body with unknown compliance of a patch, or with unknown
+    /// relaxation; and for loads with shear, relaxation or wear.
     pub fn new(parts: &Parts) -> Result<Self, Refusal> {
+        if parts.lower.is_some() {
+            return Err(Refusal::Faces { found: 2, expected: 1 });
+        }
         match parts.sequence {
             Sequence::Loads => Self::of_loads(parts),
             Sequence::Path => Self::of_path(parts),

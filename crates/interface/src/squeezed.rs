@@ -130,14 +130,14 @@ fn stacked(upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Array2<f64> {
 
 impl Squeezed {
     /// Creates the contact of the layers of a body, without its base, with two rigid profiles: the heights of `parts`
-    /// above the slab and `lower` below it, each in length with peaks towards the slab. Points with the same indices
-    /// lie above each other, and a constant in the heights has no effect. Without a law, both are hard walls, solved
-    /// as laws; a hardness has the points of one face.
+    /// above the slab and the lower ones below it. Points with the same indices lie above each other. Without a law,
+    /// both are hard walls, solved as laws; a hardness has the points of one face.
     ///
     /// # Errors
-    /// Returns an error as [`QuasistaticContact::new`]; for a body that is no slab and no stack of layers; and for
-    /// shear, wear by slip, a body that relaxes in shear alone, and free boundaries.
-    pub fn new(parts: &Parts, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    /// Returns an error as [`QuasistaticContact::new`]; without a lower surface; for a body that is no slab and no
+    /// stack of layers; and for shear, wear by slip, a body that relaxes in shear alone, and free boundaries.
+    pub fn new(parts: &Parts) -> Result<Self, Refusal> {
+        let lower = parts.lower.ok_or(Refusal::Faces { found: 1, expected: 2 })?;
         let surfaces = surfaces(&parts.share(), parts.grid, [parts.heights, lower])?;
         let hardness = parts.hardness.as_ref().map(|hardness| of_both(hardness, &surfaces[0])).transpose()?;
         let contact = QuasistaticContact::squeezed(&Parts { hardness, ..parts.clone() }, &surfaces)?;

@@ -39,7 +39,7 @@ pub use inelastic::Inelastic;
 pub use kept_strain::KeptStrain;
 pub use memory::MemoryNeed;
 pub use moduli::Moduli;
-pub use pose::{Given, pose};
+pub use pose::pose;
 pub use posed::{AnyState, ContactKind, NoStiffness, OfState, Posed, State};
 pub use rules::{Clash, Facts, Part, RULES, Rule, rules_of, rules_of_sliding, table};
 pub use unknown::{NoUnknown, Unknown};

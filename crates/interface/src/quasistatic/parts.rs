@@ -7,8 +7,8 @@ use gfmd_law::{Law, Limit};
 use gfmd_medium::{Medium, Prony, Relaxes, Relaxing};
 use ndarray::{Array2, ArrayRef2};
 
-/// Parts of a [`QuasistaticContact`](crate::QuasistaticContact). All but body, grid and heights are optional, and any
-/// combination with a physical meaning can be solved.
+/// Parts of a contact of [one face](crate::QuasistaticContact) or of [both](crate::Squeezed). All but body, grid and
+/// heights are optional, and any combination with a physical meaning can be solved.
 #[derive(Clone)]
 pub struct Parts<'a> {
     /// Meaning of a drive.
@@ -22,6 +22,8 @@ pub struct Parts<'a> {
     pub share: Option<&'a Share>,
     /// Rigid profile on the grid, in length, with peaks towards the body. A constant has no effect.
     pub heights: &'a ArrayRef2<f64>,
+    /// Rigid profile below a slab, likewise, for a contact of both faces ([`Squeezed`](crate::Squeezed)).
+    pub lower: Option<&'a ArrayRef2<f64>>,
     /// Boundary of the surface.
     pub boundary: Boundary,
     /// Law across the gap; `None` for a hard wall, which is solved for the pressure. With a
@@ -65,6 +67,7 @@ impl<'a> Parts<'a> {
             grid,
             share: None,
             heights,
+            lower: None,
             boundary: Boundary::Periodic,
             law: None,
             all_components: false,

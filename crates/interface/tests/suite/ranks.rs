@@ -232,35 +232,36 @@ fn slabs_between_two_surfaces_over_ranks_have_the_bits_of_one_process() {
         if share.is_whole() { field.clone() } else { field.slice(s![share.rows(), ..]).to_owned() }
     };
     let loads = [Load::MeanPressure(0.004), Load::MeanPressure(-0.0003), Load::Approach(0.01)].map(Drive::from);
-    fn under_loads<'a>(body: &'a Body, grid: &'a Grid, upper: &'a Array2<f64>) -> Parts<'a> {
-        Parts { sequence: Sequence::Loads, ..Parts::new(body, grid, upper) }
+    fn under_loads<'a>(body: &'a Body, grid: &'a Grid, [upper, lower]: &'a [Array2<f64>; 2]) -> Parts<'a> {
+        Parts { sequence: Sequence::Loads, lower: Some(lower), ..Parts::new(body, grid, upper) }
     }
     compare_faces(&grid, 3, |share| {
         let faces = [&upper, &lower].map(|heights| own(share, heights));
-        let parts = Parts { share: Some(share), law: Some(law()), ..under_loads(&slab, &grid, &faces[0]) };
-        squeeze(&Squeezed::new(&parts, &faces[1]).unwrap(), &loads, |state| bits(state.law().unwrap(), 0.0))
+        let parts = Parts { share: Some(share), law: Some(law()), ..under_loads(&slab, &grid, &faces) };
+        squeeze(&Squeezed::new(&parts).unwrap(), &loads, |state| bits(state.law().unwrap(), 0.0))
     });
     compare_faces(&grid, 2, |share| {
         let faces = [&upper, &lower].map(|heights| own(share, heights));
         let (held, hardness) = (true, Some(own(share, &field).into()));
-        let parts = under_loads(&slab, &grid, &faces[0]);
+        let parts = under_loads(&slab, &grid, &faces);
         let parts = Parts { share: Some(share), law: Some(law()), held, hardness, ..parts };
-        squeeze(&Squeezed::new(&parts, &faces[1]).unwrap(), &loads[..1], |state| bits(state.law().unwrap(), 0.0))
+        squeeze(&Squeezed::new(&parts).unwrap(), &loads[..1], |state| bits(state.law().unwrap(), 0.0))
     });
     // Along a path: a hard wall, a hardness, wear and relaxation.
     let prony = Prony::from_fractions(&[(0.3, 0.2), (2.0, 0.4)]).unwrap();
     for (with_law, with_hardness) in [(false, false), (false, true), (true, true)] {
         compare_faces(&grid, 3, |share| {
-            let heights = own(share, &upper);
+            let faces = [&upper, &lower].map(|heights| own(share, heights));
             let parts = Parts {
                 share: Some(share),
+                lower: Some(&faces[1]),
                 law: with_law.then(law),
                 hardness: with_hardness.then(|| Hardness::Field(own(share, &field))),
                 wear: Some(Wear { by_distance: 1.0, by_slip: 0.0 }),
                 relaxation: with_law.then_some((&prony, Relaxes::Both)),
-                ..Parts::new(&slab, &grid, &heights)
+                ..Parts::new(&slab, &grid, &faces[0])
             };
-            let contact = Squeezed::new(&parts, &own(share, &lower)).unwrap();
+            let contact = Squeezed::new(&parts).unwrap();
             let drives = drives().map(|drive| Drive { lateral: [0.0; 2], ..drive });
             squeeze(&contact, &drives, |state: &QuasistaticState| {
                 let summary = state.summary();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use gfmd_contact::Boundary;
+use gfmd_contact::{Boundary, Refusal};
 use gfmd_field::Grid;
 use gfmd_green::{BaseKind, Body, Material};
 use gfmd_interface::Wear;
@@ -10,7 +10,7 @@ use gfmd_law::{HardWall, Law, LawKind, Limit};
 use gfmd_medium::{Prony, Relaxes};
 use gfmd_plasticity::{Cells, Hardening};
 use gfmd_problem::options::Plasticity;
-use gfmd_problem::{Facts, Friction, Given, GridError, KeptStrain, Lower, Sequence, Support, Unknown, WearBy};
+use gfmd_problem::{Facts, Friction, GridError, KeptStrain, Lower, Posed, Sequence, Support, Unknown, WearBy, pose};
 use ndarray::Array2;
 
 const N: usize = 16;
@@ -78,7 +78,7 @@ impl Parts {
         Self { facts, grid, body, heights: heights(&grid), lower, law, prony, plasticity }
     }
 
-    pub(crate) fn given(&self) -> Given<'_> {
+    pub(crate) fn parts(&self) -> gfmd_interface::Parts<'_> {
         let shear = self.facts.friction.map(|friction| match friction {
             Friction::Coulomb => Limit::Coulomb(0.3),
             Friction::Tresca => Limit::Tresca(0.02),
@@ -88,20 +88,19 @@ impl Parts {
             WearBy::Distance => Wear { by_distance: 0.5, by_slip: 0.0 },
             WearBy::Slip => Wear { by_distance: 0.0, by_slip: 0.5 },
         });
-        Given {
-            facts: self.facts,
-            parts: gfmd_interface::Parts {
-                law: Some(Arc::clone(&self.law)),
-                hardness: self.facts.hardness.then_some(HARDNESS.into()),
-                shear: shear.map(Into::into),
-                relaxation: self.prony.as_ref().zip(self.facts.relaxes),
-                wear,
-                ..gfmd_interface::Parts::new(&self.body, &self.grid, &self.heights)
-            },
+        gfmd_interface::Parts {
             lower: self.lower.as_deref(),
-            plasticity: self.plasticity.as_ref(),
-            moves_all: false,
+            law: Some(Arc::clone(&self.law)),
+            hardness: self.facts.hardness.then_some(HARDNESS.into()),
+            shear: shear.map(Into::into),
+            relaxation: self.prony.as_ref().zip(self.facts.relaxes),
+            wear,
+            ..gfmd_interface::Parts::new(&self.body, &self.grid, &self.heights)
         }
+    }
+
+    pub(crate) fn pose(&self) -> Result<Posed, Refusal> {
+        pose(&self.facts, &self.parts(), self.plasticity.as_ref())
     }
 }
 

@@ -14,7 +14,7 @@ use gfmd_interface::{
     Interface, Path, QuasistaticContact, QuasistaticState, Refinement, Sequence, Squeezed, StoredFields, Wear,
 };
 use gfmd_law::LawKind;
-use gfmd_problem::{Facts, Friction, Given, Lower, Part, RULES, Rule, Support, Unknown, WearBy, pose, rules_of};
+use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Rule, Support, Unknown, WearBy, pose, rules_of};
 use gfmd_problem::{rules_of_sliding, table};
 use gfmd_relax::Budget;
 
@@ -29,7 +29,7 @@ fn same(a: &impl Fields, b: &impl Fields) {
 #[test]
 fn a_posed_problem_has_the_bits_of_its_kind() {
     let load = Load::MeanPressure(0.01);
-    let solved = |facts: Facts| pose(&Parts::of(facts).given()).unwrap().press(load).solve().unwrap();
+    let solved = |facts: Facts| Parts::of(facts).pose().unwrap().press(load).solve().unwrap();
     let plain = Facts::default();
     let Parts { grid, body, heights, .. } = Parts::of(plain);
     let wall = || Contact::new(&body, &grid, &heights).unwrap();
@@ -55,8 +55,9 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let facts = Facts { law: LawKind::Exponential, ..facts };
     let law = || Arc::clone(&Parts::of(facts).law);
     let parts = gfmd_interface::Parts::new(&slab.body, &slab.grid, &slab.heights);
-    let parts = gfmd_interface::Parts { sequence: Sequence::Loads, law: Some(law()), ..parts };
-    let glued = |parts| Squeezed::new(&parts, lower).unwrap().press(load).solve().unwrap();
+    let lower = Some(&**lower);
+    let parts = gfmd_interface::Parts { sequence: Sequence::Loads, law: Some(law()), lower, ..parts };
+    let glued = |parts| Squeezed::new(&parts).unwrap().press(load).solve().unwrap();
     same(&solved(facts), &glued(parts.clone()));
     let hard = gfmd_interface::Parts { hardness: Some(HARDNESS.into()), ..parts.clone() };
     same(&solved(Facts { hardness: true, ..facts }), &glued(hard));
@@ -72,11 +73,10 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
 fn parts_are_those_of_the_facts() {
     let with = Facts { hardness: true, sequence: Sequence::Path, ..Facts::default() };
     let parts = [Parts::of(with), Parts::of(Facts { hardness: false, ..with })];
-    let given = [parts[0].given(), parts[1].given()];
-    for facts in [given[0].facts, given[1].facts] {
-        for given in &given {
-            let posed = pose(&Given { facts, ..given.clone() });
-            match facts.hardness == given.parts.hardness.is_some() {
+    for facts in [&parts[0].facts, &parts[1].facts] {
+        for given in [parts[0].parts(), parts[1].parts()] {
+            let posed = pose(facts, &given, None);
+            match facts.hardness == given.hardness.is_some() {
                 true => assert!(posed.is_ok()),
                 false => assert!(matches!(posed, Err(Refusal::Part { part: "hardness" }))),
             }
@@ -148,8 +148,8 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
         between,
     ] {
         let parts = Parts::of(facts);
-        let given = parts.given();
-        let posed = pose(&given).unwrap();
+        let given = parts.parts();
+        let posed = parts.pose().unwrap();
         // With wear, each step is one solve, as below.
         let solves_per_step = if facts.wear.is_some() { 0 } else { Refinement::default().solves_per_step };
         let refinement = Refinement { solves_per_step, ..Refinement::default() };
@@ -160,8 +160,9 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
             _ if facts.lower.is_some() => {
                 let law = Some(Arc::clone(&parts.law));
                 let hardness = facts.hardness.then(|| HARDNESS.into());
-                let all = gfmd_interface::Parts { law, hardness, ..gfmd_interface::Parts::new(body, grid, heights) };
-                let contact = Squeezed::new(&all, parts.lower.as_ref().unwrap()).unwrap();
+                let plain = gfmd_interface::Parts::new(body, grid, heights);
+                let all = gfmd_interface::Parts { law, hardness, lower: parts.lower.as_deref(), ..plain };
+                let contact = Squeezed::new(&all).unwrap();
                 let mut direct = Path::new(&contact, Budget::default(), refinement);
                 drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()
             }
@@ -173,7 +174,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
             (_, wears) => {
                 let contact = QuasistaticContact::new(&gfmd_interface::Parts {
                     hardness: facts.hardness.then(|| HARDNESS.into()),
-                    shear: given.parts.shear,
+                    shear: given.shear,
                     wear: wears.then_some(Wear { by_distance: 0.5, by_slip: 0.0 }),
                     ..gfmd_interface::Parts::new(body, grid, heights)
                 });
@@ -218,7 +219,7 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
             ..Facts::default()
         },
     ];
-    let posed: Vec<_> = kinds.iter().map(|facts| pose(&Parts::of(*facts).given()).unwrap()).collect();
+    let posed: Vec<_> = kinds.iter().map(|facts| Parts::of(*facts).pose().unwrap()).collect();
     let mut states: Vec<_> = posed.iter().map(|problem| problem.press(load).solve().unwrap()).collect();
     for (index, problem) in posed.iter().enumerate() {
         let state = &states[index];
@@ -277,7 +278,7 @@ fn every_combination_is_refused_by_the_table_or_solved() {
         let [approach, mean] = if facts.lower.is_some() { [0.022, 0.013] } else { [0.009, 0.01] };
         let load = if facts.approach { Load::Approach(approach) } else { Load::MeanPressure(mean) };
         let far = if facts.lateral { 1e-4 } else { 0.0 };
-        let outcome = pose(&parts.given()).map_err(|error| format!("posed: {error}")).and_then(|problem| {
+        let outcome = parts.pose().map_err(|error| format!("posed: {error}")).and_then(|problem| {
             let press = |time: f64, start: Option<&_>| {
                 let moved = 1.0 + time;
                 let drive = Drive { load, lateral: [far * moved, 0.0], time, distance: 0.005 * moved };

@@ -4,7 +4,7 @@
 use crate::parts::{Parts, all_facts};
 use gfmd_contact::{Drive, Equilibrium, Fields, Load};
 use gfmd_interface::{Path, Quasistatic, Refinement, Step};
-use gfmd_problem::{AnyState, Facts, Posed, Sequence, pose};
+use gfmd_problem::{AnyState, Facts, Posed, Sequence};
 use gfmd_record::{
     ARRAYS, Along, COLUMNS, Cell, Column, Origin, Punch, Record, Sliding, State, StateContext, Surface, arrays, page,
 };
@@ -37,7 +37,7 @@ fn every_number_is_there_or_has_its_reason_and_comes_back() {
     let mut count = 0;
     for facts in all_facts().filter(|facts| facts.check().is_ok()).step_by(step) {
         let parts = Parts::of(facts);
-        let problem = pose(&parts.given()).unwrap();
+        let problem = parts.pose().unwrap();
         solved(&problem, &facts, |rest, step| check(&parts, &problem, rest, step));
         count += 1;
     }
@@ -79,7 +79,7 @@ fn check(parts: &Parts, problem: &Posed, rest: &AnyState, step: Option<&Step>) {
 fn numbers_are_those_of_the_state() {
     let facts = Facts { statistics: false, ..Facts::default() };
     let parts = Parts::of(facts);
-    let problem = pose(&parts.given()).unwrap();
+    let problem = parts.pose().unwrap();
     let rest = problem.press(Load::MeanPressure(0.01)).solve().unwrap();
     let record = Record::of(&StateContext::new(&facts, &rest, &problem, &parts.grid, 1e-8));
     let pressure = rest.pressure();

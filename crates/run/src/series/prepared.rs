@@ -14,7 +14,7 @@ use gfmd_law::Law;
 use gfmd_measure::{GapGas, Scales, top_inside_of_shared, top_of_shared};
 use gfmd_plasticity::Cell;
 use gfmd_problem::{
-    AnyState, Facts, Given, Inelastic, KeptStrain, MemoryNeed, Posed, Unknown, Words, key, pose, setting, words,
+    AnyState, Facts, Inelastic, KeptStrain, MemoryNeed, Posed, Unknown, Words, key, pose, setting, words,
 };
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, SurfaceError, row_mean, window, window_rows};
@@ -289,24 +289,20 @@ impl Prepared {
     pub fn pose(&self, source: &SourceArgs, law: &Arc<dyn Law>) -> Result<Posed, Failure> {
         let heights = MovedBase::under(self.base.as_ref(), &self.surface.heights);
         let Inelastic { plasticity, shear, relaxation, wear } = &self.inelastic;
-        let given = Given {
-            facts: self.facts,
-            parts: Parts {
-                share: Some(&self.surface.share),
-                law: Some(Arc::clone(law)),
-                hardness: self.hardness.clone(),
-                shear: *shear,
-                relaxation: relaxation.as_ref().map(|(prony, relaxes)| (prony, *relaxes)),
-                wear: *wear,
-                sideways: self.base.as_ref().map_or(&[], |base| &base.sideways),
-                dynamics: self.dynamics,
-                ..Parts::new(&self.body, &self.surface.grid, &heights)
-            },
+        let parts = Parts {
+            share: Some(&self.surface.share),
             lower: self.lower.as_ref().map(|lower| &*lower.heights),
-            plasticity: plasticity.as_ref(),
-            moves_all: self.moves_all,
+            law: Some(Arc::clone(law)),
+            all_components: self.moves_all,
+            hardness: self.hardness.clone(),
+            shear: *shear,
+            relaxation: relaxation.as_ref().map(|(prony, relaxes)| (prony, *relaxes)),
+            wear: *wear,
+            sideways: self.base.as_ref().map_or(&[], |base| &base.sideways),
+            dynamics: self.dynamics,
+            ..Parts::new(&self.body, &self.surface.grid, &heights)
         };
-        pose(&given).map_err(|refusal| Failure::posing(refusal, source.name()))
+        pose(&self.facts, &parts, plasticity.as_ref()).map_err(|refusal| Failure::posing(refusal, source.name()))
     }
 
     /// Poses the contact, and warns if the grid is too coarse for its law.
