@@ -436,3 +436,19 @@ fn fields_of_another_problem_are_no_state() {
     assert!(matches!(recall(&right, &infinite, &right), Err(Refusal::NotFinite { .. })));
     assert!(matches!(recall(&infinite, &right, &right), Err(Refusal::NotFinite { .. })));
 }
+
+#[test]
+fn a_gap_that_is_not_a_number_is_not_free_of_penetration() {
+    let body = Body::half_space(Material::from_contact_modulus(1.0, 0.0).unwrap());
+    let grid = Grid::line(8, 1.0).unwrap();
+    let heights = Array2::from_shape_fn((8, 1), |(i, _)| (i as f64).sin());
+    let (gap, pressure) = (Array2::from_elem((8, 1), f64::NAN), Array2::zeros((8, 1)));
+    for law in [HardWall.into_shared(), Exponential::new(1e-3, 0.1).unwrap().into_shared()] {
+        let interface = Interface::new(&body, &grid, &heights, law).unwrap();
+        for load in [Load::MeanPressure(0.1), Load::Approach(0.1)] {
+            let residual = interface.certify(&gap, &pressure, load.into()).unwrap().residual;
+            assert!(residual.penetration.is_nan(), "{residual:?}");
+            assert!(residual.worst().is_nan(), "{residual:?}");
+        }
+    }
+}
