@@ -117,6 +117,12 @@ def test_unusable_heights_are_refused_in_one_line(given):
         (lambda: gfmd.contact(np.zeros((8, 8)), BODY, p_star=1), "surface: "),
         (lambda: gfmd.contacts(SMALL, BODY, p_star=[]), "p_star is empty"),
         (lambda: gfmd.contacts(SMALL, BODY, p_star=[0.1, None]), "p_star is None"),
+        (lambda: gfmd.contact(SMALL, BODY, pressure=np.array(True)), "pressure is array(True); it must be a number"),
+        (lambda: gfmd.interior(None, quantities=np.array(1.0)), "quantities is array(1.); it must be texts"),
+        (
+            lambda: gfmd.slide(SMALL, gfmd.Body(prony=[(1.0, 0.5)]), p_star=1, velocity=1, heat=np.array(1.0)),
+            "heat is array(1.); it must be two numbers",
+        ),
         (lambda: gfmd.Body(young=-1), "young is -1.0"),
         (lambda: gfmd.Body(poisson=0.6), "poisson is 0.6"),
         (lambda: gfmd.Body(height=0), "height is 0.0"),

@@ -78,16 +78,12 @@ def quantity(name: str, value: object, kind: Optional[str] = None) -> Quantity:
 
 def quantities(name: str, value: Any, kind: Optional[str] = None) -> list[Quantity]:
     """Checks one or several quantities of this kind, by default the kind of the option `name`."""
-    if (
-        isinstance(value, str)
-        or not isinstance(value, Iterable)
-        or isinstance(value, bytes)
-        or getattr(value, "shape", None) == ()
-    ):
+    entries = several(name, value)
+    if entries is None:
         return [quantity(name, value, kind)]
-    if not any(isinstance(entry, str) for entry in value if not hasattr(value, "dtype")):
-        return [*numbers(name, value)]
-    return [quantity(name, entry, kind) for entry in value]
+    if hasattr(value, "dtype") or not any(isinstance(entry, str) for entry in entries):
+        return [*numbers(name, entries)]
+    return [quantity(name, entry, kind) for entry in entries]
 
 
 def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int:
@@ -128,39 +124,42 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
+def is_sequence(value: Any) -> bool:
+    """Returns True for several values, False for one: a number, a text or an array without dimensions."""
+    return isinstance(value, Iterable) and not isinstance(value, (str, bytes)) and getattr(value, "shape", None) != ()
+
+
+def several(name: str, value: Any, kind: str = "number") -> list[Any] | None:
+    """Returns the values of a sequence, at least one; None for a single value."""
+    if not is_sequence(value):
+        return None
+    try:
+        found = list(value)
+    except Exception as error:
+        raise InputError(f"{name} is {shown(value)}; it must be {kind}s") from error
+    if not found:
+        raise InputError(f"{name} is empty; it must have at least one {kind}")
+    return found
+
+
 def texts(name: str, value: Any) -> list[str]:
     """Checks one or several strings."""
-    entries = [value] if isinstance(value, str) else value
-    if not isinstance(entries, Iterable) or isinstance(entries, bytes):
+    entries = [value] if isinstance(value, str) else several(name, value, "text")
+    if entries is None:
         raise InputError(f"{name} is {shown(value)}; it must be texts")
-    found = [word(name, entry) for entry in entries]
-    if not found:
-        raise InputError(f"{name} is empty; it must have at least one text")
-    return found
+    return [word(name, entry) for entry in entries]
 
 
 def numbers(name: str, value: Any) -> list[float]:
     """Checks one or several numbers."""
-    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable) or getattr(value, "shape", None) == ():
-        return [number(name, value)]
-    try:
-        entries = list(value)
-    except Exception as error:
-        raise InputError(f"{name} is {shown(value)}; it must be numbers") from error
-    found = [number(name, entry) for entry in entries]
-    if not found:
-        raise InputError(f"{name} is empty; it must have at least one number")
-    return found
+    entries = several(name, value)
+    return [number(name, entry) for entry in ([value] if entries is None else entries)]
 
 
 def integers(name: str, value: Any) -> list[int]:
     """Checks one or several whole numbers from 1."""
-    if isinstance(value, Iterable) and not isinstance(value, (str, bytes)) and getattr(value, "shape", None) != ():
-        entries = list(value)
-        if not entries:
-            raise InputError(f"{name} is empty; it must have at least one number")
-        return [integer(name, entry, 1) for entry in entries]
-    return [integer(name, value, 1)]
+    entries = several(name, value)
+    return [integer(name, entry, 1) for entry in ([value] if entries is None else entries)]
 
 
 def heights(value: Any) -> tuple[Array, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import reduce
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _command, _gfmd, _show
 from ._body import Body, Law, as_body, as_law
-from ._check import Array, Quantity, array, frozen, integer, number, quantities, quantity
+from ._check import Array, Quantity, array, frozen, integer, is_sequence, number, quantities, quantity
 from ._columns import MEASURED, StepFields, Steps
 from ._contact import Adhesion
 from ._errors import Error, InputError
@@ -479,17 +479,12 @@ def gathered(values: dict[str, Any]) -> dict[str, Any]:
     return {**reported, "steps": Steps(columns), "undefined": undefined}
 
 
-def _is_list(value: Any) -> bool:
-    is_text = isinstance(value, (str, bytes))
-    return isinstance(value, Iterable) and not is_text and getattr(value, "shape", None) != ()
-
-
 def _lateral_keys(value: Any) -> dict[str, Any]:
     """Returns the configuration keys of lateral displacements: values along the direction, or a pair (along,
     perpendicular), each possibly None.
     """
-    parts = list(value) if _is_list(value) else []
-    if not any(_is_list(part) for part in parts):
+    parts = list(value) if is_sequence(value) else []
+    if not any(is_sequence(part) for part in parts):
         return {} if value is None else {"lateral": quantities("lateral", value)}
     if len(parts) != 2:
         raise InputError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
-from ._check import Array, kind_of, quantities, quantity, shown
+from ._check import Array, kind_of, quantities, quantity, several, shown
 from ._errors import InputError
 from ._columns import StateFields, States
 from ._given import taking
@@ -115,9 +115,9 @@ class Slide(Computed, StateFields):
 
 def _thermal(heat: Any) -> list[Any]:
     """Checks conductivity and diffusivity of one or two bodies."""
-    if isinstance(heat, str) or not isinstance(heat, Iterable):
+    entries = several("heat", heat)
+    if entries is None:
         raise InputError(f"heat is {shown(heat)}; it must be two numbers, or four with the two of the surface")
-    entries = list(heat)
     if len(entries) not in (2, 4):
         raise InputError(f"heat has {len(entries)} numbers; it must have two, or four with the two of the surface")
     return [quantity("heat", entry, kind_of("heat", place)) for place, entry in enumerate(entries)]

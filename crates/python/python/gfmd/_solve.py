@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Optional, overload
 from weakref import WeakKeyDictionary
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from . import _gfmd
 from ._body import Body, Law, as_body, as_law, body_of, law_of
-from ._check import Array, Quantity, integer, number, quantities
+from ._check import Array, Quantity, integer, is_sequence, number, quantities
 from ._command import body_keys, law_keys
 from ._contact import Contact, Contacts, Settings
 from ._errors import InputError, Interrupted, NotConverged, warned
@@ -141,7 +141,7 @@ def texts(value: Any) -> bool:
     """Returns True if any argument has a unit."""
     if isinstance(value, str):
         return True
-    return isinstance(value, Iterable) and any(texts(entry) for entry in value)
+    return is_sequence(value) and any(texts(entry) for entry in value)
 
 
 def _control(loads: dict[str, Any]) -> tuple[str, Any]:
@@ -247,9 +247,8 @@ def contact(
     """
     control, given = _control({"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
     loads = quantities(control, given)
-    several = not isinstance(given, str) and isinstance(given, Iterable) and getattr(given, "shape", None) != ()
-    if several:
-        return contacts(surface, body, **{control: given}, **options)
+    if is_sequence(given):
+        return contacts(surface, body, **{control: loads}, **options)
     accuracy = options.pop("accuracy", None)
     if accuracy is not None:
         return _accurate(accuracy, (surface, body), (control, loads), options)[0]
