@@ -248,7 +248,8 @@ def contact(
     control, given = _control({"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
     loads = quantities(control, given)
     if is_sequence(given):
-        return contacts(surface, body, **{control: loads}, **options)
+        given = {control: loads}
+        return contacts(surface, body, **given, **options)
     accuracy = options.pop("accuracy", None)
     if accuracy is not None:
         return _accurate(accuracy, (surface, body), (control, loads), options)[0]
