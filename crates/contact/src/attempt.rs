@@ -1,6 +1,6 @@
 use gfmd_relax::{Budget, Ending, InnerWatch, Variables as _, Visit, Watch};
 
-use crate::{Contact, Effort, Load, Solution};
+use crate::{Contact, Effort, Load};
 
 /// Fraction of the tolerance that a search has to reach; the rest is left to rounding errors of the certificate.
 pub(crate) const MARGIN: f64 = 0.95;
@@ -26,18 +26,16 @@ pub(crate) struct SolverResult {
 }
 
 /// End of a search. Only the pressure is trusted: all other fields are computed from it by [`Contact::certified`].
-pub(crate) enum FoundPressure {
-    Pressure(Vec<f64>),
-    /// Certificate of the pressure that the solver itself has requested. It is counted in the effort of the solver.
-    Certified(Box<Solution>),
+pub(crate) struct FoundPressure {
+    pub(crate) pressure: Vec<f64>,
+    /// Displacement u_z by the waves of this pressure, from fresh transforms, if the solver has computed it; counted in
+    /// its effort.
+    pub(crate) displacement: Option<Vec<f64>>,
 }
 
-impl FoundPressure {
-    pub(crate) fn pressure(self) -> Vec<f64> {
-        match self {
-            Self::Pressure(pressure) => pressure,
-            Self::Certified(solution) => solution.pressure.into_raw_vec_and_offset().0,
-        }
+impl From<Vec<f64>> for FoundPressure {
+    fn from(pressure: Vec<f64>) -> Self {
+        Self { pressure, displacement: None }
     }
 }
 

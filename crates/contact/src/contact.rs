@@ -368,26 +368,9 @@ impl Contact {
 
     /// Computes the state as [`certify`](Self::certify), from the rows of this process, in [`units`](Self::units).
     pub(crate) fn certified(&self, pressure: Vec<f64>, load: Load) -> Solution {
-        let mut solution = self.certified_by(&mut Compliance::of(self), (pressure, Vec::new()), load);
-        if let Some(response) = &self.all_components {
-            let (lateral, pairs) = full::lateral_by(&solution.pressure, response);
-            solution.lateral = Some(lateral);
-            solution.effort.transform_pairs += pairs;
-        }
-        solution
-    }
-
-    /// Computes the state as [`certified`](Self::certified), by the transforms of a solver, which continue their count.
-    /// The displacement overwrites the second vector.
-    pub(crate) fn certified_by(
-        &self,
-        compliance: &mut Compliance,
-        (pressure, mut displacement): (Vec<f64>, Vec<f64>),
-        load: Load,
-    ) -> Solution {
         let response = &self.response;
-        let counted = compliance.pairs();
-        displacement.resize(pressure.len(), 0.0);
+        let mut compliance = Compliance::of(self);
+        let mut displacement = vec![0.0; pressure.len()];
         let columns = response.grid().rows()[1];
         let source = |_: usize, Rows(p, _): Rows<&[f64]>, row: &mut [f64]| row.copy_from_slice(p);
         // u_z = −G p, less the shortening of the springs that the response does not contain.
@@ -403,13 +386,23 @@ impl Contact {
         }
         // The gap of the solution needs the memory.
         compliance.release();
-        let uniform = match self.uniform_compliance() {
-            0.0 => 0.0,
-            compliance => compliance * self.share.total_of(&pressure) / self.share.total() as f64,
-        };
-        let mut solution = self.state_of((pressure, displacement), uniform, load);
-        solution.effort.transform_pairs = compliance.pairs() - counted;
+        let sinking = self.sinking(&pressure);
+        let mut solution = self.state_of((pressure, displacement), sinking, load);
+        solution.effort.transform_pairs = compliance.pairs();
+        if let Some(response) = &self.all_components {
+            let (lateral, pairs) = full::lateral_by(&solution.pressure, response);
+            solution.lateral = Some(lateral);
+            solution.effort.transform_pairs += pairs;
+        }
         solution
+    }
+
+    /// Returns the uniform downward displacement of the body under a pressure that [`Compliance`] does not contain.
+    pub(crate) fn sinking(&self, pressure: &[f64]) -> f64 {
+        match self.uniform_compliance() {
+            0.0 => 0.0,
+            compliance => compliance * self.share.total_of(pressure) / self.share.total() as f64,
+        }
     }
 
     /// Returns the state of a pressure and of the displacement u_z that follows from it, with the residuals, in

@@ -18,7 +18,7 @@ use gfmd_relax::{Budget, Ending, PreconditionedCg, Progress, RelaxError, Target,
 use gfmd_response::{LANES, Scattered};
 use gfmd_vector::Share;
 use overlap::Overlap;
-pub(crate) use points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
+pub(crate) use points::{Gaps, Points, are_few, at_points, gathered};
 
 use crate::Load;
 use crate::attempt::MARGIN;
@@ -50,8 +50,6 @@ impl<W: Watch> Watch for Unison<'_, W> {
 struct Checkpoint {
     tolerance: f64,
     approach: f64,
-    /// True if a certificate has found penetration outside the blocks.
-    failed: bool,
     places: Vec<usize>,
 }
 
@@ -59,7 +57,6 @@ impl Checkpoint {
     /// Visits the checkpoint, which has at most `most` places.
     fn visit(&mut self, visitor: &mut dyn Visit, most: usize) {
         visitor.numbers(&mut [&mut self.tolerance, &mut self.approach]);
-        visitor.flag(&mut self.failed);
         let mut number = self.places.len() as u64;
         visitor.count(&mut number);
         self.places.resize((number as usize).min(most), 0);
@@ -123,7 +120,7 @@ pub(crate) fn solve(
         let target = Target { mean, gradient_scale: scale, budget };
         (kept.places, kept.approach) = problem.state();
         let is_finest = kept.tolerance == finest;
-        problem.begin(is_finest, is_finest && !kept.failed);
+        problem.begin(is_finest);
         let minimum = {
             let watch = attempt.part_watch(false, |visitor: &mut dyn Visit| {
                 outer(visitor);
@@ -137,16 +134,6 @@ pub(crate) fn solve(
         }
         if minimum.ending != Ending::Converged {
             break;
-        }
-        match problem.certified_penetration(&x) {
-            Some(penetration) if penetration <= finest * scale => {
-                return Ok(Some(problem.ended(attempt, &x, minimum.ending)));
-            }
-            Some(_) => {
-                kept.failed = true;
-                continue;
-            }
-            None => {}
         }
         problem.settle(&x);
         let survey = problem.survey(JOIN_GAP_PER_TOLERANCE * kept.tolerance * scale);
@@ -163,6 +150,6 @@ pub(crate) fn solve(
         }
     }
     let ended = problem.ended(attempt, &x, Ending::GaveUp(Why::Iterations));
-    (attempt.start, attempt.effort) = (Some(ended.reached.pressure()), ended.effort);
+    (attempt.start, attempt.effort) = (Some(ended.reached.pressure), ended.effort);
     Ok(None)
 }

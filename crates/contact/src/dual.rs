@@ -13,7 +13,7 @@ use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
 use crate::attempt::MARGIN;
-use crate::attempt::{Attempt, FoundPressure, SolverResult};
+use crate::attempt::{Attempt, SolverResult};
 use crate::compliance::{Compliance, Rounded};
 use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
@@ -134,14 +134,16 @@ impl<'a> Dual<'a> {
         (output, sink): (O, impl Fn(&mut [f64], O) -> R + Sync),
         sums: &mut [R],
     ) {
-        let Self { compliance, row, transforms, rounded, springs, .. } = self;
+        let Self { compliance, row, transforms, rounded, extension, springs, .. } = self;
         rounded.release();
+        extension.release();
         let columns = *row;
         let Some(PointSprings { compliance: springs, pressure, .. }) = springs else {
             let input = (Rows(input, columns), |_: usize, Rows(input, _): Rows<I>, row: &mut [f64]| source(input, row));
             let sink =
                 |_: usize, row: &mut [f64], (Rows(output, _), sum): (Rows<O>, &mut [R])| sum[0] = sink(row, output);
-            return transforms.apply_rows(compliance, input, ((Rows(output, columns), sums), sink));
+            transforms.apply_rows(compliance, input, ((Rows(output, columns), sums), sink));
+            return transforms.release();
         };
         pressure.resize(springs.len(), 0.0);
         let rows = (Rows(input, columns), Rows(&mut pressure[..], columns));
@@ -155,6 +157,7 @@ impl<'a> Dual<'a> {
         };
         let output = (Rows(output, columns), sums, rows(&springs[..]), rows(&pressure[..]));
         transforms.apply_rows(compliance, input, (output, sink));
+        transforms.release();
     }
 
     /// Computes `out` = Eᵀ K E of the known values, with their extension E: about G⁻¹ of a displacement on the contact,
@@ -376,7 +379,7 @@ pub(crate) fn solve(mut attempt: Attempt, gradients: Gradients) -> Result<Solver
     };
     attempt.effort.iterations += minimum.reached.iteration;
     attempt.effort.transform_pairs += dual.pairs();
-    Ok(SolverResult { reached: FoundPressure::Pressure(pressure), effort: attempt.effort, ending: minimum.ending })
+    Ok(SolverResult { reached: pressure.into(), effort: attempt.effort, ending: minimum.ending })
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use gfmd_relax::{
 };
 
 use crate::Load;
-use crate::attempt::{Attempt, FoundPressure, SolverResult};
+use crate::attempt::{Attempt, SolverResult};
 use crate::layer::{Layer, Pressed, Sprung};
 use crate::load_search::LoadSearch;
 
@@ -77,7 +77,7 @@ pub(crate) fn solve(mut attempt: Attempt, motion: Motion) -> Result<SolverResult
         }
         load => equilibrate(&mut attempt, motion, load, start, None)?,
     };
-    Ok(SolverResult { reached: FoundPressure::Pressure(pressure), effort: attempt.effort, ending })
+    Ok(SolverResult { reached: pressure.into(), effort: attempt.effort, ending })
 }
 
 fn equilibrate(

@@ -201,8 +201,19 @@ impl PullPush {
         self.levels.iter().all(|level| level.trust == 1.0) && self.levels.last().is_none_or(|top| top.full == 0.0)
     }
 
+    /// Allocates the levels.
+    fn reserve(&mut self) {
+        self.levels.iter_mut().for_each(Level::reserve);
+    }
+
+    /// Frees the levels until the next use.
+    pub(crate) fn release(&mut self) {
+        self.levels.iter_mut().for_each(Level::release);
+    }
+
     /// Computes all levels of E r except the points, which are computed by [`row`](Self::row).
     pub(crate) fn prepare(&mut self, known: Known) {
+        self.reserve();
         let (share, shared) = (&self.share, self.shared);
         let (start, columns) = (share.rows().start, self.points[1]);
         let points = [share.all_rows().last().map_or(0, |rows| rows.end), columns];
@@ -342,6 +353,7 @@ impl PullPush {
 
     /// Returns the known weights and the values of the cells of the first level, in the rows of this process.
     pub(crate) fn cells(&mut self) -> (&mut [f32], &mut [f32]) {
+        self.reserve();
         let first = &mut self.levels[0];
         (&mut first.known, &mut first.value)
     }

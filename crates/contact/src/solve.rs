@@ -94,9 +94,13 @@ impl Equilibrium for Contact {
                 Solver::AugmentedLagrangian => dynamics::solve(attempt, Motion::AugmentedLagrangian)?,
                 Solver::Newton => return Err(Refusal::Solver { found: solver, allowed: self.solvers() }),
             };
-            let mut solution = match ended.reached {
-                FoundPressure::Pressure(pressure) => self.certified(pressure, load),
-                FoundPressure::Certified(solution) => *solution,
+            let FoundPressure { pressure, displacement } = ended.reached;
+            let mut solution = match displacement {
+                None => self.certified(pressure, load),
+                Some(displacement) => {
+                    let sinking = self.sinking(&pressure);
+                    self.state_of((pressure, displacement), sinking, load)
+                }
             };
             solution.effort.iterations = ended.effort.iterations;
             solution.effort.transform_pairs += ended.effort.transform_pairs;

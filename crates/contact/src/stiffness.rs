@@ -33,16 +33,9 @@ impl Stiffness {
     pub const TOLERANCE: f64 = 5e-6;
 }
 
-/// Least and largest excess of the compliance divided by ⟨r, M r⟩ on few points, where M may be smaller than the
-/// inverse of G by some 15 %. Measured: 0.9 to 1.2 (256² and 1024², H = 0 and 0.8, half-space and slab, p* to 0.05).
-const OF_FEW: [f64; 2] = [0.5, 1.5];
-
 /// Least excess of the compliance divided by ⟨r, M r⟩ and by the shortest step of the conjugate gradients so far, which
 /// is a quotient of the inverse of G and M itself. Chosen; measured: 0.95 to 1.1 (the same surfaces, p* to 0.6).
 const OF_STEPS: f64 = 0.75;
-
-/// Largest number of corrections on few points.
-const CORRECTIONS: usize = 3;
 
 /// Largest number of iterations; some 6 are usual.
 const ITERATIONS: u64 = 2000;
@@ -96,20 +89,25 @@ impl Contact {
         } else if count == n && self.free.is_none() && self.springs.is_none() {
             return exact(self.units().stiffness() / self.uniform_compliance());
         }
-        let mut unit = Unit::new(self, pressure, hardness, count);
-        if !unit.dual.keeps_constants() {
-            unit.keep_sums(self.stiffness_range()[1]);
-        }
         let mut few = Few::of(self, pressure);
-        let certified = few.as_mut().and_then(|few| unit.correct(few, tolerance));
-        let of_few = |sums| (Ok(()), sums, OF_FEW);
-        let (ended, sums, range) = certified.map_or_else(|| unit.solve(tolerance), of_few);
+        let certified = few.as_mut().and_then(|few| few.solve(tolerance));
+        let mut effort = few.map_or(Effort::default(), |few| few.effort());
+        let (ended, sums, range) = match certified {
+            Some(sums) => (Ok(()), sums, few::RANGE),
+            None => {
+                let mut unit = Unit::new(self, pressure, hardness, count);
+                if !unit.dual.keeps_constants() {
+                    unit.keep_sums(self.stiffness_range()[1]);
+                }
+                let found = unit.solve(tolerance);
+                effort.add(unit.effort());
+                found
+            }
+        };
         // ⟨q, G q⟩ of the pressure q with mean 1 is N times the displacement; its lowest value is the one sought.
         let [work, slope] = sums.map(|sum| sum / n as f64);
         let [middle, half] = middle_of(range);
         let compliance = work - middle * slope + self.uniform_compliance();
-        let mut effort = unit.effort();
-        few.iter().for_each(|few| effort.add(few.effort()));
         let stiffness =
             Stiffness { value: self.units().stiffness() / compliance, error: half * slope.abs() / compliance, effort };
         match ended {
@@ -140,6 +138,7 @@ struct Unit<'a> {
     variation: Vec<f32>,
     /// G q on the contact, up to a constant.
     residual: Vec<f32>,
+    /// Image of the last step, or the preconditioned residual; empty while fresh transforms need the memory.
     image: Vec<f32>,
     /// M 1 divided by its sum, unless the sum is a rounding error.
     constant: Option<Vec<f32>>,
@@ -160,7 +159,7 @@ impl<'a> Unit<'a> {
             count: count as f64,
             variation: vec![0.0; n],
             residual: vec![0.0; n],
-            image: vec![0.0; n],
+            image: Vec::new(),
             constant: None,
             iterations: 0,
             shortest: 0.0,
@@ -182,21 +181,6 @@ impl<'a> Unit<'a> {
 
     fn effort(&self) -> Effort {
         Effort { iterations: self.iterations, transform_pairs: self.dual.pairs() }
-    }
-
-    /// Corrects the pressure on few points, each time to some 4e-4 of its error. If that is sufficient, returns ⟨q,
-    /// G q⟩ from fresh transforms in double precision, and ⟨r, M r⟩ with the preconditioner of the few points.
-    fn correct(&mut self, few: &mut Few, tolerance: f64) -> Option<[f64; 2]> {
-        few.start(self.share.total() as f64 / self.count);
-        for _ in 0..CORRECTIONS {
-            few.correct(tolerance / middle_of(OF_FEW)[1], &mut self.variation);
-            let work = self.refresh();
-            let slope = few.take(&self.residual, self.dual.unit());
-            if middle_of(OF_FEW)[1] * slope.abs() <= tolerance * work {
-                return Some([work, slope]);
-            }
-        }
-        None
     }
 
     /// Runs conjugate gradients until the error is at most `tolerance`. Also returns ⟨q, G q⟩ and ⟨r, M r⟩ from fresh
@@ -276,6 +260,7 @@ impl<'a> Unit<'a> {
     /// Computes `image` = G `pressure`.
     fn displace(&mut self, pressure: &[f32]) {
         let Self { dual, image, .. } = self;
+        image.resize(pressure.len(), 0.0);
         let mut none = vec![(); pressure.len() / dual.stretch()];
         dual.image(pressure, |pressure: &[f32], row| row.copy_from_slice(pressure));
         dual.collect(&mut image[..], |row, image: &mut [f32]| image.copy_from_slice(row), &mut none);
@@ -284,6 +269,7 @@ impl<'a> Unit<'a> {
     /// Computes `image` = M (`residual` − `level`), from the residual of the points in contact.
     fn press(&mut self, level: f32) {
         let Self { dual, contact, hardness, residual, image, .. } = self;
+        image.resize(contact.len(), 0.0);
         for_each((&mut residual[..], *contact, *hardness), &|_, (residual, contact, hardness)| {
             for (i, (r, p)) in residual.iter_mut().zip(contact).enumerate() {
                 *r = if *p >= hardness.at(i) {
@@ -322,6 +308,7 @@ impl<'a> Unit<'a> {
 
     /// Computes the residual from the pressure in double precision. Returns ⟨q, G q⟩.
     fn refresh(&mut self) -> f64 {
+        self.image = Vec::new();
         let Self { dual, share, contact, hardness, count, variation, residual, .. } = self;
         let (n, unit) = (share.total() as f64, dual.unit());
         // Rounding errors have changed the sum.

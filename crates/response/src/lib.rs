@@ -43,5 +43,5 @@ pub use normal::NormalResponse;
 pub use operator::{Operator, Workspace};
 pub use plate::{PlateResponse, PlateTransforms};
 pub use rounded::RoundedTransforms;
-pub use scattered::{Blocks, COARSENING, Cells, LANES, Scattered, ScatteredMemory};
+pub use scattered::{BlockRows, Blocks, COARSENING, Cells, LANES, Scattered, ScatteredMemory};
 pub use units::{power_of_two, unit_of};

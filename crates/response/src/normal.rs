@@ -8,6 +8,7 @@ use gfmd_vector::{once, pass};
 use crate::FullResponse;
 use crate::patch_table::{Parity, PatchTable};
 use crate::rounded::Rounded;
+use crate::scattered::Scattered;
 
 /// Normal response of a body on one grid: planned transforms, and compliance and stiffness of every mode, for problems
 /// with u_z and the pressure only. Built once and shared between problems and threads. Each process has the modes of
@@ -25,6 +26,7 @@ pub struct NormalResponse {
     stiffness_range: [f64; 2],
     contact_modulus: f64,
     rounded: OnceLock<Rounded>,
+    scattered: OnceLock<Option<Scattered>>,
     /// True if waves of equal length have equal stiffness: isotropic body, modes not changed individually.
     is_isotropic: bool,
     /// Compliances of springs that were added to each mode of the body, in this order.
@@ -171,6 +173,7 @@ impl NormalResponse {
             stiffness_range: range,
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
+            scattered: OnceLock::new(),
             is_isotropic: body.is_isotropic(),
             added: Vec::new(),
             along: None,
@@ -223,6 +226,7 @@ impl NormalResponse {
             stiffness_range: [1.0 / softest, 1.0 / stiffest],
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
+            scattered: OnceLock::new(),
             is_isotropic: true,
             added: Vec::new(),
             along: None,
@@ -306,6 +310,7 @@ impl NormalResponse {
             body: body.clone(),
             contact_modulus: body.contact_modulus(),
             rounded: OnceLock::new(),
+            scattered: OnceLock::new(),
             is_isotropic,
             added: Vec::new(),
             along: None,
@@ -327,6 +332,11 @@ impl NormalResponse {
     pub(crate) fn rounded(&self) -> &Rounded {
         let Self { transform, share, compliance, stiffness_range: [softest, _], rounded, is_isotropic, .. } = self;
         once(rounded, || Rounded::of(*transform.grid(), share, compliance, *softest, *is_isotropic))
+    }
+
+    /// Returns the response between few points, tabulated at first use; `None` as in [`Scattered::of`].
+    pub(crate) fn scattered(&self) -> Option<&Scattered> {
+        once(&self.scattered, || Scattered::tabulated(self)).as_ref()
     }
 
     /// Returns true if waves of equal length have equal stiffness.

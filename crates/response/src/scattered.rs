@@ -10,11 +10,12 @@ mod window;
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
+use std::sync::Arc;
 
 use gfmd_field::{Grid, Mode, Rows, Share, Transform, Workspace};
 use rayon::prelude::*;
 
-pub use blocks::Blocks;
+pub use blocks::{BlockRows, Blocks};
 use near_part::near_part;
 use sources::Sources;
 use splines::{BEFORE, Lines, ORDER, Splines, repeat};
@@ -40,9 +41,9 @@ use crate::units::power_of_two;
 /// The processes of a distributed response divide the work: each computes the products at its [`own`](Self::own)
 /// blocks, and its [`rows`](Self::rows) of the coarse grid. Every process knows all blocks, and all make the same
 /// calls.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Scattered {
-    coarse: Transform<f32>,
+    coarse: Arc<Transform<f32>>,
     /// Rows of the coarse grid of each process.
     share: Share,
     /// Compliance of long waves on the coarse grid, divided by the unit.
@@ -50,11 +51,13 @@ pub struct Scattered {
     /// Stiffness of waves interpolated from the coarse grid, times the unit.
     stiffness: Vec<f32>,
     /// Short-wave compliance between two points, divided by the unit.
-    near: Stencil<NEAR>,
+    near: Arc<Stencil<NEAR>>,
     /// Stiffness between two points times the unit, cut off at a short distance.
-    stiff: Stencil<NEXT>,
-    splines: Splines,
+    stiff: Arc<Stencil<NEXT>>,
+    splines: Arc<Splines>,
     unit: f64,
+    /// Part of the compliance of the uniform mode between near points, in length/stress.
+    near_uniform: f64,
 }
 
 /// Number of rows of points that one task processes.
@@ -90,10 +93,23 @@ const DEEP: f64 = 1e-3;
 const BOX: usize = 2 * REACH + LANES;
 
 impl Scattered {
-    /// Splits the response, with the given compliance (length/stress) and stiffness (stress/length) of the uniform
-    /// mode. Returns `None` if the grid is small, elongated or not made of whole blocks and coarse cells, if layers are
-    /// only a few points thick, or if the response is tabulated or differs between waves of equal length.
+    /// Returns the split response, with the given compliance (length/stress) and stiffness (stress/length) of the
+    /// uniform mode. Returns `None` if the grid is small, elongated or not made of whole blocks and coarse cells, if
+    /// layers are only a few points thick, or if the response is tabulated or differs between waves of equal length.
     pub fn of(response: &NormalResponse, [compliance, stiffness]: [f64; 2]) -> Option<Self> {
+        let mut scattered = response.scattered()?.clone();
+        if scattered.coarse.lanes().contains(&0) {
+            // Splines interpolate a constant exactly.
+            let splines = (COARSENING * COARSENING) as f64;
+            let Self { smooth, stiffness: stiff, near_uniform, unit, .. } = &mut scattered;
+            smooth[0] = ((compliance - *near_uniform) / (splines * *unit)) as f32;
+            stiff[0] = (stiffness * splines * *unit) as f32;
+        }
+        Some(scattered)
+    }
+
+    /// Splits the response; the uniform mode has neither compliance nor stiffness.
+    pub(crate) fn tabulated(response: &NormalResponse) -> Option<Self> {
         if !response.is_isotropic() || response.is_tabulated() {
             return None;
         }
@@ -134,22 +150,23 @@ impl Scattered {
         let transform = Transform::distributed(coarse, &share);
         let table = |of: &(dyn Fn(Mode, f64) -> f64 + Sync)| long_waves(grid, (&coarse, transform.lanes()), of);
         let smooth = table(&|mode, splines| {
-            let all = if mode.is_uniform() { compliance } else { compliance_of(response, mode.number) };
+            let all = if mode.is_uniform() { 0.0 } else { compliance_of(response, mode.number) };
             (all - short(mode.wavenumber())) / (splines * unit)
         });
         let stiffness = table(&|mode, splines| {
-            let all = if mode.is_uniform() { stiffness } else { 1.0 / compliance_of(response, mode.number) };
+            let all = if mode.is_uniform() { 0.0 } else { 1.0 / compliance_of(response, mode.number) };
             all * splines * unit
         });
         Some(Self {
             smooth,
             stiffness,
-            coarse: transform,
+            coarse: transform.into(),
             share,
-            near,
-            stiff,
-            splines: Splines::new(coarse.points()),
+            near: near.into(),
+            stiff: stiff.into(),
+            splines: Splines::new(coarse.points()).into(),
             unit,
+            near_uniform: short(0.0),
         })
     }
 

@@ -1,12 +1,11 @@
 //! Problem on blocks of candidate points.
 
-use std::borrow::Cow;
 use std::mem::take;
 
 use gfmd_field::{Rows, Split};
 use gfmd_relax::{Ending, Preconditioned, Visit};
-use gfmd_response::{LANES, Scattered};
-use gfmd_vector::{contiguous, lower, pass_by};
+use gfmd_response::{BlockRows, LANES, Scattered};
+use gfmd_vector::{for_each, lower, pass_by, total};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
@@ -15,7 +14,7 @@ use super::overlap::Overlap;
 use super::points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
 use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::compliance::Compliance;
-use crate::{Contact, Effort, Load, Solution};
+use crate::{Contact, Load};
 
 /// Number of variables that are passed on together.
 const STRETCH: usize = 32 * LANES;
@@ -36,7 +35,6 @@ pub(super) struct Survey {
 /// together compute the products of the steps and the displacement of the whole surface.
 pub(super) struct Candidates<'a> {
     contact: &'a Contact,
-    compliance: Cow<'a, [f64]>,
     transforms: Compliance,
     points: Points,
     /// Approach, as far as it is known.
@@ -47,13 +45,14 @@ pub(super) struct Candidates<'a> {
     displacement: Vec<f64>,
     least: Vec<f64>,
     known: Known,
+    /// True if the known displacement is exactly by the present pressure, whose mean was not adjusted since.
+    is_exact: bool,
+    /// Compliance of the uniform mode, if it takes part in the search, and its displacement.
+    level: f64,
+    sinking: f64,
     load: Load,
     /// True for a search to the finest tolerance.
     is_finest: bool,
-    /// True if the displacement of the whole surface comes from a certificate.
-    certifies: bool,
-    /// Certificate of the pressure transformed last.
-    certificate: Option<Solution>,
     /// Downward displacement of the points.
     lanes: Vec<f64>,
     pressure: Vec<f32>,
@@ -98,7 +97,8 @@ impl<'a> Candidates<'a> {
         let points = Points::new(contact, scattered, floating, places);
         let mut problem = Self {
             contact,
-            compliance: contact.table(contact.level_under(attempt.load).map(|[compliance, _]| compliance)),
+            level: contact.level_under(attempt.load).map_or(0.0, |[compliance, _]| compliance),
+            sinking: 0.0,
             transforms: Compliance::of(contact),
             points,
             approach,
@@ -107,9 +107,8 @@ impl<'a> Candidates<'a> {
             least: Vec::new(),
             load: attempt.load,
             is_finest: false,
-            certifies: false,
-            certificate: None,
             known: Known::Roughly,
+            is_exact: false,
             lanes: Vec::new(),
             pressure: Vec::new(),
             image: Vec::new(),
@@ -178,43 +177,9 @@ impl<'a> Candidates<'a> {
         self.linear = linear;
     }
 
-    /// Begins a search, to the `finest` tolerance or not. If it `certifies`, the displacement of the whole surface
-    /// comes from a certificate.
-    pub(super) fn begin(&mut self, finest: bool, certifies: bool) {
-        (self.is_finest, self.certifies) = (finest, certifies);
-        if self.certificate.take().is_some() {
-            self.known = Known::Nothing;
-        }
-    }
-
-    /// Returns the penetration, in length, of the certificate of the pressure at the end of a search; `None` if there
-    /// is no certificate.
-    pub(super) fn certified_penetration(&mut self, x: &[f64]) -> Option<f64> {
-        if self.known == Known::Formerly {
-            self.renew(x);
-        }
-        self.certificate.as_ref().map(|certificate| certificate.residual.penetration * certificate.length_scale)
-    }
-
-    /// Computes the certificate of a pressure, if displacements come from certificates.
-    fn renew(&mut self, x: &[f64]) {
-        if !self.certifies || self.known == Known::Wholly {
-            return;
-        }
-        // The fields of the certificate need the memory.
-        self.certificate = None;
-        self.release();
-        self.points.release();
-        let fields = (self.whole(x), take(&mut self.displacement));
-        let counted = *self.transforms.counter();
-        let mut certificate = self.contact.certified_by(&mut self.transforms, fields, self.load);
-        self.reserve();
-        if self.known == Known::Formerly {
-            *self.transforms.counter() = counted;
-        }
-        // Its transforms are counted with the others.
-        certificate.effort = Effort::default();
-        (self.certificate, self.known) = (Some(certificate), Known::Wholly);
+    /// Begins a search, to the `finest` tolerance or not.
+    pub(super) fn begin(&mut self, finest: bool) {
+        (self.is_finest, self.is_exact) = (finest, false);
     }
 
     /// Computes the displacement of the whole surface, if it is not known.
@@ -225,23 +190,29 @@ impl<'a> Candidates<'a> {
         self.displacement.resize(self.contact.share.own().len(), 0.0);
         self.least.resize(self.contact.share.rows().len(), 0.0);
         let counted = *self.transforms.counter();
-        let Self { compliance, transforms, points, displacement, least, contact, .. } = self;
+        let Self { transforms, points, displacement, least, contact, .. } = self;
         let blocks = points.blocks();
-        let (columns, before) = (contact.share.columns(), contact.share.rows().start);
+        let (columns, rows) = (contact.share.columns(), contact.share.rows());
         let copy = |_: usize, row: &mut [f64], (Rows(out, _), least): (Rows<&mut [f64]>, &mut [f64])| {
             out.copy_from_slice(row);
             least[0] = lowest(row);
         };
-        let source = |i: usize, (): (), row: &mut [f64]| {
-            row.fill(0.0);
-            for block in blocks.in_row(before + i) {
-                let first = blocks.places()[block] * LANES % columns;
-                row[first..first + LANES].copy_from_slice(&x[block * LANES..(block + 1) * LANES]);
-            }
+        let pressure = blocks.split_rows(&rows, &x[blocks.values_in(&rows)]);
+        let source = |i: usize, BlockRows { values, .. }: BlockRows<&[f64]>, row: &mut [f64]| {
+            blocks.write_row(rows.start + i, values, row);
         };
-        transforms.apply_rows(compliance, ((), source), ((Rows(&mut displacement[..], columns), &mut least[..]), copy));
+        transforms.apply_rows(
+            contact.response.compliance(),
+            (pressure, source),
+            ((Rows(&mut displacement[..], columns), &mut least[..]), copy),
+        );
+        // Other vectors need the memory.
+        transforms.release();
+        self.sinking = self.level * total(x) / self.contact.share.total() as f64;
         if self.known == Known::Formerly {
             *self.transforms.counter() = counted;
+        } else {
+            self.is_exact = true;
         }
         self.known = Known::Wholly;
     }
@@ -256,27 +227,19 @@ impl<'a> Candidates<'a> {
             self.lanes.iter_mut().zip(&self.image).for_each(|(u, image)| *u = f64::from(*image) * unit);
             return;
         }
-        self.renew(x);
-        match &self.certificate {
-            Some(certificate) => {
-                // Up to a constant, which has no effect under a mean pressure.
-                let gaps = self.at_points(&contiguous(&certificate.gap));
-                let lanes = self.lanes.iter_mut().zip(gaps.iter().zip(&self.linear));
-                lanes.for_each(|(u, (gap, linear))| *u = gap - linear);
-            }
-            None => {
-                self.displace(x);
-                let points = self.at_points(&self.displacement);
-                self.lanes[..points.len()].copy_from_slice(&points);
-            }
-        }
+        self.displace_exactly(x);
+    }
+
+    /// Computes the displacement of the points of the blocks from the displacement of the whole surface.
+    fn displace_exactly(&mut self, x: &[f64]) {
+        self.displace(x);
+        let points = self.at_points(&self.displacement);
+        self.lanes.iter_mut().zip(&points).for_each(|(lane, u)| *lane = u + self.sinking);
     }
 
     /// Lowers the surface until the mean gap of points in contact is zero, unless the approach is prescribed.
     pub(super) fn settle(&mut self, x: &[f64]) {
-        self.displace(x);
-        let points = self.at_points(&self.displacement);
-        self.lanes[..points.len()].copy_from_slice(&points);
+        self.displace_exactly(x);
         if let Load::MeanPressure(_) = self.load {
             let gaps = self.lanes.iter().zip(&self.linear).map(|(u, c)| u + c);
             let touching = gaps.zip(x).filter(|(_, x)| **x > 0.0);
@@ -290,7 +253,8 @@ impl<'a> Candidates<'a> {
     /// Checks all points. Blocks with gaps below `margin`, or below a fraction of the deepest penetration, join the
     /// search.
     pub(super) fn survey(&self, mut margin: f64) -> Survey {
-        let Self { contact, approach, points, displacement, least, .. } = self;
+        let Self { contact, points, displacement, least, .. } = self;
+        let approach = self.approach - self.sinking;
         let blocks = points.blocks();
         let Contact { scaled, share, .. } = contact;
         let clearance = scaled.clearance();
@@ -301,10 +265,10 @@ impl<'a> Candidates<'a> {
             let row = (place - before) / width;
             let points = (place - before) * LANES..(place - before + 1) * LANES;
             let clearance = &clearance[points.clone()];
-            if lowest(clearance) + least[row] - *approach > margin {
+            if lowest(clearance) + least[row] - approach > margin {
                 return f64::INFINITY;
             }
-            let gaps = clearance.iter().zip(&displacement[points]).map(|(c, u)| c + u - *approach);
+            let gaps = clearance.iter().zip(&displacement[points]).map(|(c, u)| c + u - approach);
             gaps.fold(f64::INFINITY, lower)
         };
         let others = |row: usize| {
@@ -379,14 +343,20 @@ impl<'a> Candidates<'a> {
         pressure
     }
 
-    pub(super) fn ended(self, attempt: &Attempt, x: &[f64], ending: Ending) -> SolverResult {
+    /// Ends the search at the pressure `x`.
+    pub(super) fn ended(mut self, attempt: &Attempt, x: &[f64], ending: Ending) -> SolverResult {
         let mut effort = attempt.effort;
         effort.transform_pairs += self.transforms.pairs() + self.points.pairs();
-        let reached = match self.certificate {
-            Some(certificate) => FoundPressure::Certified(certificate.into()),
-            None => FoundPressure::Pressure(self.whole(x)),
-        };
-        SolverResult { reached, effort, ending }
+        let displacement = (self.known == Known::Wholly && self.is_exact).then(|| {
+            let mut upwards = take(&mut self.displacement);
+            for_each([&mut upwards[..]], &|_, [u]| u.iter_mut().for_each(|u| *u = -*u));
+            upwards
+        });
+        // The fields of the solution need the memory.
+        self.release();
+        self.points.release();
+        (self.linear, self.least) = Default::default();
+        SolverResult { reached: FoundPressure { pressure: self.whole(x), displacement }, effort, ending }
     }
 }
 
@@ -434,7 +404,7 @@ impl Preconditioned for Candidates<'_> {
         let rows = (Rows(input, STRETCH), Rows(&mut self.pressure[..], STRETCH));
         pass_by(1, rows, &|_, (Rows(input, _), Rows(row, _))| source(input, row), &|(), ()| ());
         self.points.displace(&self.pressure, &mut self.image);
-        (self.known, self.certificate) = (Known::Nothing, None);
+        self.known = Known::Nothing;
     }
 
     fn collect<O: Split, R: Send>(&mut self, output: O, sink: impl Fn(&[f32], O) -> R + Sync, sums: &mut [R]) {
@@ -467,6 +437,7 @@ impl Preconditioned for Candidates<'_> {
         let before = self.known.number();
         let mut number = before;
         visitor.small(&mut number);
+        visitor.flag(&mut self.is_exact);
         if number != before {
             self.known = [Known::Roughly, Known::Nothing, Known::Formerly][number.min(2) as usize];
         }

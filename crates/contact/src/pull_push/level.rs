@@ -20,7 +20,7 @@ pub(super) struct Level {
     pub(super) full: f32,
     /// Factor on the value of the next level, for cells without known values; between zero and one.
     pub(super) trust: f32,
-    /// Known weight of each cell, the sum of the weights of its children.
+    /// Known weight of each cell held, the sum of the weights of its children; empty between two uses.
     pub(super) known: Vec<f32>,
     pub(super) value: Vec<f32>,
     known_beside: Beside,
@@ -33,7 +33,7 @@ type Beside = [Vec<f32>; 2];
 /// Steps from one level to the next, row by row.
 impl Level {
     pub(super) fn new(cells: [usize; 2], full: f32, trust: f32) -> Self {
-        let (rows, values) = (0..cells[0], cells[0] * cells[1]);
+        let rows = 0..cells[0];
         Self {
             cells,
             own: rows.clone(),
@@ -41,8 +41,8 @@ impl Level {
             parts: Vec::new(),
             full,
             trust,
-            known: vec![0.0; values],
-            value: vec![0.0; values],
+            known: Vec::new(),
+            value: Vec::new(),
             known_beside: Beside::default(),
             value_beside: Beside::default(),
         }
@@ -59,9 +59,18 @@ impl Level {
             return;
         }
         self.held = self.own.clone();
+    }
+
+    /// Allocates the values, if they are not.
+    pub(super) fn reserve(&mut self) {
         let values = self.held.len() * self.cells[1];
-        self.known = vec![0.0; values];
-        self.value = vec![0.0; values];
+        self.known.resize(values, 0.0);
+        self.value.resize(values, 0.0);
+    }
+
+    /// Frees the values until the next use.
+    pub(super) fn release(&mut self) {
+        (self.known, self.value) = Default::default();
     }
 
     /// Receives the known weights computed by other processes: all of them, or the rows beside the own ones.

@@ -24,6 +24,7 @@ pub(super) struct Single<'a, P> {
     gradient: Vec<f32>,
     level: f64,
     multiplier: f64,
+    /// Direction of the next step; empty while an exact gradient needs the memory.
     direction: Vec<f32>,
     last_step: Vec<f32>,
     /// Image of the last step.
@@ -51,7 +52,7 @@ impl<'a, P: Preconditioned> Single<'a, P> {
             gradient: vec![0.0; n],
             level: 0.0,
             multiplier: 0.0,
-            direction: vec![0.0; n],
+            direction: Vec::new(),
             last_step: vec![0.0; n],
             image: vec![0.0; n],
             active: Active::all(n, problem.stretch()),
@@ -139,6 +140,7 @@ impl<P: Preconditioned> Vectors for Single<'_, P> {
     }
 
     fn refresh(&mut self) {
+        self.direction = Vec::new();
         self.level = self.multiplier;
         let view = self.view();
         let Self { problem, x, upper, gradient, last_step, parts, .. } = self;
@@ -175,6 +177,7 @@ impl<P: Preconditioned> Vectors for Single<'_, P> {
 
     fn turn(&mut self, settled: bool) {
         let offset = self.view().offset as f32;
+        self.direction.resize(self.x.len(), 0.0);
         self.problem.precondition(self.x, &self.gradient, offset, &mut self.direction);
         if !self.problem.mark(self.active.flags_mut()) {
             self.active.survey(self.x, &self.direction);
@@ -190,6 +193,7 @@ impl<P: Preconditioned> Vectors for Single<'_, P> {
         let is_free =
             |x: f64, g: f64, upper: f64| if x >= upper && x.is_finite() { g > 0.0 } else { x > 0.0 || g < 0.0 };
         let Self { x, target, share, upper, gradient, direction, .. } = self;
+        direction.resize(x.len(), 0.0);
         let x = &x[..];
         let (gradient, upper) = (&gradient[..], upper.ceiling());
         let own = |g: f32| f64::from(g) - view.offset;

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use gfmd_field::Grid;
+use gfmd_field::{Grid, Split};
 
 use super::window::Window;
 use super::{LANES, ROWS};
@@ -15,6 +15,26 @@ pub struct Blocks {
     places: Vec<usize>,
     /// First block of every row, followed by the number of blocks.
     starts: Vec<usize>,
+}
+
+/// Values of the blocks of several rows, for transforms row by row; its length is the number of rows.
+pub struct BlockRows<'a, V> {
+    /// Values, [`LANES`] per block.
+    pub values: V,
+    /// First block of every row, followed by the end of the last row.
+    starts: &'a [usize],
+}
+
+impl<V: Split> Split for BlockRows<'_, V> {
+    fn length(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    fn split(self, middle: usize) -> (Self, Self) {
+        let Self { values, starts } = self;
+        let (above, below) = values.split((starts[middle] - starts[0]) * LANES);
+        (Self { values: above, starts: &starts[..=middle] }, Self { values: below, starts: &starts[middle..] })
+    }
 }
 
 /// Number of blocks below which a single thread processes them.
@@ -51,6 +71,32 @@ impl Blocks {
     /// Returns the blocks of a row.
     pub fn in_row(&self, row: usize) -> Range<usize> {
         self.starts[row]..self.starts[row + 1]
+    }
+
+    /// Returns the range of the values of some `rows` among the values of all blocks.
+    pub fn values_in(&self, rows: &Range<usize>) -> Range<usize> {
+        self.starts[rows.start] * LANES..self.starts[rows.end] * LANES
+    }
+
+    /// Makes the `values` of the blocks in some `rows` a vector of rows.
+    pub fn split_rows<V: Split>(&self, rows: &Range<usize>, values: V) -> BlockRows<'_, V> {
+        BlockRows { values, starts: &self.starts[rows.start..=rows.end] }
+    }
+
+    /// Returns the columns of the points of each block in a row.
+    pub fn columns_in_row(&self, row: usize) -> impl Iterator<Item = Range<usize>> {
+        self.in_row(row).map(|block| {
+            let first = self.column(block) * LANES;
+            first..first + LANES
+        })
+    }
+
+    /// Writes the `values` of the blocks of one row into all columns of the `row`, zero between the blocks.
+    pub fn write_row(&self, number: usize, values: &[f64], row: &mut [f64]) {
+        row.fill(0.0);
+        for (columns, values) in self.columns_in_row(number).zip(values.as_chunks::<LANES>().0) {
+            row[columns].copy_from_slice(values);
+        }
     }
 
     /// Returns the number of rows of the grid.
