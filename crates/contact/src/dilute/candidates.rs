@@ -45,7 +45,7 @@ pub(super) struct Candidates<'a> {
     displacement: Vec<f64>,
     least: Vec<f64>,
     known: Known,
-    /// True if the known displacement is exactly by the present pressure, whose mean was not adjusted since.
+    /// True if the displacement is by exactly the present pressure: the mean was not adjusted since.
     is_exact: bool,
     /// Compliance of the uniform mode, if it takes part in the search, and its displacement.
     level: f64,
