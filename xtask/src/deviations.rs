@@ -280,7 +280,7 @@ impl Kind {
         }
         let session = Session::silent();
         let made = parsed(&surface)?.source.surface(&session)?;
-        let (grid, mut heights) = (made.grid, made.heights);
+        let (grid, mut heights) = (made.grid, made.heights.into_owned());
         let longest = TAU * eps_t_inv as f64 / grid.lengths()[0];
         if hurst > 1.0 {
             heights = filtered(&heights, &grid, |q| if q > 0.0 { (q / longest).powf(1.0 - hurst) } else { 1.0 })?;

@@ -21,7 +21,7 @@ use gfmd_surface::{
     MotifEdges, Normalisation, Periodisation, RadialBin, RollOff, RollOffShape, SelfAffine, SurfaceError,
 };
 use gfmd_unit::Units;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 use serde::Serialize;
 
 use crate::session::{list_files, wrapped};
@@ -324,7 +324,7 @@ pub(crate) fn measured(args: &Args, session: &Session) -> Result<(Report, Array2
     }
     report.plots = plots;
     report.report.clone_from(&args.report);
-    Ok((report, surface.heights))
+    Ok((report, surface.heights.into_owned()))
 }
 
 /// Returns the length of the sections of a profile: the index of its L filter.
@@ -347,7 +347,7 @@ fn claim_page(path: &std::path::Path) -> Result<Output, Failure> {
 /// # Errors
 /// Heights without numbers; a page that cannot be written.
 pub fn write_report(
-    heights: &Array2<f64>,
+    heights: &ArrayRef2<f64>,
     grid: &Grid,
     (unit, source): (Option<String>, String),
     boundary: Boundary,
@@ -480,7 +480,7 @@ impl Report {
     /// The surface for figures and pages.
     pub fn subject<'a>(
         &'a self,
-        heights: &'a Array2<f64>,
+        heights: &'a ArrayRef2<f64>,
         grid: &'a Grid,
         spectrum: &'a [RadialBin],
         functions: Option<&'a Functions>,

@@ -13,7 +13,7 @@ use crate::full;
 use crate::pull_push::PullPush;
 use crate::solution::{Conditions, field};
 use crate::springs::{Springs, SpringsInUnits};
-use crate::{Boundary, Dynamics, Hardness, Load, Refusal, RigidSurface, Solution, Units};
+use crate::{Boundary, Dynamics, Hardness, Heights, Load, Refusal, RigidSurface, Solution, Units};
 
 /// Rigid rough surface above an elastic one, without friction or adhesion (hard wall). Clones share the data.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ impl Contact {
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal; E* h_rms / L out of range.
-    pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn new<'a>(body: &Body, grid: &Grid, heights: impl Into<Heights<'a>>) -> Result<Self, Refusal> {
         Self::distributed(&grid.whole(), body, grid, heights)
     }
 
@@ -67,7 +67,7 @@ impl Contact {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn held_sideways(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn held_sideways<'a>(body: &Body, grid: &Grid, heights: impl Into<Heights<'a>>) -> Result<Self, Refusal> {
         Self::held_sideways_over(&grid.whole(), body, grid, heights)
     }
 
@@ -86,21 +86,26 @@ impl Contact {
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
-    pub fn distributed(share: &Share, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        Self::responding(NormalResponse::distributed, share, body, grid, heights)
+    pub fn distributed<'a>(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: impl Into<Heights<'a>>,
+    ) -> Result<Self, Refusal> {
+        Self::responding(NormalResponse::distributed, share, body, grid, heights.into())
     }
 
     /// Makes the contact as [`distributed`](Self::distributed), without lateral displacement of the surface.
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
-    pub fn held_sideways_over(
+    pub fn held_sideways_over<'a>(
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
-        Self::responding(NormalResponse::held_sideways_over, share, body, grid, heights)
+        Self::responding(NormalResponse::held_sideways_over, share, body, grid, heights.into())
     }
 
     fn responding(
@@ -108,7 +113,7 @@ impl Contact {
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: Heights,
     ) -> Result<Self, Refusal> {
         let surface = Self::rough(share, grid, heights)?;
         let units = Units::of(body, &surface)?;
@@ -136,11 +141,11 @@ impl Contact {
     /// # Errors
     /// As [`new`](Self::new); with free boundaries also a body without a level far away, or with layers that are too
     /// thin.
-    pub fn with_boundary(
+    pub fn with_boundary<'a>(
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
         Self::with_boundary_over(&grid.whole(), boundary, body, grid, heights)
     }
@@ -150,12 +155,12 @@ impl Contact {
     ///
     /// # Errors
     /// As [`with_boundary`](Self::with_boundary), on all processes.
-    pub fn with_boundary_over(
+    pub fn with_boundary_over<'a>(
         share: &Share,
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
         let mut contact = Self::distributed(share, body, grid, heights)?;
         if boundary == Boundary::Free {
@@ -203,10 +208,13 @@ impl Contact {
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
-    pub fn with_response(response: impl Into<Arc<NormalResponse>>, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn with_response<'a>(
+        response: impl Into<Arc<NormalResponse>>,
+        heights: impl Into<Heights<'a>>,
+    ) -> Result<Self, Refusal> {
         let response = response.into();
         let share = response.share().clone();
-        let surface = Self::rough(&share, response.grid(), heights)?;
+        let surface = Self::rough(&share, response.grid(), heights.into())?;
         let (scaled, contact_modulus) = (Arc::clone(&surface), response.contact_modulus());
         let (free, hardness, dynamics, units) = (None, None, Dynamics::default(), Units::ONE);
         let (worn, is_softened) = (0.0, false);
@@ -314,7 +322,7 @@ impl Contact {
         self.hardness.clone().unwrap_or(Upper::All(f64::INFINITY))
     }
 
-    fn rough(share: &Share, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Arc<RigidSurface>, Refusal> {
+    fn rough(share: &Share, grid: &Grid, heights: Heights) -> Result<Arc<RigidSurface>, Refusal> {
         let surface = RigidSurface::distributed(share, grid, heights)?;
         if surface.rms_height() > 0.0 { Ok(surface.into()) } else { Err(Refusal::Flat) }
     }

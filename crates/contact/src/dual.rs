@@ -17,7 +17,7 @@ use crate::attempt::{Attempt, SolverResult};
 use crate::compliance::{Compliance, Rounded};
 use crate::dilute;
 use crate::pull_push::{Edges, Known, PullPush};
-use crate::{Contact, Load, springs};
+use crate::{Clearance, Contact, Load, springs};
 
 /// Methods of conjugate gradients.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,8 @@ pub(crate) enum Gradients {
 pub(crate) struct Dual<'a> {
     /// Compliance of the periodic modes; unused with free boundaries.
     compliance: Cow<'a, [f64]>,
-    linear: Cow<'a, [f64]>,
+    /// Linear part of the function: the clearance after a prescribed approach.
+    linear: Clearance<'a>,
     /// True if the approach is free, because the mean pressure is prescribed.
     floating: bool,
     /// Hardness, infinite without one.
@@ -95,10 +96,9 @@ const FEW: u32 = 3;
 impl<'a> Dual<'a> {
     pub(crate) fn new(contact: &'a Contact, load: Load) -> Self {
         let Contact { response, scaled: surface, share, .. } = contact;
-        let clearance = surface.clearance();
         let linear = match load {
-            Load::MeanPressure(_) => Cow::from(clearance),
-            Load::Approach(approach) => clearance.par_iter().map(|c| c - approach).collect::<Vec<_>>().into(),
+            Load::MeanPressure(_) => surface.clearance(),
+            Load::Approach(approach) => surface.clearance().after(approach),
         };
         let level = contact.level_under(load);
         let compliance = contact.table(level.map(|[uniform, _]| uniform));
@@ -187,15 +187,16 @@ impl<'a> Dual<'a> {
 }
 
 impl Quadratic for Dual<'_> {
-    fn linear(&self) -> &[f64] {
-        &self.linear
+    fn variables(&self) -> usize {
+        self.linear.len()
     }
 
-    fn apply(&mut self, x: &[f64], out: &mut [f64]) {
+    fn gradient(&mut self, x: &[f64], out: &mut [f64]) {
         self.transforms.apply(&self.compliance, x, out);
         if let Some(PointSprings { compliance, .. }) = &self.springs {
             springs::add(compliance, x, out);
         }
+        for_each((out, self.linear), &|_, (out, linear)| out.iter_mut().zip(linear.iter()).for_each(|(g, b)| *g += b));
     }
 
     fn share(&self) -> Share {
@@ -241,19 +242,23 @@ impl Preconditioned for Dual<'_> {
         sink: impl Fn(&[f64], O) -> R + Sync,
         sums: &mut [R],
     ) {
-        let linear = std::mem::take(&mut self.linear);
+        let linear = self.linear;
         if std::mem::take(&mut self.is_flat) {
-            let rows = (Rows(output, self.row), sums, Rows(&linear[..], self.row));
-            pass_by(1, rows, &|_, (Rows(output, _), sum, Rows(row, _))| sum[0] = sink(row, output), &|(), ()| ());
+            let rows = (Rows(output, self.row), sums, Rows(linear, self.row));
+            pass_by(
+                1,
+                rows,
+                &|_, (Rows(output, _), sum, Rows(row, _))| sum[0] = sink(&row.to_vec(), output),
+                &|(), ()| (),
+            );
         } else {
             let input = (x, |x: &[f64], row: &mut [f64]| row.copy_from_slice(x));
-            let with_linear = |row: &mut [f64], (linear, output): (&[f64], O)| {
-                row.iter_mut().zip(linear).for_each(|(g, b)| *g += b);
+            let with_linear = |row: &mut [f64], (linear, output): (Clearance, O)| {
+                row.iter_mut().zip(linear.iter()).for_each(|(g, b)| *g += b);
                 sink(row, output)
             };
-            self.displace(input, ((&linear[..], output), with_linear), sums);
+            self.displace(input, ((linear, output), with_linear), sums);
         }
-        self.linear = linear;
     }
 
     fn image<I: Split>(&mut self, input: I, source: impl Fn(I, &mut [f32]) + Sync) {
@@ -413,7 +418,7 @@ mod tests {
                 let mean = p.iter().sum::<f64>() / touching;
                 p.iter_mut().zip(&x).for_each(|(p, x)| *p -= mean * x);
                 let mut gradient = vec![0.0; x.len()];
-                dual.apply(&p, &mut gradient);
+                dual.transforms.apply(&dual.compliance, &p, &mut gradient);
                 let exact: f64 = gradient.iter().zip(&p).map(|(g, p)| g * p).sum::<f64>() / dual.unit();
                 // No point is about to enter the contact.
                 gradient.iter_mut().zip(&x).filter(|(_, x)| **x == 0.0).for_each(|(g, _)| *g = 1e9);

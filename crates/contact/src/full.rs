@@ -11,10 +11,10 @@ use gfmd_relax::{
 };
 use gfmd_response::{FullResponse, FullTransforms, Hermitian, NormalResponse};
 use gfmd_vector::{pass, total};
-use ndarray::{Array2, ArrayRef2};
+use ndarray::Array2;
 
 use crate::layer::STIFFNESS_LENGTH;
-use crate::{Contact, Fields as _, Lateral, Load, Refusal, Solution, SolveError, Solver, judge};
+use crate::{Contact, Fields as _, Heights, Lateral, Load, Refusal, Solution, SolveError, Solver, judge};
 
 impl Contact {
     /// Solvers of a contact [in all components](Self::in_all_components): the dynamics.
@@ -27,7 +27,7 @@ impl Contact {
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
-    pub fn in_all_components(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn in_all_components<'a>(body: &Body, grid: &Grid, heights: impl Into<Heights<'a>>) -> Result<Self, Refusal> {
         Self::with_full_response(FullResponse::new(*grid, body), heights)
     }
 
@@ -35,9 +35,9 @@ impl Contact {
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
-    pub fn with_full_response(
+    pub fn with_full_response<'a>(
         response: impl Into<Arc<FullResponse>>,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
         let response = response.into();
         let mut contact = Self::with_response(NormalResponse::of_all_components(&response), heights)?;
@@ -167,7 +167,7 @@ struct Layer<'a> {
 impl<'a> Layer<'a> {
     fn new(contact: &'a Contact, response: &Arc<FullResponse>, push: f64) -> Self {
         let mut wall = vec![f64::INFINITY; response.components().normal() * response.grid().len()];
-        wall.extend(contact.scaled.clearance());
+        wall.extend(contact.scaled.clearance().iter());
         // The uniform mode is recognised by its index, the first, never by a small wavenumber.
         let uniform = response.stiffness().matrices()[0].zz;
         Self { contact, wall, push, uniform, transforms: FullTransforms::of(response), certified: 0.0 }

@@ -18,7 +18,7 @@ pub(crate) const STIFFNESS_LENGTH: f64 = 0.45;
 pub(crate) struct Layer<'a> {
     contact: &'a Contact,
     stiffness: Cow<'a, [f64]>,
-    wall: Cow<'a, [f64]>,
+    wall: Vec<f64>,
     /// Uniform force per area that pushes the body up.
     push: f64,
     force_scale: f64,
@@ -69,16 +69,15 @@ impl<'a> Layer<'a> {
         let Contact { response, scaled: surface, .. } = contact;
         let [softest, _] = response.stiffness_range();
         let (stiffness, wall, push, force_scale) = match load {
-            Load::MeanPressure(mean) => (Cow::from(response.stiffness()), Cow::from(surface.clearance()), mean, mean),
+            Load::MeanPressure(mean) => (Cow::from(response.stiffness()), surface.clearance(), mean, mean),
             Load::Approach(approach) => {
                 let mut stiffness = response.stiffness().to_vec();
                 stiffness[0] = 1.0 / response.uniform_compliance();
-                let wall: Vec<f64> = surface.clearance().iter().map(|c| c - approach).collect();
-                (Cow::from(stiffness), Cow::from(wall), 0.0, softest * length_scale)
+                (Cow::from(stiffness), surface.clearance().after(approach), 0.0, softest * length_scale)
             }
         };
         let transforms = NormalTransforms::of(response);
-        Self { contact, stiffness, wall, push, force_scale, length_scale, transforms, certified: 0.0 }
+        Self { contact, stiffness, wall: wall.to_vec(), push, force_scale, length_scale, transforms, certified: 0.0 }
     }
 
     /// Returns the stiffness against a uniform displacement: of the contact, or of the slab.
@@ -125,12 +124,13 @@ impl<'a> Layer<'a> {
         let mut u = vec![0.0; pressure.len()];
         let Contact { response, scaled: surface, .. } = self.contact;
         self.transforms.convolve(response.compliance(), pressure, &mut u);
+        let clearance = surface.clearance();
         let sums = gfmd_vector::reduce(
             u.len(),
             &|range| {
                 range.fold([0.0; 3], |sums, i| {
                     let touching = f64::from(pressure[i] > 0.0);
-                    add(sums, [pressure[i], touching, touching * (surface.clearance()[i] + u[i])])
+                    add(sums, [pressure[i], touching, touching * (clearance.at(i) + u[i])])
                 })
             },
             &add,

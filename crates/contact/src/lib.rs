@@ -19,6 +19,7 @@
 //! | [`Solver::Verlet`], [`Solver::Fire`]    | displacement      | 1                  |
 //! | [`Solver::VerletModes`]                 | displacement      | 2                  |
 
+mod clearance;
 mod effort;
 mod equilibrium;
 mod fields;
@@ -54,6 +55,7 @@ mod steady;
 mod steep;
 mod stiffness;
 
+pub use clearance::{Clearance, Heights};
 pub use conductors::{Conductance, ConductanceError, Conductors};
 pub use contact::Contact;
 pub use dynamics::Dynamics;

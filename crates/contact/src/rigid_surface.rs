@@ -5,18 +5,22 @@ use gfmd_field::{Grid, Share};
 use gfmd_measure::Boundary;
 use gfmd_response::unit_of;
 use gfmd_surface::{Moments, Statistics};
-use gfmd_vector::{contiguous, for_each, once, reduce};
-use ndarray::{Array2, ArrayRef2};
+use gfmd_vector::{once, reduce};
+use ndarray::{ArcArray2, Array2, ArrayRef2};
 
-use crate::{Load, Refusal, Units};
+use crate::{Clearance, Heights, Load, Refusal, Units};
 
-/// Rigid rough surface, stored as the distance from its highest point. A constant in the heights has no effect. Each of
-/// several processes has its rows; the numbers describe the whole surface.
+/// Rigid rough surface. A constant in the heights has no effect. Each of several processes has its rows; the numbers
+/// describe the whole surface.
 #[derive(Clone, Debug)]
 pub struct RigidSurface {
     grid: Grid,
     share: Share,
-    clearance: Vec<f64>,
+    /// Heights in standard order, in a length of `unit`.
+    heights: ArcArray2<f64>,
+    /// Height from which the clearance is measured.
+    top: f64,
+    unit: f64,
     mean_clearance: f64,
     rms_height: f64,
     /// Rounding error of a difference of two heights as given.
@@ -40,7 +44,8 @@ const LEAST: f64 = 1e-100;
 
 impl PartialEq for RigidSurface {
     fn eq(&self, other: &Self) -> bool {
-        self.grid == other.grid && self.clearance == other.clearance && self.boundary == other.boundary
+        let is_like = |other: Clearance| self.clearance().iter().eq(other.iter());
+        self.grid == other.grid && self.boundary == other.boundary && is_like(other.clearance())
     }
 }
 
@@ -49,7 +54,7 @@ impl RigidSurface {
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or differ by more than the largest number.
-    pub fn new(grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn new<'a>(grid: &Grid, heights: impl Into<Heights<'a>>) -> Result<Self, Refusal> {
         let [rows, columns] = grid.rows();
         Self::distributed(&Share::whole(rows, columns), grid, heights)
     }
@@ -58,37 +63,39 @@ impl RigidSurface {
     ///
     /// # Errors
     /// As [`new`](Self::new), on all processes.
-    pub fn distributed(share: &Share, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
-        let (found, expected) = (heights.dim().into(), shape(share, grid));
+    pub fn distributed<'a>(share: &Share, grid: &Grid, heights: impl Into<Heights<'a>>) -> Result<Self, Refusal> {
+        Self::shared(share, grid, heights.into())
+    }
+
+    fn shared(share: &Share, grid: &Grid, heights: Heights) -> Result<Self, Refusal> {
+        let (found, expected) = (heights.shape(), shape(share, grid));
         if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
         }
-        let heights = &*contiguous(heights);
+        let (heights, unit) = heights.shared();
+        let values = slice_of(&heights);
         let start = share.own().start;
-        let hole_in = |mut range: Range<usize>| range.find(|i| !heights[*i].is_finite());
-        let hole = reduce(heights.len(), &hole_in, &|first: Option<usize>, other| first.or(other));
-        let hole = hole.map(|hole| (start + hole, heights[hole]));
+        let hole_in = |mut range: Range<usize>| range.find(|i| !values[*i].is_finite());
+        let hole = reduce(values.len(), &hole_in, &|first: Option<usize>, other| first.or(other));
+        let hole = hole.map(|hole| (start + hole, values[hole] / unit));
         if let Some((hole, value)) = share.first(hole) {
             return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value });
         }
-        let highest_of = |values: &[f64]| {
-            let highest = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            highest(&share.each(reduce(values.len(), &|range| highest(&values[range]), &f64::max)))
-        };
-        let top = highest_of(heights);
-        let mut clearance = vec![0.0; heights.len()];
-        for_each((&mut clearance[..], heights), &|_, (clearance, heights)| {
-            clearance.iter_mut().zip(heights).for_each(|(c, h)| *c = top - h);
-        });
+        let wider = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.max(d)];
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let own =
+            reduce(values.len(), &|range| values[range].iter().fold(none, |ends, h| wider(ends, [*h; 2])), &wider);
+        let [bottom, top] = share.each(own).into_iter().fold(none, wider);
+        let clearance = Clearance::below(top, values).in_unit(unit);
         let n = share.total() as f64;
-        let mean_clearance = share.total_of(&clearance) / n;
-        let highest = highest_of(&clearance);
-        let rounding = f64::EPSILON * top.abs().max((top - highest).abs());
-        let is_uncertain = clearance.iter().any(|c| *c > 0.0 && *c <= rounding);
+        let mean_clearance = share.sum(&|range| clearance.part(range).iter().sum()) / n;
+        let rounding = f64::EPSILON * top.abs().max(bottom.abs()) / unit;
+        let is_uncertain = clearance.iter().any(|c| c > 0.0 && c <= rounding);
         // The squares of very large or small heights overflow or vanish. A power of two changes no digit.
-        let unit = unit_of(highest);
-        let squares = share.sum(&|range| clearance[range].iter().map(|c| ((c - mean_clearance) / unit).powi(2)).sum());
-        let rms_height = (squares / n).sqrt() * unit;
+        let scale = unit_of((top - bottom) / unit);
+        let squares =
+            share.sum(&|range| clearance.part(range).iter().map(|c| ((c - mean_clearance) / scale).powi(2)).sum());
+        let rms_height = (squares / n).sqrt() * scale;
         if !(rms_height.is_finite() && mean_clearance.is_finite()) {
             return Err(Refusal::RmsHeight { found: rms_height });
         }
@@ -96,7 +103,9 @@ impl RigidSurface {
         let surface = Self {
             grid: *grid,
             share,
-            clearance,
+            heights,
+            top,
+            unit,
             mean_clearance,
             rms_height,
             rounding,
@@ -133,10 +142,13 @@ impl RigidSurface {
         let (true, Ok(grid)) = (found == expected, Grid::new([2 * nx, ny], upper.grid.lengths())) else {
             return Err(Refusal::Shape { found, expected });
         };
+        let shape = [2 * found[0], found[1]];
         Ok(Self {
             grid,
             share: upper.share.of_faces(),
-            clearance: [&upper.clearance[..], &lower.clearance].concat(),
+            heights: below_zero(shape, upper.clearance().iter().chain(lower.clearance().iter())),
+            top: 0.0,
+            unit: 1.0,
             mean_clearance: 0.5 * (upper.mean_clearance + lower.mean_clearance),
             rms_height: upper.rms_height.hypot(lower.rms_height),
             rounding: upper.rounding.max(lower.rounding),
@@ -157,18 +169,20 @@ impl RigidSurface {
         if share.any(found != expected) {
             return Err(Refusal::Shape { found, expected });
         }
-        let clearance: Vec<f64> = self.clearance.iter().zip(depth).map(|(c, d)| c + d).collect();
+        let before = self.clearance();
+        let heights = below_zero(expected, before.iter().zip(depth).map(|(c, d)| c + d));
+        let clearance = Clearance::below(0.0, slice_of(&heights));
         let start = share.own().start;
-        let hole = clearance.iter().position(|c| !c.is_finite()).map(|hole| (start + hole, clearance[hole]));
+        let hole = clearance.iter().position(|c| !c.is_finite()).map(|hole| (start + hole, clearance.at(hole)));
         if let Some((hole, value)) = share.first(hole) {
             return Err(Refusal::Height { index: [hole / expected[1], hole % expected[1]], value });
         }
-        let mean_clearance = share.sum(&|range| clearance[range].iter().sum()) / share.total() as f64;
+        let mean_clearance = share.sum(&|range| clearance.part(range).iter().sum()) / share.total() as f64;
         // The clearance of a top has no rounding error, nor has the sum of zero and a depth.
-        let is_near = |(before, after): (&f64, &f64)| *before > 0.0 && after.abs() <= self.rounding;
-        let is_uncertain = self.clearance.iter().zip(&clearance).any(is_near);
+        let is_near = |(before, after): (f64, f64)| before > 0.0 && after.abs() <= self.rounding;
+        let is_uncertain = before.iter().zip(clearance.iter()).any(is_near);
         let rms_gradient = OnceLock::from(self.rms_gradient());
-        Ok(Self { clearance, mean_clearance, rms_gradient, is_uncertain, ..self.clone() })
+        Ok(Self { heights, top: 0.0, unit: 1.0, mean_clearance, rms_gradient, is_uncertain, ..self.clone() })
     }
 
     /// Returns the surface in other units of lengths and heights, given in the present units: powers of two.
@@ -176,7 +190,9 @@ impl RigidSurface {
         Self {
             grid: units.grid(&self.grid),
             share: self.share.clone(),
-            clearance: self.clearance.iter().map(|c| c / units.length()).collect(),
+            heights: self.heights.clone(),
+            top: self.top,
+            unit: self.unit * units.length(),
             mean_clearance: self.mean_clearance / units.length(),
             rms_height: self.rms_height / units.length(),
             rounding: self.rounding / units.length(),
@@ -205,10 +221,9 @@ impl RigidSurface {
         &self.grid
     }
 
-    /// Returns the clearance, max h − h ≥ 0, the distance of the surface from its highest point, in length, row by row
-    /// of this process.
-    pub fn clearance(&self) -> &[f64] {
-        &self.clearance
+    /// Returns the clearance, row by row of this process.
+    pub fn clearance(&self) -> Clearance<'_> {
+        Clearance::below(self.top, slice_of(&self.heights)).in_unit(self.unit)
     }
 
     /// Returns the mean clearance, in length.
@@ -296,7 +311,7 @@ impl RigidSurface {
     pub fn rms_gradient(&self) -> f64 {
         *once(&self.rms_gradient, || {
             let units = Units::of_surface(self);
-            let clearance: Vec<f64> = self.clearance.iter().map(|c| c / units.length()).collect();
+            let clearance: Vec<f64> = self.clearance().iter().map(|c| c / units.length()).collect();
             let grid = units.grid(&self.grid);
             let gradient = if self.boundary == Boundary::Periodic {
                 Moments::distributed(&clearance, &grid, &self.share).map(|moments| moments.rms_gradient())
@@ -314,6 +329,16 @@ impl RigidSurface {
 fn shape(share: &Share, grid: &Grid) -> [usize; 2] {
     let [nx, ny] = grid.points();
     [if share.is_whole() { nx } else { share.faces() * share.rows().len() }, ny]
+}
+
+fn slice_of(heights: &ArcArray2<f64>) -> &[f64] {
+    heights.as_slice().expect("the heights of a rigid surface are in standard order")
+}
+
+/// Returns heights with this clearance below zero.
+fn below_zero(shape: [usize; 2], clearance: impl Iterator<Item = f64>) -> ArcArray2<f64> {
+    let heights = clearance.map(|clearance| -clearance).collect();
+    Array2::from_shape_vec(shape, heights).expect("each point has a clearance").into_shared()
 }
 
 #[cfg(test)]

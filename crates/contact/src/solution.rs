@@ -259,7 +259,7 @@ impl Solution {
         let n = share.total();
         // Sums: the pressure, the points in contact, and their room between the surfaces without an approach. Lowest
         // values: the displacement, minus the displacement, and minus the pressure.
-        let room = |i: usize| clearance[i] - displacement[i];
+        let room = |i: usize| clearance.at(i) - displacement[i];
         let ends = [f64::INFINITY; 3];
         let ([sum, touching, free], [lowest, highest, strongest]) = share.reduce(
             &|range| {
@@ -304,7 +304,8 @@ impl Solution {
             [&mut gap[..]],
             &|start, [gap]| {
                 let mut sums = (0.0, f64::INFINITY, f64::INFINITY);
-                let others = clearance[start..].iter().zip(&displacement[start..]).zip(&pressure[start..]);
+                let clearance = clearance.part(start..start + gap.len());
+                let others = clearance.iter().zip(&displacement[start..]).zip(&pressure[start..]);
                 for (gap, ((c, u), p)) in gap.iter_mut().zip(others) {
                     *gap = c - u - above;
                     sums = (sums.0 + p * *gap, lower(sums.1, *gap), lower(sums.2, *p));

@@ -15,7 +15,7 @@ use ndarray::{Array2, ArrayRef2, ArrayView2, CowArray, Ix2};
 use crate::refine::{Refined, coarsest, refine};
 use crate::solution::{Conditions, between, field};
 use crate::{
-    Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Residual, Resumable, RigidSurface, Solution,
+    Drive, Effort, Equilibrium, Fields, Hardness, Heights, Load, Refusal, Residual, Resumable, RigidSurface, Solution,
     SolveError, Solver, Units, judge,
 };
 
@@ -59,7 +59,12 @@ impl SqueezedContact {
     /// # Errors
     /// A body that is no slab and no stack of layers; heights that differ in shape from the grid, are not finite, or
     /// are both flat; E* h_rms / L too large or small for a number.
-    pub fn new(body: &Body, grid: &Grid, upper: &ArrayRef2<f64>, lower: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn new<'a>(
+        body: &Body,
+        grid: &Grid,
+        upper: impl Into<Heights<'a>>,
+        lower: impl Into<Heights<'a>>,
+    ) -> Result<Self, Refusal> {
         Self::distributed(&grid.whole(), body, grid, upper, lower)
     }
 
@@ -69,14 +74,14 @@ impl SqueezedContact {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new), on all processes.
-    pub fn distributed(
+    pub fn distributed<'a>(
         share: &Share,
         body: &Body,
         grid: &Grid,
-        upper: &ArrayRef2<f64>,
-        lower: &ArrayRef2<f64>,
+        upper: impl Into<Heights<'a>>,
+        lower: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
-        Self::of_plate(share, Plate::of(body)?, body, grid, [upper, lower])
+        Self::of_plate(share, Plate::of(body)?, body, grid, [upper.into(), lower.into()])
     }
 
     /// Makes the contact as [`new`](Self::new) of a slab whose faces have no lateral displacement: the two surfaces
@@ -84,11 +89,11 @@ impl SqueezedContact {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new).
-    pub fn held_sideways(
+    pub fn held_sideways<'a>(
         body: &Body,
         grid: &Grid,
-        upper: &ArrayRef2<f64>,
-        lower: &ArrayRef2<f64>,
+        upper: impl Into<Heights<'a>>,
+        lower: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
         Self::held_sideways_over(&grid.whole(), body, grid, upper, lower)
     }
@@ -98,14 +103,14 @@ impl SqueezedContact {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new), on all processes.
-    pub fn held_sideways_over(
+    pub fn held_sideways_over<'a>(
         share: &Share,
         body: &Body,
         grid: &Grid,
-        upper: &ArrayRef2<f64>,
-        lower: &ArrayRef2<f64>,
+        upper: impl Into<Heights<'a>>,
+        lower: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
-        Self::of_plate(share, Plate::held_sideways(body)?, body, grid, [upper, lower])
+        Self::of_plate(share, Plate::held_sideways(body)?, body, grid, [upper.into(), lower.into()])
     }
 
     fn of_plate(
@@ -113,9 +118,9 @@ impl SqueezedContact {
         plate: Plate,
         body: &Body,
         grid: &Grid,
-        [upper, lower]: [&ArrayRef2<f64>; 2],
+        [upper, lower]: [Heights; 2],
     ) -> Result<Self, Refusal> {
-        let surface = |heights: &ArrayRef2<f64>| RigidSurface::distributed(share, grid, heights).map(Arc::new);
+        let surface = |heights: Heights| RigidSurface::distributed(share, grid, heights).map(Arc::new);
         let surfaces = [surface(upper)?, surface(lower)?];
         let rougher = rougher(&surfaces);
         if rougher.rms_height() == 0.0 {
@@ -211,13 +216,15 @@ impl SqueezedContact {
                     let displacement = &displacement[range];
                     let touches = |i: &usize| pressure[*i] > 0.0 && pressure[*i] < ceiling.at(*i);
                     let of_range = |range: std::ops::Range<usize>| {
-                        range.filter(touches).fold([0.0; 2], |sums, i| add(sums, [clearance[i] - displacement[i], 1.0]))
+                        range
+                            .filter(touches)
+                            .fold([0.0; 2], |sums, i| add(sums, [clearance.at(i) - displacement[i], 1.0]))
                     };
                     let [sum, count] = share.reduce(&of_range, &add);
                     let mean = if count > 0.0 || hardness.is_none() {
                         sum / count
                     } else {
-                        between(self.scaled[face].share(), pressure, ceiling, |i| clearance[i] - displacement[i])
+                        between(self.scaled[face].share(), pressure, ceiling, |i| clearance.at(i) - displacement[i])
                     };
                     mean + sinking
                 };

@@ -15,8 +15,8 @@ use ndarray::{Array2, ArrayRef2};
 
 use crate::solution::{Conditions, field};
 use crate::{
-    Contact, Drive, Effort, Equilibrium, Fields as _, Hardness, Load, Refusal, Resumable, RigidSurface, Solution,
-    SolveError, Solved, Solver, Units, judge,
+    Contact, Drive, Effort, Equilibrium, Fields as _, Hardness, Heights, Load, Refusal, Resumable, RigidSurface,
+    Solution, SolveError, Solved, Solver, Units, judge,
 };
 
 /// Rigid rough surface above an elastic one, without friction or adhesion, with slopes that are not small. A point x of
@@ -107,7 +107,7 @@ impl SteepContact {
     ///
     /// # Errors
     /// Heights that differ in shape from the grid, are not finite, or are all equal.
-    pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn new<'a>(body: &Body, grid: &Grid, heights: impl Into<Heights<'a>>) -> Result<Self, Refusal> {
         Self::distributed(&grid.whole(), body, grid, heights)
     }
 
@@ -117,12 +117,17 @@ impl SteepContact {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new), on all processes.
-    pub fn distributed(share: &Share, body: &Body, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<Self, Refusal> {
+    pub fn distributed<'a>(
+        share: &Share,
+        body: &Body,
+        grid: &Grid,
+        heights: impl Into<Heights<'a>>,
+    ) -> Result<Self, Refusal> {
         let surface = RigidSurface::distributed(share, grid, heights)?;
         if surface.rms_height() == 0.0 {
             return Err(Refusal::Flat);
         }
-        let clearance = Spline::distributed(grid, share, surface.clearance())?;
+        let clearance = Spline::distributed(grid, share, &surface.clearance().to_vec())?;
         let normal = NormalResponse::distributed(*grid, body, share).into();
         let full = FullResponse::distributed(*grid, body, share).into();
         Ok(Self { normal, full, surface: surface.into(), clearance, hardness: None })
@@ -244,7 +249,7 @@ impl SteepContact {
         let mean = |axis: usize| share.total_of(&traction[axis * points..][..points]) / all;
         let mean_shear = [0, 1].map(|axis| if axis * points < displacement.len() { mean(axis) } else { 0.0 });
         let lowest = lowest_of(share, &clearance);
-        let heights = field(&self.surface, clearance.iter().map(|c| -c).collect());
+        let heights = field(&self.surface, clearance.iter().map(|c| -c).collect()).into_shared();
         let surface = Arc::new(RigidSurface::distributed(share, self.surface.grid(), &heights)?);
         let displaced = match load {
             Load::Approach(approach) => Load::Approach(approach - lowest),

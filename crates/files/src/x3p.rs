@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -14,7 +14,7 @@ use gfmd_topography::unit::{Conversion, is_length};
 #[derive(Clone, Copy, Debug)]
 pub struct X3p<'a> {
     /// Heights `[x, y]`; NaN where undefined.
-    pub heights: &'a Array2<f64>,
+    pub heights: &'a ArrayRef2<f64>,
     /// Size along x and y, n times the spacing.
     pub lengths: [f64; 2],
     /// Unit of heights and lengths.

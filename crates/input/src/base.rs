@@ -1,7 +1,5 @@
 //! Moved base of a body, from flags.
 
-use std::borrow::Cow;
-
 use clap::Args;
 use gfmd_body::{BaseField, Interior, InteriorError};
 use gfmd_field::{Grid, Share};
@@ -10,7 +8,7 @@ use gfmd_green::Body;
 use gfmd_problem::{MovedBase as Moved, key};
 use gfmd_surface::{Interpolation, finer};
 use gfmd_unit::Units;
-use ndarray::{Array2, ArrayD, Axis, IxDyn};
+use ndarray::{ArcArray2, Array2, ArrayD, Axis, IxDyn};
 use serde::{Deserialize, Serialize};
 
 use crate::array::{self, Quantity};
@@ -158,10 +156,10 @@ impl MovedBase {
     }
 
     /// Returns the heights of the contact that has the same gap over a base at rest (theory.md, section 4.2).
-    pub fn under<'a>(base: Option<&Self>, heights: &'a Array2<f64>) -> Cow<'a, Array2<f64>> {
+    pub fn under(base: Option<&Self>, heights: &ArcArray2<f64>) -> ArcArray2<f64> {
         match base {
-            Some(base) => Cow::Owned(heights + &base.lift),
-            None => Cow::Borrowed(heights),
+            Some(base) => (heights + &base.lift).into_shared(),
+            None => heights.clone(),
         }
     }
 

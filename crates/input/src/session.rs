@@ -13,7 +13,7 @@ use gfmd_files::{Memory, Output, Provenance, Topography, Warning, Warnings};
 use gfmd_problem::options::given::ArrayOption;
 use gfmd_problem::{MemoryNeed, Spelling, Words, Written, key};
 use gfmd_vector::Ranks;
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -205,7 +205,7 @@ impl Session {
     ///
     /// # Errors
     /// Returns an error, at all processes, if more memory is needed than available.
-    pub fn fits(&self, need: MemoryNeed, grid: &Grid, heights: &Array2<f64>) -> Result<(), Failure> {
+    pub fn fits(&self, need: MemoryNeed, grid: &Grid, heights: &ArrayRef2<f64>) -> Result<(), Failure> {
         let there = if self.is_embedded { 8 * heights.len() as u64 } else { memory::resident(self.processes()) };
         self.agree(memory::fits_with(there, need, "the grid", grid.points(), self.processes()))
     }

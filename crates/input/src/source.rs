@@ -12,7 +12,7 @@ use gfmd_surface::{
     finer_inside,
 };
 use gfmd_unit::{Units, canonical, is_length};
-use ndarray::Array2;
+use ndarray::{ArcArray2, Array2, ArrayRef2};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::failure::Failure;
@@ -193,7 +193,7 @@ fn generated_grid(generator: &GeneratorArgs, length: &[f64], processes: Processe
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// Heights `[x, y]`, peaks towards the body, rows of this process.
-    pub heights: Array2<f64>,
+    pub heights: ArcArray2<f64>,
     /// Grid of the heights on the cell.
     pub grid: Grid,
     /// Rows of this process; all rows if it is alone.
@@ -234,7 +234,7 @@ pub struct Second {
 }
 
 /// Returns the highest of the heights of all processes.
-pub fn highest(share: &Share, heights: &Array2<f64>) -> f64 {
+pub fn highest(share: &Share, heights: &ArrayRef2<f64>) -> f64 {
     let own = heights.fold(f64::NEG_INFINITY, |highest, height| highest.max(*height));
     share.each(own).into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
@@ -384,7 +384,7 @@ impl Surface {
         let heights = rows::gathered(&self.share, self.heights.view())?;
         let Self { grid, statistics, boundary, has_shape, .. } = *self;
         Some(Self {
-            heights,
+            heights: heights.into_shared(),
             grid,
             share: grid.whole(),
             unit: self.unit.clone(),
@@ -502,7 +502,7 @@ impl SourceArgs {
         let stress_unit = self.stress_unit.clone();
         let has_shape = self.surface.is_none() && self.generator.shape.is_some() && self.preparation.filter.is_none();
         Ok(Surface {
-            heights,
+            heights: heights.into_shared(),
             grid,
             share,
             unit,

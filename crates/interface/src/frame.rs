@@ -1,4 +1,4 @@
-use gfmd_contact::{Drive, Load, Refusal};
+use gfmd_contact::{Clearance, Drive, Load, Refusal};
 use gfmd_response::Elastic;
 use gfmd_vector::Share;
 use ndarray::ArrayRef2;
@@ -21,7 +21,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) push: f64,
     /// Approach of the rigid surface, length.
     pub(crate) approach: f64,
-    clearance: &'a [f64],
+    clearance: Clearance<'a>,
     /// Lateral displacement without traction, component by component; empty if it is zero.
     sideways: &'a [f64],
     patch: Option<&'a Patch>,
@@ -146,7 +146,7 @@ impl Frame<'_> {
         let (points, z) = (self.points(), self.z());
         let displaced = |at: usize| position[at] + self.sideways.get(at).copied().unwrap_or(0.0);
         let along = |c: usize| if c < z { self.drive.lateral[c] - displaced(c * points + i) } else { 0.0 };
-        (self.clearance[i] - self.approach - position[z * points + i], [along(0), along(1)])
+        (self.clearance.at(i) - self.approach - position[z * points + i], [along(0), along(1)])
     }
 
     /// Returns the heights of the rigid surface; for a hard wall, they are the upper bounds of w_z.
@@ -195,7 +195,7 @@ impl Frame<'_> {
         let mut position = self.position_of(elastic, position, state.traction.iter().copied());
         let pressures = self.placed(state.wall_pressure.iter().copied(), 0.0);
         for (at, _) in pressures.iter().enumerate().filter(|(_, pressure)| **pressure > 0.0) {
-            position[z + at] = self.clearance[at] - self.approach;
+            position[z + at] = self.clearance.at(at) - self.approach;
         }
         position
     }

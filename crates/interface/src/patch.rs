@@ -1,7 +1,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use gfmd_contact::RigidSurface;
+use gfmd_contact::{Clearance, RigidSurface};
 use gfmd_field::{Grid, Share};
 use gfmd_vector::for_each;
 
@@ -18,8 +18,8 @@ pub(crate) struct Patch {
     /// Rows of the patch of each process, and rows of the patch in the part of the cell of each process.
     rows: [Arc<[Range<usize>]>; 2],
     share: Share,
-    /// Clearance of the cell.
-    clearance: Arc<[f64]>,
+    /// Heights of the cell, with clearance below zero.
+    heights: Arc<[f64]>,
 }
 
 /// Clearance outside the patch, in the units of the solve, where heights are of order 1: every law vanishes there, and
@@ -37,14 +37,15 @@ impl Patch {
             false => [share.all_rows().iter().cloned().collect(), of_cell.all_rows().iter().map(inside).collect()],
         };
         let cell = of_cell.own().len();
-        let patch = Self { columns: [ny, wide], cell, rows, share, clearance: Arc::default() };
-        let mut clearance = vec![FAR; cell];
-        patch.place(surface.clearance().iter().copied(), &mut clearance);
-        Self { clearance: clearance.into(), ..patch }
+        let patch = Self { columns: [ny, wide], cell, rows, share, heights: Arc::default() };
+        let mut heights = vec![-FAR; cell];
+        patch.place(surface.clearance().iter().map(|clearance| -clearance), &mut heights);
+        Self { heights: heights.into(), ..patch }
     }
 
-    pub(crate) fn clearance(&self) -> &[f64] {
-        &self.clearance
+    /// Returns the clearance of the cell.
+    pub(crate) fn clearance(&self) -> Clearance<'_> {
+        Clearance::below(0.0, &self.heights)
     }
 
     /// Returns the number of points of the patch of this process.

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Refusal, RigidSurface, Units};
+use gfmd_contact::{Boundary, Heights, Refusal, RigidSurface, Units};
 use gfmd_field::{Grid, Share};
 use gfmd_green::{Body, GreenError, Plate};
 use gfmd_law::{HardWall, InUnits, Law};
@@ -55,8 +55,13 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error if the heights do not match the grid or are not finite.
-    pub fn new(body: &Body, grid: &Grid, heights: &ArrayRef2<f64>, law: impl Law + 'static) -> Result<Self, Refusal> {
-        Self::in_own_units(body, grid, heights, law, NormalResponse::new)
+    pub fn new<'a>(
+        body: &Body,
+        grid: &Grid,
+        heights: impl Into<Heights<'a>>,
+        law: impl Law + 'static,
+    ) -> Result<Self, Refusal> {
+        Self::in_own_units(body, grid, heights.into(), law, NormalResponse::new)
     }
 
     /// Creates an interface as [`new`](Self::new), solved by the processes of a `share`
@@ -66,14 +71,14 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error as [`new`](Self::new), on all processes.
-    pub fn distributed(
+    pub fn distributed<'a>(
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::over(share, body, grid, heights, law, NormalResponse::distributed)
+        Self::over(share, body, grid, heights.into(), law, NormalResponse::distributed)
     }
 
     /// Creates an interface as [`held_sideways`](Self::held_sideways), solved by several processes as
@@ -81,14 +86,14 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error as [`new`](Self::new), on all processes.
-    pub fn held_sideways_over(
+    pub fn held_sideways_over<'a>(
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::over(share, body, grid, heights, law, NormalResponse::held_sideways_over)
+        Self::over(share, body, grid, heights.into(), law, NormalResponse::held_sideways_over)
     }
 
     /// Creates an interface as [`new`](Self::new), with the given boundary. With [`Boundary::Free`] an approach is
@@ -97,11 +102,11 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error as [`new`](Self::new) and, with free boundaries, for a body without a level far away.
-    pub fn with_boundary(
+    pub fn with_boundary<'a>(
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
         Self::with_boundary_over(&grid.whole(), boundary, body, grid, heights, law)
@@ -112,17 +117,17 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error as [`with_boundary`](Self::with_boundary), on all processes.
-    pub fn with_boundary_over(
+    pub fn with_boundary_over<'a>(
         share: &Share,
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
         match boundary {
             Boundary::Periodic => Self::distributed(share, body, grid, heights, law),
-            Boundary::Free => Self::on_patch(share, body, grid, heights, law, NormalResponse::of_patch_over),
+            Boundary::Free => Self::on_patch(share, body, grid, heights.into(), law, NormalResponse::of_patch_over),
         }
     }
 
@@ -130,13 +135,13 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error if the heights do not match the grid or are not finite.
-    pub fn in_all_components(
+    pub fn in_all_components<'a>(
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::in_own_units(body, grid, heights, law, FullResponse::new)
+        Self::in_own_units(body, grid, heights.into(), law, FullResponse::new)
     }
 
     /// Creates an interface as [`in_all_components`](Self::in_all_components), solved by several processes as
@@ -144,14 +149,14 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error as [`new`](Self::new), on all processes.
-    pub fn in_all_components_over(
+    pub fn in_all_components_over<'a>(
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::over(share, body, grid, heights, law, FullResponse::distributed)
+        Self::over(share, body, grid, heights.into(), law, FullResponse::distributed)
     }
 
     /// Creates an interface as [`in_all_components`](Self::in_all_components), with the given boundary. With
@@ -161,11 +166,11 @@ impl Interface {
     /// # Errors
     /// Returns an error as [`in_all_components`](Self::in_all_components) and, with free boundaries, for a profile and
     /// for a body without lateral support ([`FullResponse::of_patch`]).
-    pub fn in_all_components_with_boundary(
+    pub fn in_all_components_with_boundary<'a>(
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
         Self::in_all_components_with_boundary_over(&grid.whole(), boundary, body, grid, heights, law)
@@ -177,17 +182,17 @@ impl Interface {
     /// # Errors
     /// Returns an error as [`in_all_components_with_boundary`](Self::in_all_components_with_boundary), on all
     /// processes.
-    pub fn in_all_components_with_boundary_over(
+    pub fn in_all_components_with_boundary_over<'a>(
         share: &Share,
         boundary: Boundary,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
         match boundary {
             Boundary::Periodic => Self::in_all_components_over(share, body, grid, heights, law),
-            Boundary::Free => Self::on_patch(share, body, grid, heights, law, FullResponse::of_patch_over),
+            Boundary::Free => Self::on_patch(share, body, grid, heights.into(), law, FullResponse::of_patch_over),
         }
     }
 
@@ -196,13 +201,13 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error if the heights do not match the grid or are not finite.
-    pub fn held_sideways(
+    pub fn held_sideways<'a>(
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
-        Self::in_own_units(body, grid, heights, law, NormalResponse::held_sideways)
+        Self::in_own_units(body, grid, heights.into(), law, NormalResponse::held_sideways)
     }
 
     /// Creates the interfaces of both faces of a plate as one, with the fields of the lower face after the fields of
@@ -229,9 +234,9 @@ impl Interface {
     ///
     /// # Errors
     /// Returns an error if the heights do not match the grid or are not finite.
-    pub fn with_response(
+    pub fn with_response<'a>(
         elastic: impl Into<Elastic>,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         law: impl Law + 'static,
     ) -> Result<Self, Refusal> {
         let elastic = elastic.into();
@@ -328,7 +333,7 @@ impl Interface {
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: Heights,
         law: impl Law + 'static,
         response: impl FnOnce(&Share, &Grid, &Body) -> Result<E, GreenError>,
     ) -> Result<Self, Refusal> {
@@ -345,7 +350,7 @@ impl Interface {
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: Heights,
         law: impl Law + 'static,
         response: impl FnOnce(Grid, &Body, &Share) -> E,
     ) -> Result<Self, Refusal> {
@@ -356,7 +361,7 @@ impl Interface {
     fn in_own_units<E: Into<Elastic>>(
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: Heights,
         law: impl Law + 'static,
         response: impl FnOnce(Grid, &Body) -> E,
     ) -> Result<Self, Refusal> {

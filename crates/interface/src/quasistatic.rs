@@ -109,7 +109,7 @@ impl QuasistaticContact {
         let Parts { body, grid, heights, boundary, law, all_components, held, .. } = parts;
         let Parts { hardness, shear, wear, sideways, .. } = parts;
         let share = &parts.share();
-        let surface = RigidSurface::distributed(share, grid, heights)?;
+        let surface = RigidSurface::distributed(share, grid, *heights)?;
         let given = Arc::new(if *boundary == Boundary::Free { surface.alone() } else { surface });
         let units = Units::of(body, &given)?;
         let wear = wear.map(Wear::check).transpose()?;
@@ -131,7 +131,6 @@ impl QuasistaticContact {
             false => InUnits::new(Arc::clone(law), stress, length).into_shared(),
         });
         let (body, grid) = (&units.body(body), &units.grid(grid));
-        let heights = if units.are_one() { (*heights).to_owned() } else { *heights / length };
         let response = match (shear, boundary) {
             (None, _) => None,
             (Some(_), Boundary::Periodic) => {
@@ -141,7 +140,8 @@ impl QuasistaticContact {
                 Some(Response::Free(FreeFullCompliance::distributed(*grid, body, share)?.into()))
             }
         };
-        let normal = Normal::of(parts, share, (body, grid, &heights), law, response.as_ref(), hardness.as_ref())?;
+        let normal =
+            Normal::of(parts, share, (body, grid, heights.in_unit(length)), law, response.as_ref(), hardness.as_ref())?;
         let components = match &normal {
             Normal::Law(interface) => interface.elastic().components(),
             Normal::Wall(_) => 1,
@@ -151,7 +151,7 @@ impl QuasistaticContact {
             true => sideways.iter().flat_map(|field| field.iter().map(|u| u / length)).collect(),
             false => Vec::new(),
         };
-        let expected = (components - 1) * heights.len();
+        let expected = (components - 1) * given.clearance().len();
         if !sideways.is_empty() && sideways.len() != expected {
             return Err(Refusal::Start { found: sideways.len(), expected });
         }

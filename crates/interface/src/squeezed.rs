@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Drive, Effort, Equilibrium, Fields, Hardness, Load, Refusal, Resumable, RigidSurface, SolveError, Solver,
+    Drive, Effort, Equilibrium, Fields, Hardness, Heights, Load, Refusal, Resumable, RigidSurface, SolveError, Solver,
     SqueezedContact, SqueezedSolution, Stiffness, Visit,
 };
 use gfmd_field::{Grid, Share};
@@ -109,8 +109,8 @@ impl Interface {
 }
 
 /// Returns the surfaces of both faces.
-fn surfaces(share: &Share, grid: &Grid, faces: [&ArrayRef2<f64>; 2]) -> Result<[Arc<RigidSurface>; 2], Refusal> {
-    let surface = |heights: &ArrayRef2<f64>| RigidSurface::distributed(share, grid, heights).map(Arc::new);
+fn surfaces(share: &Share, grid: &Grid, faces: [Heights; 2]) -> Result<[Arc<RigidSurface>; 2], Refusal> {
+    let surface = |heights: Heights| RigidSurface::distributed(share, grid, heights).map(Arc::new);
     Ok([surface(faces[0])?, surface(faces[1])?])
 }
 

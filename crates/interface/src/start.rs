@@ -8,7 +8,7 @@ use gfmd_law::{HardWall, Opening};
 use gfmd_relax::{Budget, Watch};
 use gfmd_response::Elastic;
 use gfmd_vector::{add, contiguous, for_each};
-use ndarray::{Array2, ArrayView2};
+use ndarray::Array2;
 
 use crate::numbers::{reduce, total};
 use crate::{Interface, State};
@@ -126,8 +126,8 @@ impl Interface {
             return None;
         };
         // The search that follows finds and reports the same refusal or failure.
-        let clearance = ArrayView2::from_shape(self.surface.shape(), self.surface.clearance()).ok()?;
-        let (mut heights, mut load) = (clearance.mapv(|c| -c), drive.load);
+        let heights = self.surface.clearance().iter().map(|c| -c).collect();
+        let (mut heights, mut load) = (Array2::from_shape_vec(self.surface.shape(), heights).ok()?, drive.load);
         let mut transforms = self.elastic.transforms();
         if let (Some(pull), Load::MeanPressure(pressure)) = (pull, &mut load) {
             let mut raised = vec![0.0; pull.len()];

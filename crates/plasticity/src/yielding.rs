@@ -1,7 +1,8 @@
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Budget, Contact, Drive, Effort, Equilibrium, Load, Refusal, RigidSurface, Solution, SolveError, Solver, Stiffness,
+    Budget, Contact, Drive, Effort, Equilibrium, Heights, Load, Refusal, RigidSurface, Solution, SolveError, Solver,
+    Stiffness,
 };
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
@@ -58,7 +59,7 @@ const UNLOADED: Load = Load::MeanPressure(0.0);
 
 /// Returns the approach at which a contact touches at one point.
 fn first_touch(contact: &Contact) -> f64 {
-    let lowest = contact.surface().clearance().iter().copied().fold(f64::INFINITY, gfmd_vector::lower);
+    let lowest = contact.surface().clearance().iter().fold(f64::INFINITY, gfmd_vector::lower);
     contact.surface().share().each(lowest).into_iter().fold(f64::INFINITY, gfmd_vector::lower)
 }
 
@@ -73,10 +74,10 @@ impl YieldingContact {
     /// # Errors
     /// The errors of [`Contact::new`]; a yield stress of a tenth of Young's modulus or more, a Poisson's ratio above
     /// 0.495 in a layer with cells, and cells that do not fit the body or the grid.
-    pub fn new(
+    pub fn new<'a>(
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         hardening: &[Option<Hardening>],
         cells: &Cells,
     ) -> Result<Self, PlasticityError> {
@@ -89,11 +90,11 @@ impl YieldingContact {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new), on all processes.
-    pub fn distributed(
+    pub fn distributed<'a>(
         share: &Share,
         body: &Body,
         grid: &Grid,
-        heights: &ArrayRef2<f64>,
+        heights: impl Into<Heights<'a>>,
         hardening: &[Option<Hardening>],
         cells: &Cells,
     ) -> Result<Self, PlasticityError> {

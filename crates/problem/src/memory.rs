@@ -12,7 +12,7 @@ impl MemoryNeed {
     /// Contact with a hard wall.
     pub const HARD_WALL: Self = Self(13);
     /// Contact with a hard wall under one load that does not start from another load.
-    pub const HARD_WALL_ONCE: Self = Self(10);
+    pub const HARD_WALL_ONCE: Self = Self(9);
     /// Contact with a hard wall and free boundaries, or with a hardness.
     pub const FREE: Self = Self(26);
     /// Contact with finite slopes.

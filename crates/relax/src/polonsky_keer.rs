@@ -1,7 +1,7 @@
 use gfmd_vector::{Serialise, Share};
 
 use crate::quadratic::{
-    Iterate, LEAST_DESCENT, Minimum, OptimalitySums, Quadratic, Target, add_linear, rescale, step_length, turn,
+    Iterate, LEAST_DESCENT, Minimum, OptimalitySums, Quadratic, Target, rescale, step_length, sum_over_positive, turn,
 };
 use crate::{Ending, RelaxError, Visit, Watch, Why};
 
@@ -56,8 +56,8 @@ impl PolonskyKeer {
         }
         loop {
             watch.checkpoint(&mut |visitor| visit_all!(visitor));
-            problem.apply(x, &mut gradient);
-            let (sum, positive) = add_linear(share, problem.linear(), x, &mut gradient);
+            problem.gradient(x, &mut gradient);
+            let (sum, positive) = sum_over_positive(share, x, &gradient);
             let multiplier = if target.mean.is_some() { sum / positive as f64 } else { 0.0 };
             let sweep = shift(share, &mut gradient, x, &direction, multiplier);
             let optimality = sweep.judged.optimality(target.gradient_scale);

@@ -1,7 +1,7 @@
 use gfmd_vector::{Serialise, Share, add, for_each};
 
 use crate::quadratic::{
-    Iterate, LEAST_DESCENT, Minimum, OptimalitySums, Quadratic, Target, add_linear, rescale, step_length, turn,
+    Iterate, LEAST_DESCENT, Minimum, OptimalitySums, Quadratic, Target, rescale, step_length, sum_over_positive, turn,
 };
 use crate::{Ending, RelaxError, Visit, Watch, Why};
 
@@ -55,8 +55,8 @@ impl ProjectedCg {
         loop {
             watch.checkpoint(&mut |visitor| visit_all!(visitor));
             std::mem::swap(&mut residual, &mut residual_before);
-            problem.apply(x, &mut residual);
-            let (sum, positive) = add_linear(share, problem.linear(), x, &mut residual);
+            problem.gradient(x, &mut residual);
+            let (sum, positive) = sum_over_positive(share, x, &residual);
             let multiplier = if constrained { sum / positive as f64 } else { 0.0 };
             let sweep = restrict(share, &mut residual, x, multiplier);
             let now =

@@ -5,16 +5,16 @@ use crate::{Budget, Divergence, Ending, Progress, RelaxError, Upper, Visit, Watc
 /// Convex quadratic function of non-negative variables, `½⟨x, A x⟩ + ⟨b, x⟩` with `x ≥ 0`, for the constrained
 /// conjugate-gradient methods. A is symmetric and positive (semi-)definite; only its action is needed.
 pub trait Quadratic {
-    /// Returns b, one value for each variable.
-    fn linear(&self) -> &[f64];
-    /// Writes `A x` into `out`.
-    fn apply(&mut self, x: &[f64], out: &mut [f64]);
-    /// Returns `⟨d, A d⟩`, summed over all variables. Often cheaper than [`apply`](Self::apply).
+    /// Returns the number of variables of this process.
+    fn variables(&self) -> usize;
+    /// Writes `A x + b` into `out`.
+    fn gradient(&mut self, x: &[f64], out: &mut [f64]);
+    /// Returns `⟨d, A d⟩`, summed over all variables. Often cheaper than [`gradient`](Self::gradient).
     fn curvature(&mut self, direction: &[f64]) -> f64;
     /// Returns the partition of the variables among processes; by default this process has all. Vectors are local to
     /// this process, and every process makes the same calls.
     fn share(&self) -> Share {
-        Share::whole(self.linear().len(), 1)
+        Share::whole(self.variables(), 1)
     }
     /// Visits the variables that the problem itself changes during a search, for example an effort counter.
     fn visit(&mut self, visitor: &mut dyn Visit) {
@@ -136,14 +136,12 @@ pub(crate) fn rescale(share: &Share, x: &mut [f64], sum: f64, mean: Option<f64>)
     }
 }
 
-/// Adds b to g. Returns Σ g over x > 0 and the number of these entries.
-pub(crate) fn add_linear(share: &Share, b: &[f64], x: &[f64], gradient: &mut [f64]) -> (f64, usize) {
-    share.pass(
-        [gradient],
-        &|start, [g]| {
+/// Returns Σ g over x > 0 and the number of these entries.
+pub(crate) fn sum_over_positive(share: &Share, x: &[f64], gradient: &[f64]) -> (f64, usize) {
+    share.reduce(
+        &|range| {
             let (mut sum, mut count) = (0.0, 0);
-            for ((g, b), x) in g.iter_mut().zip(&b[start..]).zip(&x[start..]) {
-                *g += b;
+            for (g, x) in gradient[range.clone()].iter().zip(&x[range]) {
                 if *x > 0.0 {
                     sum += *g;
                     count += 1;

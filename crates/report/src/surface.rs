@@ -11,7 +11,7 @@ use gfmd_record::{Cell, Column, Surface};
 use gfmd_surface::{RadialBin, Texture};
 use gfmd_unit::Units;
 use maud::{Markup, html};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 
 use crate::figures::{named, sides};
 use crate::page::{Fact, Page, Table, command, given, number, page_of, powers, text};
@@ -31,7 +31,7 @@ const CITED: [&str; 4] = [
 /// Surface with its numbers.
 pub struct Subject<'a> {
     /// Heights, `[x, y]`.
-    pub heights: &'a Array2<f64>,
+    pub heights: &'a ArrayRef2<f64>,
     /// Grid of the heights.
     pub grid: &'a Grid,
     /// Unit of heights and lengths, if known.

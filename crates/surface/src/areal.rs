@@ -1,5 +1,5 @@
 use gfmd_field::Grid;
-use ndarray::{Array2, Axis};
+use ndarray::{ArrayRef2, Axis};
 
 use crate::SurfaceError;
 use crate::statistics::checked;
@@ -37,7 +37,7 @@ impl Areal {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let count = all.len() as f64;
         let mean_of = |value: &dyn Fn(f64) -> f64| {
@@ -67,7 +67,7 @@ impl Areal {
 }
 
 /// Returns the area of the triangles between the points divided by their projected area, minus 1.
-fn developed(heights: &Array2<f64>, grid: &Grid) -> f64 {
+fn developed(heights: &ArrayRef2<f64>, grid: &Grid) -> f64 {
     let ([nx, ny], [dx, dy]) = (heights.dim().into(), grid.spacing());
     // √(1 + g²) − 1 without cancellation at small slopes.
     let excess = |square: f64| square / (1.0 + (1.0 + square).sqrt());
@@ -90,6 +90,7 @@ fn developed(heights: &Array2<f64>, grid: &Grid) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::Array2;
     use std::f64::consts::{PI, TAU};
 
     use super::*;

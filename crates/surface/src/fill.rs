@@ -3,7 +3,7 @@
 mod harmonic;
 mod nearest;
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 
 use crate::SurfaceError;
 use crate::error::positive;
@@ -31,7 +31,7 @@ named! { Fill, "fill":
 ///
 /// # Errors
 /// Infinite heights; no defined point; a spacing that is not positive; a solution that did not converge.
-pub fn fill(heights: &Array2<f64>, spacing: [f64; 2], how: Fill) -> Result<Array2<f64>, SurfaceError> {
+pub fn fill(heights: &ArrayRef2<f64>, spacing: [f64; 2], how: Fill) -> Result<Array2<f64>, SurfaceError> {
     let mut infinite = heights.indexed_iter().filter(|(_, height)| height.is_infinite());
     if let Some(((i, j), &value)) = infinite.next() {
         let count = 1 + infinite.count();

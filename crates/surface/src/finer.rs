@@ -1,7 +1,7 @@
 //! Interpolation of heights on a finer grid.
 
 use gfmd_field::{Grid, Spline};
-use ndarray::{Array2, Axis, s};
+use ndarray::{Array2, ArrayRef2, Axis, s};
 
 use crate::SurfaceError;
 use crate::pair::interpolated;
@@ -24,7 +24,7 @@ pub enum Interpolation {
 /// # Errors
 /// Heights that do not have the shape of the grid or are not finite; `times` of zero; a grid with too many points.
 pub fn finer(
-    heights: &Array2<f64>,
+    heights: &ArrayRef2<f64>,
     grid: &Grid,
     times: usize,
     how: Interpolation,
@@ -37,7 +37,7 @@ pub fn finer(
     for part in parts {
         let steps = [0, 1].map(|axis| part[axis] as f64 / along[axis] as f64);
         let between = match how {
-            _ if part == [0, 0] => heights.clone(),
+            _ if part == [0, 0] => heights.to_owned(),
             // The surface moves in the opposite direction.
             Interpolation::Waves => interpolated(heights, grid, steps.map(|step| -step))?,
             Interpolation::Cubic => cubic(heights, steps),
@@ -58,7 +58,7 @@ const BEYOND: usize = 16;
 /// # Errors
 /// Heights that do not have the shape of the grid or are not finite; `times` of zero; a grid with too many points.
 pub fn finer_inside(
-    heights: &Array2<f64>,
+    heights: &ArrayRef2<f64>,
     grid: &Grid,
     times: usize,
     how: Interpolation,
@@ -103,13 +103,13 @@ pub fn finer_inside(
 ///
 /// # Errors
 /// Heights that do not have the shape of the grid or are not finite.
-pub fn centred(heights: &Array2<f64>, grid: &Grid, times: usize) -> Result<Array2<f64>, SurfaceError> {
+pub fn centred(heights: &ArrayRef2<f64>, grid: &Grid, times: usize) -> Result<Array2<f64>, SurfaceError> {
     let step = 0.5 * (times as f64 - 1.0);
     interpolated(heights, grid, [step, if grid.is_line() { 0.0 } else { step }])
 }
 
 /// Returns the heights with `beyond` more points at both ends of an axis, point symmetric about its first and last.
-fn continued(heights: &Array2<f64>, axis: Axis, beyond: usize) -> Array2<f64> {
+fn continued(heights: &ArrayRef2<f64>, axis: Axis, beyond: usize) -> Array2<f64> {
     let length = heights.len_of(axis);
     let mut shape = heights.raw_dim();
     shape[axis.index()] += 2 * beyond;
@@ -128,7 +128,7 @@ fn continued(heights: &Array2<f64>, axis: Axis, beyond: usize) -> Array2<f64> {
 }
 
 /// Returns the heights displaced from the points by these fractions of a grid step.
-fn cubic(heights: &Array2<f64>, steps: [f64; 2]) -> Array2<f64> {
+fn cubic(heights: &ArrayRef2<f64>, steps: [f64; 2]) -> Array2<f64> {
     let (nx, ny) = heights.dim();
     let [x, y] = steps.map(weights);
     let along_y = Array2::from_shape_fn((nx, ny), |(i, j)| -> f64 {

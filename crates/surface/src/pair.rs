@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use gfmd_field::{Grid, Mode, Transform};
-use ndarray::{Array2, s};
+use ndarray::{Array2, ArrayRef2, s};
 use num_complex::Complex64;
 
 use crate::SurfaceError;
@@ -20,8 +20,8 @@ const WHOLE: f64 = 1e-9;
 /// # Errors
 /// Heights that do not have the shape of the grid or are not finite; a shift that is not finite or across a profile.
 pub fn composite(
-    first: &Array2<f64>,
-    second: &Array2<f64>,
+    first: &ArrayRef2<f64>,
+    second: &ArrayRef2<f64>,
     grid: &Grid,
     shift: [f64; 2],
 ) -> Result<Array2<f64>, SurfaceError> {
@@ -37,7 +37,7 @@ pub fn composite(
     let moved = Array2::from_shape_fn((nx, ny), |(i, j)| second[[from(i, nx, whole[0]), from(j, ny, whole[1])]]);
     let rest = [steps[0] - whole[0], steps[1] - whole[1]];
     let moved = if rest == [0.0, 0.0] { moved } else { interpolated(&moved, grid, rest)? };
-    Ok(first + &moved)
+    Ok(moved + first)
 }
 
 /// Returns the composite of two surfaces that do not repeat, on their overlap, and its grid. The shift must be in whole
@@ -47,8 +47,8 @@ pub fn composite(
 /// Heights that do not have the shape of the grid or are not finite; a shift that is not finite, goes across a profile,
 /// has a fraction of a step, or leaves fewer than 2 common points along an axis.
 pub fn composite_inside(
-    first: &Array2<f64>,
-    second: &Array2<f64>,
+    first: &ArrayRef2<f64>,
+    second: &ArrayRef2<f64>,
     grid: &Grid,
     shift: [f64; 2],
 ) -> Result<(Array2<f64>, Grid), SurfaceError> {
@@ -84,7 +84,11 @@ fn steps(grid: &Grid, shift: [f64; 2]) -> Result<[f64; 2], SurfaceError> {
 }
 
 /// Returns the periodic heights moved by a non-integer number of steps.
-pub(crate) fn interpolated(heights: &Array2<f64>, grid: &Grid, steps: [f64; 2]) -> Result<Array2<f64>, SurfaceError> {
+pub(crate) fn interpolated(
+    heights: &ArrayRef2<f64>,
+    grid: &Grid,
+    steps: [f64; 2],
+) -> Result<Array2<f64>, SurfaceError> {
     let transform = Transform::new(*grid);
     let mut workspace = transform.workspace();
     let mut spectrum = vec![Complex64::ZERO; grid.spectrum_len()];

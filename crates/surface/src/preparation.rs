@@ -1,7 +1,7 @@
 use std::f64::consts::PI;
 
 use gfmd_field::{Grid, Share, contiguous};
-use ndarray::{Array2, ArrayView1, ArrayView2, s};
+use ndarray::{Array2, ArrayRef2, ArrayView1, ArrayView2, s};
 
 use crate::SurfaceError;
 use crate::names::named;
@@ -49,7 +49,7 @@ named! { Periodisation, "periodisation":
 ///
 /// # Errors
 /// Heights that are not finite; fewer than 2 points along an axis (not a profile's y) for a tilt, 3 for a paraboloid.
-pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
+pub fn remove(heights: &ArrayRef2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
     finite(heights)?;
     let (nx, ny) = heights.dim();
     let (least, what) = match trend {
@@ -89,7 +89,7 @@ pub fn remove(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, Surfac
 ///
 /// # Errors
 /// Infinite heights; too few defined points to determine the trend.
-pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
+pub fn remove_from_defined(heights: &ArrayRef2<f64>, trend: Trend) -> Result<Array2<f64>, SurfaceError> {
     if heights.iter().any(|height| height.is_infinite()) || !heights.iter().any(|height| height.is_nan()) {
         return remove(heights, trend);
     }
@@ -107,7 +107,7 @@ pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2
         (Trend::Quadratic, 1) => &[0, 1, 3],
         (Trend::Quadratic, _) => &[0, 1, 2, 3, 4, 5],
     };
-    let mut rest = heights.clone();
+    let mut rest = heights.to_owned();
     if trend == Trend::Slope {
         let [along_x, along_y] = defined_slope(heights).ok_or_else(|| too_few("removing a tilt", 2))?;
         rest.indexed_iter_mut().for_each(|((i, j), h)| *h -= along_x * i as f64 + along_y * j as f64);
@@ -132,7 +132,7 @@ pub fn remove_from_defined(heights: &Array2<f64>, trend: Trend) -> Result<Array2
 }
 
 /// Returns the mean forward differences over pairs of defined neighbours, or `None` if there are none.
-fn defined_slope(heights: &Array2<f64>) -> Option<[f64; 2]> {
+fn defined_slope(heights: &ArrayRef2<f64>) -> Option<[f64; 2]> {
     let mean = |step: [usize; 2]| {
         let differences = heights.indexed_iter().filter_map(|((i, j), here)| {
             let difference = heights.get([i + step[0], j + step[1]])? - here;
@@ -170,10 +170,14 @@ fn eliminate(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
 ///
 /// # Errors
 /// Heights that do not have the shape of the grid or are not finite.
-pub fn periodise(heights: &Array2<f64>, grid: &Grid, how: Periodisation) -> Result<(Array2<f64>, Grid), SurfaceError> {
+pub fn periodise(
+    heights: &ArrayRef2<f64>,
+    grid: &Grid,
+    how: Periodisation,
+) -> Result<(Array2<f64>, Grid), SurfaceError> {
     checked(heights, grid)?;
     match how {
-        Periodisation::AsIs => Ok((heights.clone(), *grid)),
+        Periodisation::AsIs => Ok((heights.to_owned(), *grid)),
         Periodisation::Mirror => mirrored(heights, grid),
     }
 }
@@ -186,7 +190,7 @@ pub fn periodise(heights: &Array2<f64>, grid: &Grid, how: Periodisation) -> Resu
 ///
 /// # Errors
 /// Heights that are not finite; a taper outside \[0, 1\].
-pub fn window(heights: &Array2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceError> {
+pub fn window(heights: &ArrayRef2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceError> {
     finite(heights)?;
     if !(0.0..=1.0).contains(&taper) {
         return Err(SurfaceError::Taper(taper));
@@ -196,12 +200,12 @@ pub fn window(heights: &Array2<f64>, taper: f64) -> Result<Array2<f64>, SurfaceE
 }
 
 /// Returns the mean of heights, summed row by row; 0 without heights.
-pub fn row_mean(heights: &Array2<f64>) -> f64 {
+pub fn row_mean(heights: &ArrayRef2<f64>) -> f64 {
     ArrayView1::from(&*contiguous(heights)).mean().unwrap_or(0.0)
 }
 
 /// Returns the rows of this process of the heights below a [`window`] with this taper, from the mean of all heights.
-pub fn window_rows(share: &Share, heights: &Array2<f64>, (taper, mean): (f64, f64)) -> Array2<f64> {
+pub fn window_rows(share: &Share, heights: &ArrayRef2<f64>, (taper, mean): (f64, f64)) -> Array2<f64> {
     let (rows, ny) = heights.dim();
     let (first, nx) = (share.rows().start, share.total().checked_div(ny).unwrap_or(0));
     let (x, y) = (tukey(nx, taper), tukey(ny, taper));
@@ -233,7 +237,7 @@ fn project_out(heights: &mut Array2<f64>, a: &[f64], b: &[f64]) {
 }
 
 /// Returns the mean forward difference per index along x and y, over the points with a neighbour along both axes.
-fn mean_slope(heights: &Array2<f64>) -> [f64; 2] {
+fn mean_slope(heights: &ArrayRef2<f64>) -> [f64; 2] {
     let (nx, ny) = heights.dim();
     let mean = |ahead: ArrayView2<f64>, here: ArrayView2<f64>| {
         ahead.iter().zip(here).map(|(a, h)| a - h).sum::<f64>() / ahead.len() as f64
@@ -245,7 +249,7 @@ fn mean_slope(heights: &Array2<f64>) -> [f64; 2] {
     [mean(heights.slice(s![1.., ..-1]), here), mean(heights.slice(s![..-1, 1..]), here)]
 }
 
-fn mirrored(heights: &Array2<f64>, grid: &Grid) -> Result<(Array2<f64>, Grid), SurfaceError> {
+fn mirrored(heights: &ArrayRef2<f64>, grid: &Grid) -> Result<(Array2<f64>, Grid), SurfaceError> {
     let ([nx, ny], [lx, ly]) = (grid.points(), grid.lengths());
     let image = |index: usize, points: usize| if index < points { index } else { 2 * points - 1 - index };
     let twice = if grid.is_line() {

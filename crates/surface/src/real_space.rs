@@ -1,4 +1,4 @@
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 
 use crate::SurfaceError;
 use crate::error::positive;
@@ -165,7 +165,7 @@ fn displace(
 }
 
 /// Iterates over the indices of the lattice with this stride, row by row.
-fn lattice(heights: &Array2<f64>, stride: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+fn lattice(heights: &ArrayRef2<f64>, stride: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
     let points = (heights.nrows() - 1) / stride + 1;
     (0..points).flat_map(move |i| (0..points).map(move |j| [i, j]))
 }

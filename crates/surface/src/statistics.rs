@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use gfmd_field::{Grid, Share, contiguous};
-use ndarray::{Array2, ArrayRef2};
+use ndarray::ArrayRef2;
 use rayon::prelude::*;
 
 use crate::{Moments, SurfaceError};
@@ -57,7 +57,7 @@ impl Statistics {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let [nx, ny] = grid.points();
         Self::distributed(heights, grid, &Share::whole(nx, ny))
     }
@@ -67,7 +67,7 @@ impl Statistics {
     ///
     /// # Errors
     /// The same errors as [`of`](Self::of), on all processes.
-    pub fn distributed(heights: &Array2<f64>, grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
+    pub fn distributed(heights: &ArrayRef2<f64>, grid: &Grid, share: &Share) -> Result<Self, SurfaceError> {
         let heights = checked_over(heights, grid, share)?;
         let moments = Moments::distributed(&heights, grid, share)?;
         let rows = rows(&heights, grid, share);

@@ -19,7 +19,7 @@ pub use ratio::{Core, Volumes};
 pub use scales::Scales;
 
 use gfmd_field::Grid;
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 
 use crate::SurfaceError;
 
@@ -42,7 +42,7 @@ impl Texture {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         Ok(Self {
             autocorrelation: Autocorrelation::of(heights, grid, repeats)?,
             distributions: Distributions::of(heights, grid, repeats)?,

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use gfmd_contact::{Contact, Equilibrium, Load, Progress, Solution, SolveError};
+use gfmd_contact::{Contact, Equilibrium, Heights, Load, Progress, Solution, SolveError};
 use gfmd_measure::Scales;
 use gfmd_response::NormalResponse;
 use ndarray::Array2;
@@ -133,7 +133,7 @@ impl Example {
         let (point, run) = (plan.points[index], plan.runs[plan.runs_of(index).start]);
         let bench = Bench::new(plan, &point)?;
         let heights = bench.heights(&run)?;
-        let contact = bench.contact(&run, &heights)?;
+        let contact = bench.contact(&run, (&heights).into())?;
         let pressure = bench.solve(&run, &contact, plan.config.fit.p_star, None, keep)?.pressure;
         Ok(Self { point, seed: run.seed, pressure, heights })
     }
@@ -161,7 +161,7 @@ impl<'a> Bench<'a> {
 
     /// Presses one realisation with all loads; each load starts from the solution of the load before.
     fn press(&self, run: &Run, keep: &dyn Keep) -> Result<Vec<Pressed>, SweepError> {
-        let contact = self.contact(run, &self.heights(run)?)?;
+        let contact = self.contact(run, (&self.heights(run)?.into_shared()).into())?;
         let p_star = &self.plan.config.loads.p_star;
         if let (Control::Approach, [first, .., last]) = (self.plan.config.loads.control, &p_star[..]) {
             return self.press_in_steps(run, &contact, [*first, *last], p_star.len(), keep);
@@ -231,7 +231,7 @@ impl<'a> Bench<'a> {
         press.starting_from(last).watch(&mut watch).solve().map_err(|error| self.failed(run, p_star, error))
     }
 
-    fn contact(&self, run: &Run, heights: &Array2<f64>) -> Result<Contact, SweepError> {
+    fn contact(&self, run: &Run, heights: Heights) -> Result<Contact, SweepError> {
         Contact::with_response(Arc::clone(&self.response), heights)
             .map_err(|refusal| self.failed(run, None, refusal.into()))
     }

@@ -89,7 +89,8 @@ pub fn run(args: &Args) -> Result<Solve, Failure> {
     let refused = |error: &dyn fmt::Display| Failure::input("--surface", error);
     let grid = Grid::new([nx, ny], [1.0, ny as f64 / nx as f64]).map_err(|error| refused(&error))?;
     let material = Material::from_contact_modulus(1.0, 0.0).map_err(|error| refused(&error))?;
-    let mut contact = Contact::with_boundary(args.boundary, &Body::half_space(material), &grid, &heights)?;
+    let mut contact =
+        Contact::with_boundary(args.boundary, &Body::half_space(material), &grid, &heights.into_shared())?;
     if let Some(hardness) = args.hardness {
         contact = contact.with_hardness(hardness)?;
     }

@@ -8,8 +8,7 @@ use gfmd_problem::{AnyState, Inelastic, WearBy};
 use gfmd_record::StateContext;
 use gfmd_relax::worst;
 use gfmd_response::{FreeFullCompliance, FreeFullTransforms, FullResponse, FullTransforms};
-use ndarray::Array2;
-use std::borrow::Cow;
+use ndarray::{ArcArray2, Array2};
 use std::path::PathBuf;
 
 use super::args::StepArgs;
@@ -107,11 +106,11 @@ struct Work {
 }
 
 /// Fields of one face of the body at a waypoint, as seen from outside.
-struct Face<'a> {
+struct Face {
     /// Beginning of the names of its fields and numbers.
     prefix: &'static str,
     /// Heights of the rigid surface, with the lift of a base that moves.
-    heights: Cow<'a, Array2<f64>>,
+    heights: ArcArray2<f64>,
     pressure: Array2<f64>,
     /// Displacement out of the body, without the lift of a base that moves.
     displacement: Array2<f64>,
@@ -120,7 +119,7 @@ struct Face<'a> {
     wear_depth: Option<Array2<f64>>,
 }
 
-impl Face<'_> {
+impl Face {
     /// Returns the gap of each point at zero approach.
     fn rooms(&self) -> impl Iterator<Item = f64> {
         let highest = self.heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -344,7 +343,7 @@ impl StepCheck<'_> {
     }
 
     /// Reads the faces of the body at a waypoint, the upper one first.
-    fn faces(&self, waypoint: usize) -> Result<Vec<Face<'_>>, Failure> {
+    fn faces(&self, waypoint: usize) -> Result<Vec<Face>, Failure> {
         let Prepared { facts, surface, lower, .. } = self.stored.prepared;
         let base = self.stored.prepared.base.as_ref();
         let surfaces = [("", Some(surface)), ("lower_", lower.as_ref())];

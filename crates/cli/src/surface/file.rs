@@ -6,7 +6,7 @@ use gfmd_field::Grid;
 use gfmd_files::{Archive, Dimension, Output, Provenance, Variable, X3p, axes, contiguous, npy};
 use gfmd_problem::key;
 use gfmd_surface::RadialBin;
-use ndarray::{Array2, Axis};
+use ndarray::{ArrayRef2, Axis};
 
 use super::Report;
 use gfmd_input::failure::Failure;
@@ -40,7 +40,7 @@ impl Target {
     /// Writes the heights, and to an HDF5 file also the numbers of the report and the spectrum.
     pub(super) fn write(
         &self,
-        heights: &Array2<f64>,
+        heights: &ArrayRef2<f64>,
         grid: &Grid,
         spectrum: &[RadialBin],
         report: &Report,
@@ -58,7 +58,7 @@ impl Target {
 
     fn write_x3p(
         &self,
-        heights: &Array2<f64>,
+        heights: &ArrayRef2<f64>,
         grid: &Grid,
         report: &Report,
         provenance: &Provenance,
@@ -84,7 +84,7 @@ impl Target {
 
     fn write_hdf5(
         &self,
-        heights: &Array2<f64>,
+        heights: &ArrayRef2<f64>,
         grid: &Grid,
         spectrum: &[RadialBin],
         report: &Report,

@@ -7,7 +7,7 @@ use gfmd_surface::{
     Areal, Direction, Features, HurstFit, MotifEdges, PowerSpectrum, ProfileNumbers, Statistics, SurfaceError, Texture,
     window,
 };
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 
 use super::Window;
 
@@ -61,7 +61,7 @@ impl Detail {
     ///
     /// # Errors
     /// Heights or a fraction that cannot be used.
-    pub fn measure(&self, heights: &Array2<f64>, grid: &Grid) -> Result<(Functions, SurfaceDetail), SurfaceError> {
+    pub fn measure(&self, heights: &ArrayRef2<f64>, grid: &Grid) -> Result<(Functions, SurfaceDetail), SurfaceError> {
         let texture = Texture::of(heights, grid, self.boundary == Boundary::Periodic)?;
         let lengths = texture.autocorrelation.lengths();
         let direction = Direction::of(&PowerSpectrum::of(heights, grid)?, lengths.aspect());
@@ -96,7 +96,7 @@ impl Measured {
     ///
     /// # Errors
     /// Heights or choices that cannot be used.
-    pub fn of(heights: &Array2<f64>, grid: &Grid, choices: &Choices) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid, choices: &Choices) -> Result<Self, SurfaceError> {
         let statistics = Statistics::of(heights, grid)?;
         let spectrum = match choices.window {
             Window::None => PowerSpectrum::of(heights, grid)?,

@@ -1,5 +1,6 @@
 //! Problem on blocks of candidate points.
 
+use std::array;
 use std::mem::take;
 
 use gfmd_field::{Rows, Split};
@@ -11,10 +12,10 @@ use rayon::prelude::*;
 
 use super::constants::{JOIN_GAP_PER_PENETRATION, MAX_BLOCK_FRACTION, PRECONDITIONER_FACTOR};
 use super::overlap::Overlap;
-use super::points::{Gaps, Points, are_few, at_points, gathered, own_blocks};
+use super::points::{Gaps, Points, are_few, at_points, gathered, of_points, own_blocks};
 use crate::attempt::{Attempt, FoundPressure, SolverResult};
 use crate::compliance::Compliance;
-use crate::{Contact, Load};
+use crate::{Clearance, Contact, Load};
 
 /// Number of variables that are passed on together.
 const STRETCH: usize = 32 * LANES;
@@ -129,7 +130,7 @@ impl<'a> Candidates<'a> {
         let touches = |block: &usize| {
             let points = block * LANES..(block + 1) * LANES;
             let starts = |start: &[f64]| start[points.clone()].iter().any(|p| *p > 0.0);
-            clearance[points.clone()].iter().any(|c| *c < overlap.depth) || start.is_some_and(starts)
+            clearance.part(points.clone()).iter().any(|c| c < overlap.depth) || start.is_some_and(starts)
         };
         let first = share.own().start / LANES;
         let own = (0..clearance.len() / LANES).into_par_iter().filter(touches).map(|block| first + block);
@@ -171,9 +172,10 @@ impl<'a> Candidates<'a> {
         let Self { contact, approach, .. } = *self;
         let far = 2.0 * (contact.scaled.mean_clearance() + approach.abs());
         self.linear = Vec::new();
-        let mut linear = self.at_points(contact.scaled.clearance());
-        linear.resize(linear.len().next_multiple_of(STRETCH), far);
-        linear.iter_mut().for_each(|c| *c -= approach);
+        let clearance = contact.scaled.clearance().after(approach);
+        let of_block = |block: usize| array::from_fn(|lane| clearance.at(block * LANES + lane));
+        let mut linear = of_points(self.points.blocks(), &contact.share, of_block);
+        linear.resize(linear.len().next_multiple_of(STRETCH), far - approach);
         self.linear = linear;
     }
 
@@ -264,8 +266,8 @@ impl<'a> Candidates<'a> {
         let lowest_gap = |place: usize, margin: f64| {
             let row = (place - before) / width;
             let points = (place - before) * LANES..(place - before + 1) * LANES;
-            let clearance = &clearance[points.clone()];
-            if lowest(clearance) + least[row] - approach > margin {
+            let clearance = clearance.part(points.clone());
+            if lowest_clearance(clearance) + least[row] - approach > margin {
                 return f64::INFINITY;
             }
             let gaps = clearance.iter().zip(&displacement[points]).map(|(c, u)| c + u - approach);
@@ -364,6 +366,14 @@ impl<'a> Candidates<'a> {
 #[multiversion(targets = "simd")]
 fn lowest(values: &[f64]) -> f64 {
     gfmd_vector::lowest(values)
+}
+
+/// Computes the lowest clearance of a block, with vector instructions.
+#[multiversion(targets = "simd")]
+fn lowest_clearance(block: Clearance) -> f64 {
+    let mut values = [f64::INFINITY; LANES];
+    values.iter_mut().zip(block.iter()).for_each(|(value, clearance)| *value = clearance);
+    gfmd_vector::lowest(&values)
 }
 
 impl Preconditioned for Candidates<'_> {

@@ -5,7 +5,7 @@ use gfmd_vector::Share;
 use rayon::prelude::*;
 
 use super::points::gathered;
-use crate::{Contact, Load};
+use crate::{Clearance, Contact, Load};
 
 /// Overlap of the surface with a rigid plane below its highest point, at the start.
 #[derive(Clone, Copy)]
@@ -38,26 +38,30 @@ impl Overlap {
 }
 
 /// Returns √2 times the rms gradient along the rows, from every sixteenth row.
-fn rough_gradient(clearance: &[f64], share: &Share, spacing: f64) -> f64 {
+fn rough_gradient(clearance: Clearance, share: &Share, spacing: f64) -> f64 {
     let columns = share.columns();
-    let row = |row: &[f64]| row.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>();
-    let own = share.rows().zip(clearance.chunks_exact(columns)).filter(|(number, _)| number.is_multiple_of(16));
-    let squares = gathered(share, own.map(|(_, values)| row(values)).collect::<Vec<_>>());
+    let row = |row: Clearance| row.iter().zip(row.iter().skip(1)).map(|(a, b)| (b - a).powi(2)).sum::<f64>();
+    let own = share.rows().enumerate().filter(|(_, number)| number.is_multiple_of(16));
+    let own = own.map(|(i, _)| row(clearance.part(i * columns..(i + 1) * columns)));
+    let squares = gathered(share, own.collect::<Vec<_>>());
     let count = (squares.len() * (columns - 1)) as f64;
     (2.0 * squares.iter().sum::<f64>() / count).sqrt() / spacing
 }
 
+/// Number of points that are counted at once.
+const BATCH: usize = 1 << 16;
+
 /// Returns the clearance below which a fraction `part` of the points, or a few, lie; `None` if these are too many.
-fn depth_of(clearance: &[f64], share: &Share, mean: f64, part: f64) -> Option<f64> {
+fn depth_of(clearance: Clearance, share: &Share, mean: f64, part: f64) -> Option<f64> {
     let asked = (part * share.total() as f64).max(LEAST_OVERLAPPING);
     let possible = asked <= MOST_OVERLAPPING * share.total() as f64;
     if !possible {
         return None;
     }
     let scale = BINS as f64 / mean;
-    let counts = clearance.par_chunks(1 << 16).map(|clearance| {
+    let counts = (0..clearance.len()).into_par_iter().step_by(BATCH).map(|start| {
         let mut counts = vec![0_u64; BINS];
-        for c in clearance {
+        for c in clearance.part(start..clearance.len().min(start + BATCH)).iter() {
             if let Some(count) = counts.get_mut((c * scale) as usize) {
                 *count += 1;
             }

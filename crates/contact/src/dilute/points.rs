@@ -250,11 +250,20 @@ pub(crate) fn own_blocks(blocks: &Blocks, share: &Share) -> impl Iterator<Item =
 
 /// Gathers the values at the points of the blocks, from a field with the `own` rows.
 pub(crate) fn at_points<T: Copy + Serialise + Sync>(blocks: &Blocks, share: &Share, own: &[T]) -> Vec<T> {
+    let values = own.as_chunks::<LANES>().0;
+    of_points(blocks, share, |block| values[block])
+}
+
+/// Gathers the values of a function of the blocks of this process at the points of the blocks.
+pub(super) fn of_points<T: Copy + Serialise + Sync>(
+    blocks: &Blocks,
+    share: &Share,
+    of: impl Fn(usize) -> [T; LANES] + Sync,
+) -> Vec<T> {
     let [first, end] = [share.own().start, share.own().end].map(|point| point / LANES);
     let places = blocks.places();
     let here = &places[places.partition_point(|place| *place < first)..places.partition_point(|place| *place < end)];
-    let values = own.as_chunks::<LANES>().0;
-    let here = here.par_iter().with_min_len(FEW).map(|place| values[place - first]);
+    let here = here.par_iter().with_min_len(FEW).map(|place| of(place - first));
     gathered(share, here.collect::<Vec<_>>().into_flattened())
 }
 

@@ -69,7 +69,7 @@ impl Dual {
                 (0.5 * approach, [compliance, if compliance > 0.0 { 1.0 / compliance } else { softest }])
             }
         };
-        let linear: Vec<f64> = scaled.iter().flat_map(|surface| surface.clearance()).map(|c| c - lift).collect();
+        let linear: Vec<f64> = scaled.iter().flat_map(|surface| surface.clearance().after(lift).iter()).collect();
         let grid = response.grid();
         let points = grid.points();
         let longer = grid.lengths()[usize::from(points[1] > points[0])];

@@ -80,8 +80,9 @@ impl<'a> Contraction<'a> {
     ) -> Result<(Solution, bool), Refusal> {
         let added = Self::convolve(&mut self.transforms, &self.rest, x);
         let surface = self.steady.contact.surface();
+        let clearance = surface.clearance();
         let least = |range: std::ops::Range<usize>| {
-            range.fold(f64::INFINITY, |least, i| lower(least, surface.clearance()[i] + added[i]))
+            range.fold(f64::INFINITY, |least, i| lower(least, clearance.at(i) + added[i]))
         };
         let touch = reduce(added.len(), &least, &lower);
         let points = surface.grid().points();

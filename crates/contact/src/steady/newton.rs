@@ -96,7 +96,7 @@ impl<'a> Newton<'a> {
         let (clearance, indentation, free) = (self.contact.scaled.clearance(), &self.indentation, &self.free);
         let [count, room] = reduce(
             free.len(),
-            &|range| range.fold([0.0; 2], |sums, i| add(sums, [free[i], free[i] * (clearance[i] + indentation[i])])),
+            &|range| range.fold([0.0; 2], |sums, i| add(sums, [free[i], free[i] * (clearance.at(i) + indentation[i])])),
             &add,
         );
         match self.load {
@@ -118,7 +118,7 @@ impl<'a> Newton<'a> {
                 let mut moved = false;
                 for (k, (p, free)) in pressure.iter_mut().zip(free).enumerate() {
                     let (i, before) = (start + k, *p);
-                    let (gap, most) = (clearance[i] + indentation[i] - approach, upper.at(i));
+                    let (gap, most) = (clearance.at(i) + indentation[i] - approach, upper.at(i));
                     *p = p.clamp(0.0, most);
                     let is_free = match *free == 1.0 {
                         true => *p > 0.0 && *p < most,
@@ -184,7 +184,7 @@ impl<'a> Newton<'a> {
     fn residual(&self) -> (Vec<f32>, f64) {
         let (_, approach) = self.level();
         let (clearance, indentation, free) = (self.contact.scaled.clearance(), &self.indentation, &self.free);
-        let gap = |i: usize| free[i] * (clearance[i] + indentation[i] - approach);
+        let gap = |i: usize| free[i] * (clearance.at(i) + indentation[i] - approach);
         let norm = gfmd_vector::sum(free.len(), &|range| range.map(|i| gap(i).powi(2)).sum()).sqrt();
         let mut residual = vec![0.0_f32; free.len()];
         for_each(&mut residual[..], &|start, residual: &mut [f32]| {

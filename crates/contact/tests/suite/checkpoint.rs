@@ -134,7 +134,7 @@ fn a_search_on_few_points_continues_bit_for_bit() {
 #[test]
 fn all_components_continue_bit_for_bit() {
     let grid = Grid::square(15, 1.0).unwrap();
-    let heights = contact(24, Height::Infinite).surface().clearance()[..225].to_vec();
+    let heights = contact(24, Height::Infinite).surface().clearance().part(0..225).to_vec();
     let heights = ndarray::Array2::from_shape_vec((15, 15), heights).unwrap();
     let body = Body::slab(Material::from_contact_modulus(1.0, 0.3).unwrap(), 0.5).unwrap();
     let contact = Contact::in_all_components(&body, &grid, &heights).unwrap();

@@ -36,7 +36,7 @@ fn stripes(n: usize, compliance: f64) -> Array2<f64> {
 fn but_one(contact: &Contact, compliance: f64) -> Array2<f64> {
     let clearance = contact.surface().clearance();
     let mut springs = Array2::from_elem(contact.surface().grid().points(), compliance);
-    let lowest = (0..clearance.len()).max_by(|a, b| clearance[*a].total_cmp(&clearance[*b])).unwrap();
+    let lowest = (0..clearance.len()).max_by(|a, b| clearance.at(*a).total_cmp(&clearance.at(*b))).unwrap();
     *springs.iter_mut().nth(lowest).unwrap() = 0.0;
     springs
 }

@@ -18,7 +18,7 @@ impl QuasistaticContact {
             parts.check_held()?;
         }
         let Parts { body, grid, heights, law, hardness, .. } = parts;
-        let normal = Normal::of(parts, &parts.share(), (body, grid, heights), law.clone(), None, hardness.as_ref())?;
+        let normal = Normal::of(parts, &parts.share(), (body, grid, *heights), law.clone(), None, hardness.as_ref())?;
         Ok(Self::of_normal(normal, body.contact_modulus()))
     }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use gfmd_contact::{
-    Boundary, Contact, Drive, Effort, Equilibrium as _, Fields, Hardness, Load, Refusal, RigidSurface, Solution,
-    SolveError, Solver, Springs, Variables as _, Visit,
+    Boundary, Contact, Drive, Effort, Equilibrium as _, Fields, Hardness, Heights, Load, Refusal, RigidSurface,
+    Solution, SolveError, Solver, Springs, Variables as _, Visit,
 };
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
@@ -12,7 +12,7 @@ use gfmd_law::Law;
 use gfmd_medium::Stiffening;
 use gfmd_relax::{Budget, Watch};
 use gfmd_response::NormalResponse;
-use ndarray::{Array2, ArrayRef2, Axis, CowArray, Ix2};
+use ndarray::{Array2, Axis, CowArray, Ix2};
 
 use super::parts::Parts;
 use super::response::Response;
@@ -38,7 +38,7 @@ impl Normal {
     pub(super) fn of(
         parts: &Parts,
         share: &Share,
-        (body, grid, heights): (&Body, &Grid, &ArrayRef2<f64>),
+        (body, grid, heights): (&Body, &Grid, Heights),
         law: Option<Arc<dyn Law>>,
         response: Option<&Response>,
         hardness: Option<&Hardness>,

@@ -1,11 +1,11 @@
 use std::sync::Arc;
 
-use gfmd_contact::{Boundary, Dynamics, Hardness, Refusal};
+use gfmd_contact::{Boundary, Dynamics, Hardness, Heights, Refusal};
 use gfmd_field::{Grid, Share};
 use gfmd_green::Body;
 use gfmd_law::{Law, Limit};
 use gfmd_medium::{Medium, Prony, Relaxes, Relaxing};
-use ndarray::{Array2, ArrayRef2};
+use ndarray::Array2;
 
 /// Parts of a contact of [one face](crate::QuasistaticContact) or of [both](crate::Squeezed). All but body, grid and
 /// heights are optional, and any combination with a physical meaning can be solved.
@@ -21,9 +21,9 @@ pub struct Parts<'a> {
     /// alone. Fields and numbers have the bits of one process.
     pub share: Option<&'a Share>,
     /// Rigid profile on the grid, in length, with peaks towards the body. A constant has no effect.
-    pub heights: &'a ArrayRef2<f64>,
+    pub heights: Heights<'a>,
     /// Rigid profile below a slab, likewise, for a contact of both faces ([`Squeezed`](crate::Squeezed)).
-    pub lower: Option<&'a ArrayRef2<f64>>,
+    pub lower: Option<Heights<'a>>,
     /// Boundary of the surface.
     pub boundary: Boundary,
     /// Law across the gap; `None` for a hard wall, which is solved for the pressure. With a
@@ -60,13 +60,13 @@ pub enum Sequence {
 
 impl<'a> Parts<'a> {
     /// Returns the parts of a hard wall above an elastic body, with periodic boundaries, along a path.
-    pub fn new(body: &'a Body, grid: &'a Grid, heights: &'a ArrayRef2<f64>) -> Self {
+    pub fn new(body: &'a Body, grid: &'a Grid, heights: impl Into<Heights<'a>>) -> Self {
         Self {
             sequence: Sequence::Path,
             body,
             grid,
             share: None,
-            heights,
+            heights: heights.into(),
             lower: None,
             boundary: Boundary::Periodic,
             law: None,

@@ -163,7 +163,7 @@ impl<'a> Step<'a> {
         }
         let (clearance, values) = (self.contact.normal.surface().clearance(), &*contiguous(depth));
         let lowest = |range: std::ops::Range<usize>| {
-            range.fold(f64::INFINITY, |least, i| lower(least, clearance[i] + values[i]))
+            range.fold(f64::INFINITY, |least, i| lower(least, clearance.at(i) + values[i]))
         };
         let touch = reduce(self.contact.share(), values.len(), &lowest, &lower);
         // Without the subtraction, endless wear would leave no digits of the roughness.

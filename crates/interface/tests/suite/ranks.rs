@@ -233,7 +233,7 @@ fn slabs_between_two_surfaces_over_ranks_have_the_bits_of_one_process() {
     };
     let loads = [Load::MeanPressure(0.004), Load::MeanPressure(-0.0003), Load::Approach(0.01)].map(Drive::from);
     fn under_loads<'a>(body: &'a Body, grid: &'a Grid, [upper, lower]: &'a [Array2<f64>; 2]) -> Parts<'a> {
-        Parts { sequence: Sequence::Loads, lower: Some(lower), ..Parts::new(body, grid, upper) }
+        Parts { sequence: Sequence::Loads, lower: Some(lower.into()), ..Parts::new(body, grid, upper) }
     }
     compare_faces(&grid, 3, |share| {
         let faces = [&upper, &lower].map(|heights| own(share, heights));
@@ -254,7 +254,7 @@ fn slabs_between_two_surfaces_over_ranks_have_the_bits_of_one_process() {
             let faces = [&upper, &lower].map(|heights| own(share, heights));
             let parts = Parts {
                 share: Some(share),
-                lower: Some(&faces[1]),
+                lower: Some((&faces[1]).into()),
                 law: with_law.then(law),
                 hardness: with_hardness.then(|| Hardness::Field(own(share, &field))),
                 wear: Some(Wear { by_distance: 1.0, by_slip: 0.0 }),
@@ -431,7 +431,7 @@ fn paths_over_ranks_have_the_bits_of_one_process() {
                     Hardness::Field(field) => Hardness::Field(own(&field)),
                     uniform => uniform,
                 });
-                follow(&Parts { share: Some(&share), heights: &own(&heights), hardness, ..parts.clone() })
+                follow(&Parts { share: Some(&share), heights: (&own(&heights)).into(), hardness, ..parts.clone() })
             });
             for (step, (numbers, fields)) in alone.iter().enumerate() {
                 let different = |found: &Vec<Bits>| (0..numbers.len()).find(|k| found[step].0[*k] != numbers[*k]);

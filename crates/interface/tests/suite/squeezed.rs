@@ -62,7 +62,7 @@ fn both_faces(
     law: impl Law + 'static,
 ) -> Result<Squeezed, Refusal> {
     let (sequence, law) = (Sequence::Loads, Some(law.into_shared()));
-    Squeezed::new(&Parts { sequence, held, law, lower: Some(lower), ..Parts::new(body, grid, upper) })
+    Squeezed::new(&Parts { sequence, held, law, lower: Some(lower.into()), ..Parts::new(body, grid, upper) })
 }
 
 fn between(body: &Body, grid: &Grid, faces: [&Array2<f64>; 2], law: impl Law + 'static) -> Squeezed {
@@ -171,7 +171,7 @@ fn a_law_without_strength_is_a_hard_wall() {
         let hardness = 0.1_f64.mul_add(1.2, 0.3 * peak).min(0.9 * peak);
         let wanted = wall.with_hardness(hardness).unwrap().press(load).tolerance(1e-11).solve().unwrap();
         let (sequence, hardness) = (Sequence::Loads, Some(hardness.into()));
-        let parts = Parts { sequence, hardness, lower: Some(&lower), ..Parts::new(&body, &grid, &upper) };
+        let parts = Parts { sequence, hardness, lower: Some((&lower).into()), ..Parts::new(&body, &grid, &upper) };
         let found = solve(&Squeezed::new(&parts).unwrap(), load, None);
         for (face, wanted) in [(&found.upper, &wanted.upper), (&found.lower, &wanted.lower)] {
             assert!(apart(&face.pressure(), &wanted.pressure) < 1e-6);
@@ -373,7 +373,7 @@ fn jumps_of_a_path_lose_energy() {
     let (body, grid) = (slab(0.3, 1.0), grid());
     let law = Exponential::new(2e-4, 2e-3).unwrap().into_shared();
     let parts = Parts { law: Some(law), ..Parts::new(&body, &grid, &upper) };
-    let contact = Squeezed::new(&Parts { lower: Some(&flat), ..parts.clone() }).unwrap();
+    let contact = Squeezed::new(&Parts { lower: Some((&flat).into()), ..parts.clone() }).unwrap();
     let refinement = Refinement { solves_per_step: 12, ..Refinement::default() };
     let base = body.clone().on(Base::SLIDING).unwrap();
     let one = QuasistaticContact::new(&Parts { body: &base, ..parts.clone() }).unwrap();
@@ -406,7 +406,7 @@ fn a_path_remembers_the_hardness_of_both_faces() {
     let (body, grid) = (slab(0.3, 0.2), grid());
     let field = Array2::from_shape_fn((N, N), |(i, j)| 0.4 + 0.1 * ((i + 2 * j) % 3) as f64);
     for law in [None, Some(exponential().into_shared())] {
-        let (lower, hardness) = (Some(&*lower), Some(field.clone().into()));
+        let (lower, hardness) = (Some((&lower).into()), Some(field.clone().into()));
         let parts = Parts { law, hardness, lower, ..Parts::new(&body, &grid, &upper) };
         let contact = Squeezed::new(&parts).unwrap();
         let first = solve(&contact, Load::MeanPressure(0.15), None);
@@ -468,7 +468,8 @@ fn histories_of_mirror_images_are_those_of_one_surface() {
         Parts { wear, law: law(), ..plain.clone() },
         Parts { relaxation, wear, hardness: Some(0.5.into()), law: law(), ..plain.clone() },
     ] {
-        let both = follow(&Squeezed::new(&Parts { lower: Some(&surface), ..parts.clone() }).unwrap(), &drives(1.0));
+        let both =
+            follow(&Squeezed::new(&Parts { lower: Some((&surface).into()), ..parts.clone() }).unwrap(), &drives(1.0));
         let one = follow(&QuasistaticContact::new(&Parts { body: &half, ..parts.clone() }).unwrap(), &drives(1.0));
         for (found, wanted) in both.iter().zip(&one) {
             for face in [&found.upper, &found.lower] {
@@ -497,7 +498,7 @@ fn histories_of_mirror_images_are_those_of_one_surface() {
 fn histories_of_two_surfaces_have_their_limits() {
     let (upper, lower) = (rough(&grid(), 1), rough(&grid(), 2));
     let (body, grid, prony) = (slab(0.3, 0.2), grid(), Prony::from_fractions(&[(1.3, 0.6)]).unwrap());
-    let plain = Parts { lower: Some(&lower), ..Parts::new(&body, &grid, &upper) };
+    let plain = Parts { lower: Some((&lower).into()), ..Parts::new(&body, &grid, &upper) };
     let relaxing = Parts { relaxation: Some((&prony, Relaxes::Both)), ..plain.clone() };
     let contact = Squeezed::new(&relaxing).unwrap();
     let load = Load::MeanPressure(0.15);
@@ -576,7 +577,7 @@ fn states_scale_with_the_units_and_have_the_same_bits_on_all_threads() {
     let glue = Morse::new(4e-4 * stress * length, 0.01 * length).unwrap();
     let (tall, deep) = (&upper * length, &lower * length);
     let small = between(&body, &cell, [&tall, &deep], glue);
-    let parts = Parts { law: Some(glue.into_shared()), lower: Some(&deep), ..Parts::new(&body, &cell, &tall) };
+    let parts = Parts { law: Some(glue.into_shared()), lower: Some((&deep).into()), ..Parts::new(&body, &cell, &tall) };
     let on_path = Squeezed::new(&parts).unwrap();
     let load_there = Load::MeanPressure(0.05 * stress);
     let (scaled, step) = (solve(&small, load_there, None), solve(&on_path, load_there, None));
@@ -603,7 +604,7 @@ fn impossible_problems_are_refused() {
     let refused = both_faces((&body, false), &grid, [&surface, &small], morse());
     assert!(matches!(refused, Err(Refusal::Shape { .. })));
     let wear = Some(Wear { by_distance: 0.0, by_slip: 1.0 });
-    let both = Parts { lower: Some(&surface), ..Parts::new(&body, &grid, &surface) };
+    let both = Parts { lower: Some((&surface).into()), ..Parts::new(&body, &grid, &surface) };
     assert!(matches!(Squeezed::new(&Parts { wear, ..both.clone() }), Err(Refusal::WearBySlip)));
     let one_face = Squeezed::new(&Parts { lower: None, ..both.clone() });
     assert!(matches!(one_face, Err(Refusal::Faces { found: 1, expected: 2 })));
@@ -638,7 +639,7 @@ fn loads_refuse_parts_that_do_not_act() {
         refused(&Parts { wear, ..loads.clone() }).to_string(),
         "a coefficient of wear is given; it must be left out with loads"
     );
-    let squeezed = Squeezed::new(&Parts { wear, lower: Some(&surface), ..loads.clone() });
+    let squeezed = Squeezed::new(&Parts { wear, lower: Some((&surface).into()), ..loads.clone() });
     assert!(matches!(squeezed, Err(Refusal::NoWall { .. })));
     let boundary = Boundary::Free;
     assert!(matches!(refused(&Parts { held: true, boundary, ..loads.clone() }), Refusal::Held { .. }));

@@ -164,7 +164,7 @@ fn pressures_are_those_of_dense_matrices_of_all_components() {
             let state = solve(&sliding, &velocity, load);
             let matrix = dense(body, &grid, prony, &velocity, coefficient);
             let clearance = sliding.contact().surface().clearance();
-            let known = active_sets(&matrix, clearance, 0.009, hardness.unwrap_or(f64::INFINITY));
+            let known = active_sets(&matrix, &clearance.to_vec(), 0.009, hardness.unwrap_or(f64::INFINITY));
             let most = known.iter().copied().fold(0.0, f64::max);
             let found = state.solution.pressure.iter();
             let apart = found.zip(&known).fold(0.0_f64, |worst, (p, q)| worst.max((p - q).abs()));

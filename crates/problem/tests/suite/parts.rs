@@ -89,7 +89,7 @@ impl Parts {
             WearBy::Slip => Wear { by_distance: 0.0, by_slip: 0.5 },
         });
         gfmd_interface::Parts {
-            lower: self.lower.as_deref(),
+            lower: self.lower.as_ref().map(Into::into),
             law: Some(Arc::clone(&self.law)),
             hardness: self.facts.hardness.then_some(HARDNESS.into()),
             shear: shear.map(Into::into),

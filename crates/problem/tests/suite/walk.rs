@@ -56,7 +56,8 @@ fn a_posed_problem_has_the_bits_of_its_kind() {
     let law = || Arc::clone(&Parts::of(facts).law);
     let parts = gfmd_interface::Parts::new(&slab.body, &slab.grid, &slab.heights);
     let lower = Some(&**lower);
-    let parts = gfmd_interface::Parts { sequence: Sequence::Loads, law: Some(law()), lower, ..parts };
+    let parts =
+        gfmd_interface::Parts { sequence: Sequence::Loads, law: Some(law()), lower: lower.map(Into::into), ..parts };
     let glued = |parts| Squeezed::new(&parts).unwrap().press(load).solve().unwrap();
     same(&solved(facts), &glued(parts.clone()));
     let hard = gfmd_interface::Parts { hardness: Some(HARDNESS.into()), ..parts.clone() };
@@ -161,7 +162,7 @@ fn a_path_of_posed_problems_has_the_bits_of_its_kind_and_goes_on_where_it_was_ke
                 let law = Some(Arc::clone(&parts.law));
                 let hardness = facts.hardness.then(|| HARDNESS.into());
                 let plain = gfmd_interface::Parts::new(body, grid, heights);
-                let all = gfmd_interface::Parts { law, hardness, lower: parts.lower.as_deref(), ..plain };
+                let all = gfmd_interface::Parts { law, hardness, lower: parts.lower.as_ref().map(Into::into), ..plain };
                 let contact = Squeezed::new(&all).unwrap();
                 let mut direct = Path::new(&contact, Budget::default(), refinement);
                 drives.iter().map(|drive| direct.step(*drive, &mut ()).unwrap().dissipated).collect()

@@ -6,7 +6,7 @@ use super::constants::{BOUNDED_MEAN, CHANGE, DOWNHILL, HALVINGS, PAIR_MEAN, SHIF
 use super::path::middle;
 use super::single::begin;
 use super::{Advance, Course, Vectors};
-use crate::quadratic::{Iterate, LEAST_DESCENT, OptimalitySums, Target, add_linear, turn};
+use crate::quadratic::{Iterate, LEAST_DESCENT, OptimalitySums, Target, turn};
 use crate::{Ceiling, Upper, Visit};
 
 /// Convex quadratic function ½⟨x, A x⟩ + ⟨b, x⟩ of the non-negative variables of two fields, the halves of one vector,
@@ -126,7 +126,9 @@ impl<P: Paired> Vectors for Pair<'_, P> {
     fn refresh(&mut self) {
         keep_means(&self.share.face(), self.x, self.means, self.upper.ceiling());
         self.problem.apply(self.x, &mut self.gradient);
-        add_linear(&self.share, self.problem.linear(), self.x, &mut self.gradient);
+        for_each((&mut self.gradient[..], self.problem.linear()), &|_, (gradient, linear)| {
+            gradient.iter_mut().zip(linear).for_each(|(gradient, linear)| *gradient += linear);
+        });
     }
 
     /// Subtracts the multipliers from the gradient.

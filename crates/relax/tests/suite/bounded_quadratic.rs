@@ -51,13 +51,13 @@ struct Dense {
 }
 
 impl Quadratic for Dense {
-    fn linear(&self) -> &[f64] {
-        &self.b
+    fn variables(&self) -> usize {
+        self.b.len()
     }
 
-    fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        for (out, row) in out.iter_mut().zip(&self.a) {
-            *out = dot(row, x);
+    fn gradient(&mut self, x: &[f64], out: &mut [f64]) {
+        for (out, (row, b)) in out.iter_mut().zip(self.a.iter().zip(&self.b)) {
+            *out = dot(row, x) + b;
         }
     }
 

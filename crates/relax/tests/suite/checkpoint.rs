@@ -83,6 +83,11 @@ impl Springs {
         }
     }
 
+    fn apply(&mut self, x: &[f64], out: &mut [f64]) {
+        self.images += 1;
+        Self::product(x, out);
+    }
+
     fn product(x: &[f64], out: &mut [f64]) {
         for i in 0..x.len() {
             let at = |k: Option<usize>| k.and_then(|k| x.get(k)).copied().unwrap_or(0.0);
@@ -93,13 +98,13 @@ impl Springs {
 }
 
 impl Quadratic for Springs {
-    fn linear(&self) -> &[f64] {
-        &self.load
+    fn variables(&self) -> usize {
+        self.load.len()
     }
 
-    fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        self.images += 1;
-        Self::product(x, out);
+    fn gradient(&mut self, x: &[f64], out: &mut [f64]) {
+        self.apply(x, out);
+        out.iter_mut().zip(&self.load).for_each(|(out, b)| *out += b);
     }
 
     fn curvature(&mut self, direction: &[f64]) -> f64 {

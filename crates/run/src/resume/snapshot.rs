@@ -1,5 +1,6 @@
-//! Files of variables: checksum of the head, number of finished parts, variables, checksum of everything. Of several
-//! processes the first one has the file; rows come and go in blocks, and a file suits any number of processes.
+//! Files of variables: checksum of the head and the build, number of finished parts, variables, checksum of everything.
+//! Of several processes the first one has the file; rows come and go in blocks, and a file suits any number of
+//! processes.
 
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read as _, Seek as _, Write};
@@ -12,13 +13,16 @@ use gfmd_files::{Checksum, FileError, Input};
 use gfmd_input::failure::Failure;
 use gfmd_input::processes::{agree, of_first, replace_by_first};
 use gfmd_input::rows::height;
+use gfmd_input::session::GIT_COMMIT;
 
 /// Length of a checksum.
 const SUM: usize = 64;
 
-fn checksum(bytes: &[u8]) -> String {
+/// Returns the checksum of the head of a run and of the build: the variables of a search differ between builds.
+fn checksum(head: &[u8]) -> String {
     let mut sum = Checksum::default();
-    sum.bytes(bytes);
+    sum.bytes(head);
+    sum.bytes(GIT_COMMIT.as_bytes());
     sum.text()
 }
 
@@ -235,7 +239,7 @@ impl Opened {
         stream.read_exact(&mut found).map_err(unread)?;
         stream.read_exact(&mut parts).map_err(unread)?;
         if found != *checksum(head).as_bytes() {
-            return Err(refuse("the file belongs to a run of another configuration, input or version"));
+            return Err(refuse("the file belongs to a run of another configuration, input or build of gfmd"));
         }
         Ok(Some(Self { stream, left: (length - begin) as i64, parts: u64::from_le_bytes(parts) }))
     }

@@ -19,7 +19,7 @@ use gfmd_problem::{
 use gfmd_record::StateContext;
 use gfmd_surface::{Moments, Statistics, SurfaceError, row_mean, window, window_rows};
 use gfmd_unit::Units;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 
 use super::layout::SeriesLayout;
 use crate::gas::GivenGas;
@@ -291,7 +291,7 @@ impl Prepared {
         let Inelastic { plasticity, shear, relaxation, wear } = &self.inelastic;
         let parts = Parts {
             share: Some(&self.surface.share),
-            lower: self.lower.as_ref().map(|lower| &*lower.heights),
+            lower: self.lower.as_ref().map(|lower| (&lower.heights).into()),
             law: Some(Arc::clone(law)),
             all_components: self.moves_all,
             hardness: self.hardness.clone(),
@@ -489,12 +489,12 @@ fn windowed(Surface { heights, share, .. }: &Surface) -> Result<Array2<f64>, Sur
     }
     // Only the sum over whole heights has the bits of one process.
     let whole = rows::gathered(share, heights.view());
-    let [mean] = of_first(share.ranks(), [whole.as_ref().map_or(0.0, row_mean).to_bits()]);
+    let [mean] = of_first(share.ranks(), [whole.as_ref().map_or(0.0, |whole| row_mean(whole)).to_bits()]);
     Ok(window_rows(share, heights, (1.0, f64::from_bits(mean))))
 }
 
 /// Returns the height of a surface's top above its highest grid point, length.
-fn rise_of(share: &Share, heights: &Array2<f64>, boundary: Boundary) -> f64 {
+fn rise_of(share: &Share, heights: &ArrayRef2<f64>, boundary: Boundary) -> f64 {
     let top = match boundary {
         Boundary::Periodic => top_of_shared(share, heights.view()),
         Boundary::Free => top_inside_of_shared(share, heights.view()),

@@ -3,7 +3,7 @@
 //! preconditioned by the next level (a K cycle; Notay and Vassilevski 2008), so that corrections have the right size on
 //! every level.
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 use rayon::prelude::*;
 
 use crate::SurfaceError;
@@ -58,7 +58,7 @@ struct Level {
 
 impl Level {
     /// Returns the equations of the undefined points and their right-hand side.
-    fn finest(heights: &Array2<f64>, origin: f64, spacing: [f64; 2]) -> (Self, Vec<f64>) {
+    fn finest(heights: &ArrayRef2<f64>, origin: f64, spacing: [f64; 2]) -> (Self, Vec<f64>) {
         let (nx, ny) = heights.dim();
         let mut level =
             Self { points: [nx, ny], diagonal: vec![0.0; nx * ny], links: [vec![0.0; nx * ny], vec![0.0; nx * ny]] };

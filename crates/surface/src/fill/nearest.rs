@@ -1,11 +1,11 @@
 //! Nearest defined point of every point by exact squared distances: a pass along y, then the lower envelope of
 //! parabolas along x (Felzenszwalb and Huttenlocher 2012).
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 use rayon::prelude::*;
 
 /// Fills NaN with the height of the nearest defined point. At least one point must be defined.
-pub(super) fn fill(heights: &Array2<f64>, spacing: [f64; 2]) -> Array2<f64> {
+pub(super) fn fill(heights: &ArrayRef2<f64>, spacing: [f64; 2]) -> Array2<f64> {
     let (nx, ny) = heights.dim();
     // In units of the spacing along x, so that distances on a square grid are whole numbers and ties are exact.
     let ratio = spacing[1] / spacing[0];

@@ -1,5 +1,5 @@
 use gfmd_field::Grid;
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 
 use super::ratio::{Core, MaterialRatio};
 use crate::SurfaceError;
@@ -24,7 +24,7 @@ impl Bearing {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid) -> Result<Self, SurfaceError> {
         let curve = MaterialRatio::of(&checked(heights, grid)?);
         let ratio: Vec<f64> = (0..=INTERVALS).map(|k| k as f64 / INTERVALS as f64).collect();
         let height = |ratio: &f64| curve.as_ref().map_or(0.0, |curve| curve.height(*ratio));
@@ -35,6 +35,7 @@ impl Bearing {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::Array2;
 
     #[test]
     fn a_tilted_plane_is_all_core() {

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gfmd_field::Grid;
-use ndarray::{Array2, s};
+use ndarray::{Array2, ArrayRef2, s};
 
 use crate::statistics::checked;
 use crate::{PowerSpectrum, SurfaceError};
@@ -55,7 +55,7 @@ impl Autocorrelation {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let mean = all.iter().sum::<f64>() / all.len() as f64;
         let mean_square = all.iter().map(|height| (height - mean).powi(2)).sum::<f64>() / all.len() as f64;
@@ -217,7 +217,7 @@ fn longer(grid: &Grid, half: [usize; 2]) -> Result<Grid, SurfaceError> {
     Ok(grid?)
 }
 
-fn padded(heights: &Array2<f64>, [px, py]: [usize; 2]) -> Array2<f64> {
+fn padded(heights: &ArrayRef2<f64>, [px, py]: [usize; 2]) -> Array2<f64> {
     let mut padded = Array2::zeros([px, py]);
     let (nx, ny) = heights.dim();
     padded.slice_mut(s![..nx, ..ny]).assign(heights);
@@ -233,7 +233,7 @@ fn pairs([nx, ny]: [usize; 2], x: usize, y: i64) -> f64 {
 struct Squares(Array2<f64>);
 
 impl Squares {
-    fn of(heights: &Array2<f64>) -> Self {
+    fn of(heights: &ArrayRef2<f64>) -> Self {
         let (nx, ny) = heights.dim();
         let mut sums = Array2::zeros([nx + 1, ny + 1]);
         for i in 0..nx {
@@ -273,7 +273,7 @@ mod tests {
     }
 
     /// Returns A by its definition.
-    fn by_pairs(heights: &Array2<f64>, x: usize, y: i64, repeats: bool) -> f64 {
+    fn by_pairs(heights: &ArrayRef2<f64>, x: usize, y: i64, repeats: bool) -> f64 {
         let (nx, ny) = heights.dim();
         let (mut sum, mut count) = (0.0, 0);
         for i in 0..nx {

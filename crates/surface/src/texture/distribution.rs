@@ -1,5 +1,5 @@
 use gfmd_field::Grid;
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 
 use super::scales::steps;
 use crate::SurfaceError;
@@ -84,7 +84,7 @@ impl Distributions {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let ([nx, ny], [dx, dy]) = (grid.points(), grid.spacing());
         let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -125,6 +125,7 @@ impl Distributions {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::Array2;
 
     #[test]
     fn shares_add_up_and_far_values_are_outside() {

@@ -1,5 +1,5 @@
 use gfmd_field::Grid;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayRef2};
 use rayon::prelude::*;
 
 use crate::SurfaceError;
@@ -64,7 +64,12 @@ impl Features {
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite, or more than 2³² − 2 of them; a
     /// fraction outside 0 to 1.
-    pub fn of(heights: &Array2<f64>, grid: &Grid, wolf: f64, edges: MotifEdges) -> Result<Option<Self>, SurfaceError> {
+    pub fn of(
+        heights: &ArrayRef2<f64>,
+        grid: &Grid,
+        wolf: f64,
+        edges: MotifEdges,
+    ) -> Result<Option<Self>, SurfaceError> {
         Ok(Self::with_course_lines(heights, grid, wolf, edges)?.map(|(features, _)| features))
     }
 
@@ -74,7 +79,7 @@ impl Features {
     /// # Errors
     /// The errors of [`of`](Self::of).
     pub fn with_course_lines(
-        heights: &Array2<f64>,
+        heights: &ArrayRef2<f64>,
         grid: &Grid,
         wolf: f64,
         edges: MotifEdges,

@@ -1,5 +1,5 @@
 use gfmd_field::Grid;
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 
 use super::ratio::{Core, MaterialRatio};
 use crate::SurfaceError;
@@ -48,7 +48,7 @@ impl ProfileNumbers {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite; a surface; fewer than two points in a section.
-    pub fn of(heights: &Array2<f64>, grid: &Grid, section: f64) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid, section: f64) -> Result<Self, SurfaceError> {
         let (heights, spacing) = (checked(heights, grid)?, grid.spacing()[0]);
         let (heights, count) = (&heights[..], heights.len());
         if !grid.is_line() {

@@ -1,5 +1,5 @@
 use gfmd_field::Grid;
-use ndarray::Array2;
+use ndarray::ArrayRef2;
 use rayon::prelude::*;
 
 use crate::SurfaceError;
@@ -27,7 +27,7 @@ impl Scales {
     ///
     /// # Errors
     /// Heights that do not have the shape of the grid or are not finite.
-    pub fn of(heights: &Array2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
+    pub fn of(heights: &ArrayRef2<f64>, grid: &Grid, repeats: bool) -> Result<Self, SurfaceError> {
         let all = checked(heights, grid)?;
         let (points, spacing) = (grid.points(), grid.spacing());
         let root = |axis: usize, by: usize, order: i32| {
@@ -104,6 +104,7 @@ fn bends(all: &[f64], [nx, ny]: [usize; 2], axis: usize, by: usize, repeats: boo
 
 #[cfg(test)]
 mod tests {
+    use ndarray::Array2;
     use std::f64::consts::TAU;
 
     use super::*;
