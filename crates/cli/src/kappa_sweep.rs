@@ -203,6 +203,10 @@ impl Sweep<'_> {
         }
         let earlier = self.args.runs_of.as_deref().map(|path| check::earlier(path, &self.plan)).transpose()?;
         let output = self.claim()?;
+        // The target gives way to the numbers of surfaces in the configuration of the result.
+        let counts = |line: &&str| !["target", "surfaces"].iter().any(|name| line.starts_with(&format!("{name} = ")));
+        let counts = if self.plan.config.statistics.target > 0.0 { counts } else { |_: &&str| true };
+        self.work.check_finished(&output, self.args.resume, counts)?;
         let (journal, mut finished) = Journal::open(&output.beside(".journal"), &self.work, self.args.resume)?;
         finished.extend(earlier.into_iter().flatten().enumerate());
         let kept = parts::resumes(journal.path());

@@ -151,7 +151,8 @@ fn again(kind: ResultKind, reader: &Reader) -> Result<String, String> {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { file, kind, figures, remarks, out } = self;
-        writeln!(f, "{}, a result of {}: a page with {figures} figures", file.display(), kind.name())?;
+        let plural = if *figures == 1 { "" } else { "s" };
+        writeln!(f, "{}, a result of {}: a page with {figures} figure{plural}", file.display(), kind.name())?;
         remarks.iter().try_for_each(|remark| writeln!(f, "note: {}", line(remark)))?;
         list_files(f, Some(out), &[])
     }

@@ -165,6 +165,7 @@ impl Study<'_> {
 
     fn compute(self) -> Result<Outcome, Failure> {
         let output = parts::claim(&self.args.out)?;
+        self.work.check_finished(&output, self.args.resume, |_| true)?;
         let (journal, finished) = self.open(&output)?;
         let kept = parts::resumes(journal.path());
         self.conclude(&output, journal, finished, kept)

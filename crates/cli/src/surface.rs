@@ -610,9 +610,16 @@ impl fmt::Display for Report {
                 _ => None,
             }
         };
+        let said = |name: &str, asked: f64| {
+            let is_length = !matches!(name, "rms_gradient" | "hurst");
+            match units.shown("length", asked).filter(|_| is_length) {
+                Some(shown) => shown.text(asked),
+                None => format!("{asked:.6e}"),
+            }
+        };
         for (name, (number, unit), meaning) in self.readable() {
             let meaning = match asked(name) {
-                Some(asked) => format!("{meaning}; asked {asked:.6e}"),
+                Some(asked) => format!("{meaning}; asked {}", said(name, asked)),
                 None => meaning.to_owned(),
             };
             let number = format!("{name:<22} {number:>13} {unit:<10}");

@@ -75,7 +75,7 @@ mod tests {
             assert!(material.hardness.as_ref().is_none_or(|text| bounds.contains(&stress(text))), "{name}");
             let conductivity = material.conductivity.as_ref().map(|text| {
                 let quantity = Quantity::parse(text).unwrap().unwrap();
-                units.value(&quantity, "stress*length^2/time*temperature").unwrap()
+                units.value(&quantity, "stress*length^2/time/temperature").unwrap()
             });
             assert!(conductivity.is_none_or(|conductivity| (0.01..1e3).contains(&conductivity)), "{name}");
             let parts = material.prony.iter().map(|(_, fraction)| fraction).sum::<f64>();

@@ -1,6 +1,7 @@
 //! Finished figures: SVG text with embedded images, rendered to PNG by `resvg` with the bundled font only.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -121,7 +122,7 @@ impl Drawing {
         let paths = [with(".svg"), with(".png")];
         let contents = [self.svg()?.into_bytes(), self.png()?];
         for (path, content) in paths.iter().zip(contents) {
-            fs::write(path, content).map_err(|source| PlotError::Io { path: path.clone(), source })?;
+            replace(path, &content).map_err(|source| PlotError::Io { path: path.clone(), source })?;
         }
         Ok(paths)
     }
@@ -214,4 +215,13 @@ fn encode(
     writer.write_image_data(pixels).map_err(render)?;
     writer.finish().map_err(render)?;
     Ok(bytes)
+}
+
+/// Writes a file beside the target and renames it, so that an incomplete file never has the name of the target.
+fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
+    let mut part = path.as_os_str().to_os_string();
+    part.push(".part");
+    fs::write(&part, content).and_then(|()| fs::rename(&part, path)).inspect_err(|_| {
+        let _ = fs::remove_file(&part);
+    })
 }

@@ -4,6 +4,7 @@ import math
 import pickle
 
 import gfmd
+import h5py
 import numpy as np
 import pytest
 
@@ -76,3 +77,17 @@ def test_free_boundaries_need_half_spaces():
     s = gfmd.self_affine(n=16, eps_f_inv=4)
     with pytest.raises(gfmd.InputError):
         gfmd.contact(s, gfmd.Body(height=1.0, base="free"), p_star=0.1, boundary="free")
+
+
+@pytest.mark.parametrize("name", ["base_displacement", "base_traction"])
+def test_a_changed_array_of_the_base_does_not_change_a_contact(name, tmp_path):
+    given = 1e-3 * np.sin(np.arange(16) * np.pi / 8)[:, np.newaxis] * np.ones((1, 16))
+    body = gfmd.Body(height=0.1, base="bonded" if name == "base_displacement" else "free")
+    found = gfmd.contact(gfmd.self_affine(n=16, eps_f_inv=4), body, p_star=0.05, **{name: given})
+    files = [tmp_path / "before.h5", tmp_path / "after.h5"]
+    found.save(files[0])
+    given *= 3.0
+    found.save(files[1])
+    with h5py.File(files[0]) as before, h5py.File(files[1]) as after:
+        field = "/base/" + name.removeprefix("base_")
+        np.testing.assert_array_equal(before[field][()], after[field][()])

@@ -52,3 +52,18 @@ def test_what_fails_is_named_when_its_turn_comes():
             gfmd.many(rough([1]), BODY, p_star=0.05, **options)
     with pytest.raises(TypeError, match="no argument 'p_sta'; write p_star"):
         next(gfmd.many(rough([1]), BODY, p_sta=0.05))
+
+
+def test_a_generator_may_reuse_its_array():
+    heights = [np.array(surface.heights) for surface in rough(range(5))]
+    wanted = [gfmd.contact(each, BODY, p_star=0.05).approach for each in heights]
+    buffer = np.empty_like(heights[0])
+
+    def reused():
+        for each in heights:
+            buffer[:] = each
+            yield buffer
+
+    for workers in (1, 3):
+        found = [c.approach for c in gfmd.many(reused(), BODY, p_star=0.05, workers=workers)]
+        assert found == wanted

@@ -299,3 +299,18 @@ def test_the_spectrum_is_that_of_the_program(scan, tmp_path, run_program):
     # Parseval: the mean square is the sum over the modes of each ring of their density times the area of a mode.
     plain = scan.psd()
     assert np.sum(plain.density * modes) * (2 * np.pi / 50.0) ** 2 == pytest.approx(scan.rms_height**2, rel=1e-9)
+
+
+def test_conductivities_without_a_unit_are_in_watts_if_lengths_have_one():
+    rough = gfmd.self_affine(n=32, size="100 um", unit="um", rms_gradient=0.05, eps_f_inv=4)
+    body, pair = gfmd.Body(young="70 GPa", poisson=0.3), ("16 W/(m K)", "200 W/(m K)")
+    found = gfmd.contacts(rough, body, pressure=["0.1 GPa", "0.3 GPa"])
+    tables = [gfmd.fe_table(found, conductivity=both) for both in (pair, (16, 200))]
+    assert tables[0] == tables[1]
+    steps = [
+        gfmd.path(rough, body, pressure="0.1 GPa", steps=1, statistics=True, conductivity=both).steps
+        for both in (pair, (16, 200))
+    ]
+    assert steps[0].contact_conductance == pytest.approx(steps[1].contact_conductance, rel=1e-14)
+    # Pa µm/(s K) are 10^-6 W/(m² K).
+    assert 1e-6 * steps[0].contact_conductance[-1] == pytest.approx(found[0].conductance(*pair), rel=1e-6)

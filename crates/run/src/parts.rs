@@ -13,6 +13,8 @@ use gfmd_sweep::Shard;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::resume::check_finished;
+
 pub use journal::{Finished, Journal};
 pub use shards::Gathered;
 
@@ -45,6 +47,18 @@ impl<T: Serialize + DeserializeOwned + Send> Work<T> {
     /// Returns the parts that are not finished, ascending.
     pub fn missing(&self, finished: &Finished<T>) -> Vec<usize> {
         (0..self.parts).filter(|part| !finished.contains_key(part)).collect()
+    }
+
+    /// Checks that work that continues none, although `resume` is true, does not replace the finished result of
+    /// another configuration. Only lines of the configuration that `counts` are compared.
+    ///
+    /// # Errors
+    /// Returns an error if it would.
+    pub fn check_finished(&self, output: &Output, resume: bool, counts: fn(&&str) -> bool) -> Result<(), Failure> {
+        if !resume || output.beside(JOURNAL).exists() {
+            return Ok(());
+        }
+        check_finished(output, |config| config.lines().filter(&counts).eq(self.config.lines().filter(&counts)))
     }
 
     /// Takes the parts from all journals beside a claimed output, and from the output itself if parts are missing

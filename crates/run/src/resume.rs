@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use gfmd_contact::Visit;
 use gfmd_field::Share;
-use gfmd_files::{Journal, JournalError, Output};
+use gfmd_files::{Journal, JournalError, Output, Reader};
 use gfmd_problem::{Unusable, Words, key, words};
 
 use gfmd_input::failure::Failure;
@@ -106,6 +106,21 @@ impl OwnRows {
     }
 }
 
+/// Checks that a run that continues none, although `--resume` is given, does not replace the finished result of another
+/// configuration.
+///
+/// # Errors
+/// Returns an error if the output has a configuration that is not this one.
+pub fn check_finished(output: &Output, is_this: impl FnOnce(&str) -> bool) -> Result<(), Failure> {
+    let config = Reader::open(output.path()).and_then(|reader| reader.text("/", "config"));
+    if config.is_ok_and(|config| !is_this(&config)) {
+        let result = "this is the finished result of another configuration; leave out ";
+        let why = words![result, key("resume"), " to replace it, or name another file"];
+        return Err(Failure::because(output.path().display().to_string(), why));
+    }
+    Ok(())
+}
+
 /// Files beside an output that is being computed.
 pub struct UnfinishedRun<'a> {
     /// Output at the process that writes.
@@ -185,6 +200,10 @@ impl<'a> UnfinishedRun<'a> {
                 let (exists, file) = ("this file of an unfinished run exists; continue the run with ", found.display());
                 let why = words![exists, key("resume"), ", or delete the file"];
                 Err(Unusable::of(why).at(file.to_string()).into())
+            }
+            None if resume => {
+                let head = String::from_utf8_lossy(&self.head);
+                check_finished(output, |config| head.contains(config)).map(|()| false)
             }
             found => Ok(found.is_some()),
         }

@@ -20,14 +20,14 @@ impl Dimension {
     pub const NONE: Self = Self { stress: 0, length: 0, time: 0, temperature: 0 };
 
     /// Parses a kind of quantity as written in results: `1`, `stress`, `stress*length^2`, `1/length`. A slash divides
-    /// by everything after it. Returns `None` for other words.
+    /// by the next factor. Returns `None` for other words.
     pub fn of(kind: &str) -> Option<Self> {
-        let (over, under) = kind.split_once('/').map_or((kind, None), |(over, under)| (over, Some(under)));
         let mut found = Self::NONE;
-        let factors = over
-            .split('*')
-            .map(|factor| (factor, 1))
-            .chain(under.into_iter().flat_map(|under| under.split('*')).map(|factor| (factor, -1)));
+        let factors = kind.split('/').enumerate().flat_map(|(place, over)| {
+            over.split('*')
+                .enumerate()
+                .map(move |(index, factor)| (factor, if place > 0 && index == 0 { -1 } else { 1 }))
+        });
         for (factor, sign) in factors {
             let (name, power) = factor.split_once('^').map_or((factor, "1"), |parts| parts);
             let power = sign * power.parse::<i32>().ok()?;
@@ -106,7 +106,7 @@ mod tests {
             ("1/length^2", (0, -2, 0, 0)),
             ("stress^2*length^2", (2, 2, 0, 0)),
             ("1/time^2", (0, 0, -2, 0)),
-            ("stress*length^2/time*temperature", (1, 2, -1, -1)),
+            ("stress*length^2/time/temperature", (1, 2, -1, -1)),
             ("temperature", (0, 0, 0, 1)),
         ] {
             assert_eq!(of(kind), Some(powers), "{kind}");

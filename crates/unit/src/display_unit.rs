@@ -122,7 +122,7 @@ mod tests {
             (si, "stress*length^2", 0.02, "20.000000", "mN"),
             (si, "stress/length", 3e14, "300.000000", "MPa/µm"),
             (si, "length^2", 4e-11, "40.000000", "µm²"),
-            (si, "stress*length/time*temperature", 5e4, "50.000000", "kW/(m² K)"),
+            (si, "stress*length/time/temperature", 5e4, "50.000000", "kW/(m² K)"),
             (si, "length^3/time", 2.5e-6, "2.500000", "ml/s"),
             (["µm", "Pa"], "length^3/time", 7e6, "7.000000", "nl/s"),
             (si, "1/length", 2e6, "2.000000", "1/µm"),

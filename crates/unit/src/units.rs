@@ -144,6 +144,14 @@ mod tests {
     }
 
     #[test]
+    fn names_divide_by_each_factor() {
+        let micro = Units::new(Some("µm"), Some("Pa"));
+        assert_eq!(micro.name("stress*length/time/temperature"), "Pa*µm/s/K");
+        let (name, kind) = (micro.name("stress*length^2/time/temperature"), "stress*length^2/time/temperature");
+        assert_eq!(value(&micro, &format!("3 {name}"), kind), Ok(3.0));
+    }
+
+    #[test]
     fn quantities_become_numbers_of_the_problem() {
         let si = Units::new(Some("m"), None);
         let nano = Units::new(Some("nm"), None);
@@ -157,7 +165,7 @@ mod tests {
         assert_eq!(value(&giga, "2 nm", "length"), Ok(2e-3));
         assert_eq!(value(&Units::new(Some("in"), None), "2.54cm", "length"), Ok(1.0));
         // Heat flux is in stress·length/time, so that temperature is in K.
-        assert_eq!(value(&giga, "0.2 W/(m K)", "stress*length^2/time*temperature"), Ok(0.2e3));
+        assert_eq!(value(&giga, "0.2 W/(m K)", "stress*length^2/time/temperature"), Ok(0.2e3));
         assert_eq!(value(&giga, "1e-7 m^2/s", "length^2/time"), Ok(1e5));
     }
 

@@ -64,7 +64,7 @@ impl Detail {
     pub fn measure(&self, heights: &ArrayRef2<f64>, grid: &Grid) -> Result<(Functions, SurfaceDetail), SurfaceError> {
         let texture = Texture::of(heights, grid, self.boundary == Boundary::Periodic)?;
         let lengths = texture.autocorrelation.lengths();
-        let direction = Direction::of(&PowerSpectrum::of(heights, grid)?, lengths.aspect());
+        let direction = Direction::of(&PowerSpectrum::of(heights, grid)?, lengths.largest_aspect());
         let found = Features::with_course_lines(heights, grid, self.wolf, self.edges())?;
         let (features, course_lines) = found.unzip();
         Ok((Functions { texture, course_lines }, SurfaceDetail { lengths, direction, features }))

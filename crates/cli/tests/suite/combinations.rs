@@ -179,7 +179,7 @@ fn run(case: &Case, folder: &Path, found: &mut Found) -> (End, String) {
     if case.threshold {
         outlets::threshold(found, case, folder, &report);
     }
-    outlets::further(found, case, folder, &out, &report);
+    outlets::further(found, case, folder, (&out, with_units.as_ref().unwrap_or(&case.words)), &report);
     (End::Solved, String::new())
 }
 

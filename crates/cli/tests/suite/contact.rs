@@ -323,6 +323,7 @@ fn a_file_has_the_fields_that_were_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let run = |flags: &str| gfmd(folder.path(), &flags.split_whitespace().collect::<Vec<_>>());
     let contact = "contact --n 32 --eps-f-inv 8 --p-star 0.05,0.1 --resume";
+    let replacing = contact.replace(" --resume", "");
     assert!(run(&format!("{contact} --out all.h5")).status.success());
     let all = Reader::open(folder.path().join("all.h5")).unwrap();
     for (fields, names) in [
@@ -331,7 +332,7 @@ fn a_file_has_the_fields_that_were_chosen() {
         ("gap,pressure", &["gap", "pressure"]),
         ("pressure,displacement_z,gap", &["displacement_z", "gap", "pressure"]),
     ] {
-        let output = run(&format!("{contact} --out some.h5 --fields {fields}"));
+        let output = run(&format!("{replacing} --out some.h5 --fields {fields}"));
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let some = Reader::open(folder.path().join("some.h5")).unwrap();
         let found =
@@ -353,8 +354,10 @@ fn a_file_has_the_fields_that_were_chosen() {
     }
     let below = run("body --surface all.h5 --levels 2 --deepest 0.1 --out below.vti");
     assert!(below.status.success());
-    assert!(run(&format!("{contact} --out some.h5 --fields pressure")).status.success());
-    let below = run("body --surface some.h5 --levels 2 --deepest 0.1 --out below.vti");
+    assert!(run(&format!("{contact} --out few.h5 --fields pressure")).status.success());
+    let other = run(&format!("{contact} --out few.h5 --fields gap"));
+    assert!(String::from_utf8_lossy(&other.stderr).contains("the finished result of another configuration"));
+    let below = run("body --surface few.h5 --levels 2 --deepest 0.1 --out below.vti");
     let message = String::from_utf8_lossy(&below.stderr).into_owned();
     assert!(below.status.code() == Some(2), "{message}");
     assert!(message.contains("no /fields/displacement"), "{message}");

@@ -446,3 +446,31 @@ fn lengths_have_the_unit_of_the_size() {
     let gaps = |reader: &Reader| reader.values::<f64>("/study/mean_gap").unwrap();
     assert_eq!(gaps(&reader), gaps(&again));
 }
+
+/// A run that continues none replaces a finished result only if both have one configuration.
+#[test]
+fn resume_keeps_the_finished_result_of_another_configuration() {
+    let folder = folder(STUDY);
+    let path = folder.path();
+    let contact = "contact --n 16 --eps-f-inv 4 --p-star 0.05 --out c.h5 --resume";
+    let slide = "slide --n 16 --eps-f-inv 4 --p-star 0.05 --prony 1:0.3 --velocity 1 --out l.h5 --resume";
+    let curve = "path --n 16 --eps-f-inv 4 --p-star 0.05 --steps 1 --out p.h5 --resume";
+    for (line, file) in [(contact, "c.h5"), (slide, "l.h5"), (curve, "p.h5")] {
+        let first: Vec<&str> = line.split_whitespace().collect();
+        succeeded(&gfmd(path, &first));
+        succeeded(&gfmd(path, &first));
+        let kept = std::fs::read(path.join(file)).unwrap();
+        let other = line.replace("0.05", "0.06");
+        let output = gfmd(path, &other.split_whitespace().collect::<Vec<_>>());
+        assert!(output.status.code() == Some(2), "{line}");
+        assert!(message(&output).contains("the finished result of another configuration"), "{}", message(&output));
+        assert_eq!(std::fs::read(path.join(file)).unwrap(), kept, "{line}");
+        let replacing = other.replace(" --resume", "");
+        succeeded(&gfmd(path, &replacing.split_whitespace().collect::<Vec<_>>()));
+    }
+    succeeded(&gfmd(path, &words(&["--out", "s.h5", "--resume"])));
+    std::fs::write(path.join("study.toml"), STUDY.replace("0.1]", "0.2]")).unwrap();
+    let output = gfmd(path, &words(&["--out", "s.h5", "--resume"]));
+    assert!(message(&output).contains("the finished result of another configuration"), "{}", message(&output));
+    succeeded(&gfmd(path, &words(&["--out", "s.h5"])));
+}

@@ -80,9 +80,9 @@ impl Kinds {
     /// Relaxation times and fractions of a Prony series.
     pub const PRONY: Self = Self { rows: &[&["time", "1"]], form: Form::Rows };
     /// Thermal conductivities and diffusivities.
-    pub const HEAT: Self = Self::list(&[&["stress*length^2/time*temperature", "length^2/time"]]);
+    pub const HEAT: Self = Self::list(&[&["stress*length^2/time/temperature", "length^2/time"]]);
     /// Thermal conductivities.
-    pub const CONDUCTIVITY: Self = Self::list(&[&["stress*length^2/time*temperature"]]);
+    pub const CONDUCTIVITY: Self = Self::list(&[&["stress*length^2/time/temperature"]]);
     /// A temperature.
     pub const TEMPERATURE: Self = Self::list(&[&["temperature"]]);
     /// Gaps and tractions of a law.

@@ -49,6 +49,9 @@ Quantity = Union[float, str]
 # Kinds of the numbers of options in turn, by argument, for options whose numbers may have a unit.
 KINDS = _gfmd.option_kinds()
 
+# Kind of a thermal conductivity.
+CONDUCTIVITY = "stress*length^2/time/temperature"
+
 
 def kind_of(name: str, place: int = 0) -> str:
     """Returns the kind of a number of an option, by its place in the list of them."""
@@ -142,6 +145,12 @@ def several(name: str, value: Any, kind: str = "number") -> list[Any] | None:
     return found
 
 
+def conductivities(values: Any, unit: Optional[str]) -> list[Quantity]:
+    """Checks thermal conductivities: strings with a unit, or numbers in W/(m K) if the surface has a unit."""
+    found = quantities("conductivity", values, CONDUCTIVITY)
+    return [one if isinstance(one, str) or unit is None else f"{one!r} W/(m K)" for one in found]
+
+
 def texts(name: str, value: Any) -> list[str]:
     """Checks one or several strings."""
     entries = [value] if isinstance(value, str) else several(name, value, "text")
@@ -215,11 +224,11 @@ def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float],
 
 
 def array(name: str, value: Any) -> Array:
-    """Converts an array of real numbers or flags to float64."""
+    """Copies an array of real numbers or flags to float64."""
     try:
         given = np.asarray(value)
         if given.dtype.kind in "fiub":
-            return np.asarray(given, dtype=np.float64)
+            return np.array(given, dtype=np.float64)
     except Exception as error:
         raise InputError(f"{name} is {shown(value)}; it must be an array of numbers") from error
     raise InputError(f"{name} has the type {given.dtype}; it must be an array of numbers")

@@ -889,13 +889,13 @@ class Steps(Record):
 
     @property
     def contact_conductance(self) -> Array:
-        """Stress * length/time * temperature [step]: contact conductance per area: conductance divided by the sum of
+        """Stress * length/time/temperature [step]: contact conductance per area: conductance divided by the sum of
         both conductors' resistivities. In some problems only.
         """
 
     @property
     def gas_conductance(self) -> Array:
-        """Stress * length/time * temperature [step]: conductance per area of the gas in the gap: mean of k/(g + M)
+        """Stress * length/time/temperature [step]: conductance per area of the gas in the gap: mean of k/(g + M)
         over all points, with gas conductivity k, gap g and temperature-jump length M; points in contact contribute
         nothing; excludes radiation. With `gas` only.
         """
@@ -1114,35 +1114,35 @@ class Steps(Record):
 
     @property
     def contact_conductance_limit(self) -> Array:
-        """Stress * length/time * temperature [step]: estimate of contact_conductance on an infinitely fine grid
-        under the same mean pressure. In some problems only.
+        """Stress * length/time/temperature [step]: estimate of contact_conductance on an infinitely fine grid under
+        the same mean pressure. In some problems only.
         """
 
     @property
     def contact_conductance_limit_error(self) -> Array:
-        """Stress * length/time * temperature [step]: error bound (95 %) of contact_conductance_limit. In some
-        problems only.
+        """Stress * length/time/temperature [step]: error bound (95 %) of contact_conductance_limit. In some problems
+        only.
         """
 
     @property
     def contact_conductance_grid_error(self) -> Array:
-        """Stress * length/time * temperature [step]: grid error of contact_conductance: |contact_conductance -
-        limit| + limit_error. In some problems only.
+        """Stress * length/time/temperature [step]: grid error of contact_conductance: |contact_conductance - limit|
+        + limit_error. In some problems only.
         """
 
     @property
     def gas_conductance_limit(self) -> Array:
-        """Stress * length/time * temperature [step]: estimate of gas_conductance on an infinitely fine grid under
-        the same mean pressure. With `gas` only.
+        """Stress * length/time/temperature [step]: estimate of gas_conductance on an infinitely fine grid under the
+        same mean pressure. With `gas` only.
         """
 
     @property
     def gas_conductance_limit_error(self) -> Array:
-        """Stress * length/time * temperature [step]: error bound (95 %) of gas_conductance_limit. With `gas` only."""
+        """Stress * length/time/temperature [step]: error bound (95 %) of gas_conductance_limit. With `gas` only."""
 
     @property
     def gas_conductance_grid_error(self) -> Array:
-        """Stress * length/time * temperature [step]: grid error of gas_conductance: |gas_conductance - limit| +
+        """Stress * length/time/temperature [step]: grid error of gas_conductance: |gas_conductance - limit| +
         limit_error. With `gas` only.
         """
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from . import _gfmd, _hints, _leak, _show
 from ._below import FieldsBelow, interior
 from ._body import Body, Law
-from ._check import Array, Quantity, array, frozen, in_units, number, shown, word
+from ._check import CONDUCTIVITY, Array, Quantity, array, frozen, in_units, number, shown, word
 from ._columns import Fields, LowerFace, Numbers, Patches
 from ._errors import InputError
 from ._load import Residual, of_load, residual_of_all
@@ -445,8 +445,7 @@ class Contact(Result, Numbers, Fields):
             return math.nan
         if k1 is None and k2 is None:
             return found
-        conductivity = "stress*length^2/time*temperature"
-        first, second = in_units("k1", k1, conductivity), in_units("k2", k2, conductivity)
+        first, second = in_units("k1", k1, CONDUCTIVITY), in_units("k2", k2, CONDUCTIVITY)
         if not (0.0 < first < math.inf and 0.0 < second < math.inf):
             raise InputError(f"k1 and k2 are {k1!r}, {k2!r}; they must be positive and finite")
         return found / (1.0 / first + 1.0 / second) / metre(self.surface.unit)
@@ -506,7 +505,7 @@ class Contact(Result, Numbers, Fields):
                 raise InputError("gas is missing; it must be a name, or conductivity and jump in its place")
             if any(number is not None for number in state):
                 raise InputError("temperature, pressure and accommodation must be left out without gas")
-            k = in_units("conductivity", conductivity, "stress*length^2/time*temperature")
+            k = in_units("conductivity", conductivity, CONDUCTIVITY)
             m = in_units("jump", jump, "length", unit, None)
             if not (0.0 < k < math.inf and 0.0 < m < math.inf):
                 raise InputError(

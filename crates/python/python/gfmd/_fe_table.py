@@ -10,7 +10,7 @@ from typing import Any, Literal, Optional, Union
 import numpy as np
 
 from . import _gfmd, _leak
-from ._check import Quantity, flag, in_units, shown, word
+from ._check import CONDUCTIVITY, Quantity, conductivities, flag, in_units, shown, word
 from ._contact import Contact, Contacts
 from ._errors import InputError
 from ._hints import hinted
@@ -113,10 +113,10 @@ def fe_table(
     if len(units) > 1:
         raise InputError("results have different units; they must have the same")
     length, stress = next(iter(units), (None, None))
-    kind = "stress*length^2/time*temperature"
     pair = None
     if conductivity is not None:
-        pair = [in_units("conductivity", value, kind, length, stress) for value in conductivity]
+        both = conductivities(conductivity, length)
+        pair = [in_units("conductivity", value, CONDUCTIVITY, length, stress) for value in both]
         if len(pair) != 2 or not all(0.0 < one < math.inf for one in pair):
             raise InputError(f"conductivity is {shown(conductivity)}; it must be two numbers, positive and finite")
     given = [_realisation(found, pair, flag("flow", flow)) for found in all_of]

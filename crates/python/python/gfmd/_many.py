@@ -15,6 +15,7 @@ from ._contact import Contact, Contacts
 from ._errors import InputError, Interrupted, NotConverged
 from ._progress import BESIDE, Progress
 from ._solve import contact
+from ._surface import Surface, as_surface
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -77,7 +78,7 @@ def _solved(
         if ending.is_set():
             raise KeyboardInterrupt
 
-    def solve(index: int, surface: Any) -> Union[Contact, Contacts]:
+    def solve(index: int, surface: Surface) -> Union[Contact, Contacts]:
         BESIDE.set(look)
         try:
             found: Union[Contact, Contacts] = contact(surface, body, threads=1, **options)
@@ -95,10 +96,11 @@ def _solved(
             broken: Optional[Exception] = None
             while True:
                 try:
-                    index, surface = next(made)
+                    index, given = next(made)
+                    surface = _copied(index, given)
                 except StopIteration:
                     break
-                except Exception as error:  # of the generator: yield the earlier surfaces first
+                except Exception as error:  # of the generator or a surface: yield the earlier contacts first
                     broken = error
                     break
                 running.append(pool.submit(solve, index, surface))
@@ -113,6 +115,14 @@ def _solved(
     finally:
         ending.set()
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _copied(index: int, surface: Any) -> Surface:
+    """Copies heights before the generator goes on, which may reuse its array."""
+    try:
+        return as_surface(surface)
+    except InputError as error:
+        raise InputError(f"surface {index}: {error}") from error
 
 
 def _next(running: deque[Future[Union[Contact, Contacts]]], progress: Progress) -> Union[Contact, Contacts]:

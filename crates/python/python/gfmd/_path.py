@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _command, _gfmd, _show
 from ._body import Body, Law, as_body, as_law
-from ._check import Array, Quantity, array, frozen, integer, is_sequence, number, quantities, quantity
+from ._check import Array, Quantity, array, conductivities, frozen, integer, is_sequence, number, quantities, quantity
 from ._columns import MEASURED, StepFields, Steps
 from ._contact import Adhesion
 from ._errors import Error, InputError
@@ -561,8 +561,8 @@ def path(
         base_displacement, base_traction: displacement of the base, or traction on it, as in `contact`.
         statistics: measure patches and conductance of every step: `patches`, `largest_patch_fraction`, `conductance`
             and so on in `steps`; in files also distributions and spectra at the waypoints.
-        conductor_height, conductivity: electrode depth in both conductors, length, and their conductivities, W/(m K),
-            for `steps.contact_conductance`; with `statistics`.
+        conductor_height, conductivity: electrode depth in both conductors, length, and their conductivities, W/(m K)
+            or strings with a unit, for `steps.contact_conductance`; with `statistics`.
         flow: compute fluid flow through the gap after every step: `flow_xx`, `flow_percolates_x` and so on in `steps`,
             and `leak_rate`.
         steps: number of steps between waypoints, or a sequence with a number for each leg. A leg of zero duration and
@@ -606,6 +606,8 @@ def path(
     drive = drive_keys("the path is", {"pressure": pressure, "p_star": p_star, "force": force, "approach": approach})
     worn = wear_keys(wear)
     _check_distance(wear, distance)
+    if options.get("conductivity") is not None:
+        options["conductivity"] = conductivities(options["conductivity"], made.unit)
     problem: dict[str, Any] = dict(
         unit=made.unit,
         **drive,

@@ -144,7 +144,7 @@ fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, C
         )
         .into());
     }
-    if dx.max(dy) > LONGEST_CELL * dx.min(dy) {
+    if has_long_cells(at) {
         return Err("the grid error was measured with points as far apart along x as along y".into());
     }
     let limits = GridLimits::of(&at.summary, at.points, dx.max(dy), &at.scales);
@@ -153,8 +153,15 @@ fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, C
     limits.map_err(|reason| reason.to_string().into())
 }
 
+/// Returns true if the grid spacings along x and y differ.
+fn has_long_cells(at: &StateContext) -> bool {
+    let [dx, dy] = at.spacing;
+    dx.max(dy) > LONGEST_CELL * dx.min(dy)
+}
+
 /// Returns true if only two grids tell the limit of a number, not the formulas of one grid: under a law, for profiles,
-/// a slab between two surfaces, and for numbers of a patch that depend on its gap, its rim, or its compliance.
+/// unequal grid spacings, a slab between two surfaces, and for numbers of a patch that depend on its gap, its rim, or
+/// its compliance.
 fn needs_two_grids(at: &StateContext, name: &str) -> bool {
     let of_patch = || {
         let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
@@ -166,6 +173,7 @@ fn needs_two_grids(at: &StateContext, name: &str) -> bool {
         || BY_DIFFERENCE.contains(&name)
         || at.facts.line
         || at.facts.lower.is_some()
+        || has_long_cells(at)
         || at.facts.boundary == Boundary::Free && of_patch()
 }
 
@@ -410,12 +418,12 @@ pub(super) const LIMITS: &[[Column; 3]] = &[
     limits!(
         "contact_conductance",
         ["contact_conductance", ""],
-        "stress*length/time*temperature",
+        "stress*length/time/temperature",
         conducts,
         Some(1.4),
         |limits, at, value| if at.measured.electrodes { Err(NoLimit::Electrodes) } else { Ok(limits.stiffness(value)) }
     ),
-    limits!("gas_conductance", ["gas_conductance", ""], "stress*length/time*temperature", gas, None, two_grids),
+    limits!("gas_conductance", ["gas_conductance", ""], "stress*length/time/temperature", gas, None, two_grids),
     limits!("flow_xx", ["flow.conductivity", ".0.0"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
     limits!("flow_yy", ["flow.conductivity", ".1.1"], "1", flow, Some(1.3), |limits, _, value| limits.flow(value)),
     limits!("leak_x", ["leak", ".0"], "length^3/time", leak, Some(1.3), |limits, at, value| leaked(

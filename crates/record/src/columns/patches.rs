@@ -59,7 +59,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .on(Table::Patches, "conductance", Form::Size),
     Column::new(
         "contact_conductance",
-        "stress*length/time*temperature",
+        "stress*length/time/temperature",
         &[(any, "contact conductance per area: conductance divided by the sum of both conductors' resistivities")],
         |at| match &at.measured.conductance {
             Some(Ok(conductance)) => at.conductivity.map_or(f64::NAN, |series| conductance * series).into(),
@@ -72,7 +72,7 @@ pub(super) const COLUMNS: &[Column] = &[
     .main(),
     Column::new(
         "gas_conductance",
-        "stress*length/time*temperature",
+        "stress*length/time/temperature",
         &[(
             any,
             "conductance per area of the gas in the gap: mean of k/(g + M) over all points, with gas conductivity k, \

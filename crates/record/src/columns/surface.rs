@@ -69,7 +69,7 @@ type Column = crate::Column<Surface>;
 const FLAT: &str = "the surface is flat";
 const SHORT: &str = "the autocorrelation does not fall to 0.2 within half of the cell";
 const SHORT_SOMEWHERE: &str = "in a direction the autocorrelation does not fall to 0.2 within half of the cell";
-const NO_LAY: &str = "the surface has no direction: Str is above 0.5 or has no value";
+const NO_LAY: &str = "the surface has no direction: Str is, or may be, above 0.5";
 const EQUAL: &str = "the mean square slopes of all directions are equal";
 const FEW: &str = "an axis has fewer than three points";
 

@@ -376,6 +376,19 @@ impl Prepared {
                 warnings.push(words![found, setting("param", "gamma=0.05J/m^2"), " has its own"]);
             }
         }
+        let conductivity = self.conductivity.into_iter().chain(self.gas.map(|gas| gas.conductivity));
+        let least = conductivity.fold(f64::INFINITY, f64::min);
+        if let Some(pascals) = pascals
+            && least * pascals * metres * metres < LEAST_CONDUCTIVITY
+        {
+            let found = format!(
+                "a conductivity is {:.1e} W/(m K), less than the one of any gas: one without a unit is in {}; ",
+                least * pascals * metres * metres,
+                Units::new(units.length(), Some(units.stress().unwrap_or(Units::PASCAL)))
+                    .name("stress*length^2/time/temperature")
+            );
+            warnings.push(words![found, setting("conductivity", "16W/(m*K)"), " has its own"]);
+        }
         warnings
     }
 
@@ -529,6 +542,9 @@ const SOFTEST: f64 = 1e4;
 
 /// Least work of adhesion, J/m²: a hundredth of the weakest attraction between solids.
 const WEAKEST: f64 = 1e-5;
+
+/// Least thermal conductivity, W/(m K); heavy gases have some 0.005.
+const LEAST_CONDUCTIVITY: f64 = 1e-3;
 
 /// Largest reduced pressure of a rough contact; at 2 nearly all of the surface is in contact.
 const HIGHEST: f64 = 10.0;

@@ -33,6 +33,8 @@ pub struct CorrelationLengths {
     /// Longest distance, over all directions, of the first fall to 0.2; `None` for a profile or if a direction has
     /// none.
     pub longest: Option<f64>,
+    /// Largest distance at which the autocorrelation is known: half of the (shorter) side, length.
+    pub farthest: f64,
 }
 
 impl CorrelationLengths {
@@ -40,6 +42,12 @@ impl CorrelationLengths {
     /// isotropic surface.
     pub fn aspect(&self) -> Option<f64> {
         Some(self.sal? / self.longest?)
+    }
+
+    /// Returns an upper bound of Str: its value, or the shortest distance divided by the farthest one if a direction
+    /// has none, as along parallel grooves.
+    pub fn largest_aspect(&self) -> Option<f64> {
+        Some(self.sal? / self.longest.unwrap_or(self.farthest))
     }
 }
 
@@ -144,13 +152,14 @@ impl Autocorrelation {
     /// Returns the distances at which the autocorrelation first falls to 0.2, in directions one degree apart, by linear
     /// interpolation.
     pub fn lengths(&self) -> CorrelationLengths {
-        let none = CorrelationLengths { sal: None, longest: None };
+        let farthest = self.farthest;
+        let none = CorrelationLengths { sal: None, longest: None, farthest };
         if self.mean_square <= 0.0 {
             return none;
         }
         if self.difference.ncols() == 1 {
             let line = self.along(0);
-            return CorrelationLengths { sal: self.end(line.into_iter()), longest: None };
+            return CorrelationLengths { sal: self.end(line.into_iter()), ..none };
         }
         let step = 0.5 * self.spacing[0].min(self.spacing[1]);
         let ends = (0..DIRECTIONS).map(|direction| {
@@ -164,6 +173,7 @@ impl Autocorrelation {
         CorrelationLengths {
             sal: ends.iter().flatten().copied().reduce(f64::min),
             longest: ends.into_iter().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max)),
+            farthest,
         }
     }
 
@@ -344,6 +354,7 @@ mod tests {
         let line = Grid::line(1024, 4.0).unwrap();
         let lengths = Autocorrelation::of(&wave(1024, 1), &line, true).unwrap().lengths();
         assert!((lengths.sal.unwrap() - end).abs() < 1e-5 && lengths.longest.is_none(), "{lengths:?}");
+        assert_eq!((lengths.aspect(), lengths.largest_aspect()), (None, Some(lengths.sal.unwrap() / lengths.farthest)));
         // Grooves have no end along y.
         let grid = Grid::new([256, 32], [4.0, 4.0]).unwrap();
         let lengths = Autocorrelation::of(&wave(256, 32), &grid, true).unwrap().lengths();

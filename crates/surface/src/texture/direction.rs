@@ -14,7 +14,7 @@ const RAYS: usize = 180;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direction {
     /// Direction of the wave vectors with the most power, from 0 to 180, in steps of one degree. The lay is normal to
-    /// it. `None` if Str is undefined or above 0.5, or for a profile.
+    /// it. `None` if Str may be above 0.5, or for a profile.
     pub wave: Option<f64>,
     /// Direction of the largest mean square slope, above −90 to 90: what a contact feels. `None` if all directions are
     /// equal to rounding, or for a profile.
@@ -28,7 +28,8 @@ pub struct Direction {
 }
 
 impl Direction {
-    /// Computes the direction from the spectrum, and from Str of the autocorrelation.
+    /// Computes the direction from the spectrum, and from an upper bound of Str of the autocorrelation, if known
+    /// ([`CorrelationLengths::largest_aspect`](super::CorrelationLengths::largest_aspect)).
     ///
     /// Std of ISO 25178-2, 4.3, is the largest ∫ |h̃|² f df over rays of frequencies f, from the inverse of the shorter
     /// side to the lower Nyquist frequency. |h̃|² is bilinear between the modes: sums of modes over sectors would

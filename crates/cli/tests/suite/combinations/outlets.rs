@@ -266,14 +266,14 @@ pub(crate) fn threshold(found: &mut Found, case: &Case, folder: &Path, report: &
     }
 }
 
-/// Runs one further command on the file of the result.
-pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, out: &str, report: &Value) {
+/// Runs one further command on the file of the result, which the words `first` made.
+pub(crate) fn further(found: &mut Found, case: &Case, folder: &Path, (out, first): (&str, &[String]), report: &Value) {
     let mut words: Vec<String> = case.further.split_whitespace().map(str::to_owned).collect();
     let Some(command) = words.first().cloned() else { return };
     let depths = ["0", "0.05", "0.2"];
     match command.as_str() {
         "resume" => {
-            words = case.words.clone();
+            words = first.to_vec();
             words.extend(["--resume", "--json", "-q", "--out", out].map(str::to_owned));
         }
         "check" => words.extend([out, "--json", "-q"].map(str::to_owned)),
