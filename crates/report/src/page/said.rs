@@ -114,7 +114,7 @@ mod tests {
             ("coefficient = 1e-12", "1 1/TPa", "10<sup>−12</sup>"),
             ("lateral = [0.0, -2e-9]", "0, −2 nm", "0, −2 × 10<sup>−9</sup>"),
             ("second_body = [3e9, 0.3, 2e-6]", "3 GPa, 0.3, 2 µm", "3 × 10<sup>9</sup>, 0.3, 2 × 10<sup>−6</sup>"),
-            ("heat = [0.2, 1e-7]", "0.2 Pa·m²/s·K, 10<sup>−7</sup> m²/s", "0.2, 10<sup>−7</sup>"),
+            ("heat = [0.2, 1e-7]", "0.2 Pa·m²/s/K, 10<sup>−7</sup> m²/s", "0.2, 10<sup>−7</sup>"),
             ("p_star = [0.05]", "0.05", "0.05"),
             ("steps = 8", "8", "8"),
         ] {
