@@ -90,7 +90,7 @@ pub struct Args {
     #[command(flatten)]
     #[serde(flatten)]
     trace: TraceArgs,
-    #[arg(long, value_name = "F1,F2,..|none", help = help_of_fields(), help_heading = "Output")]
+    #[arg(long, value_name = "F1,F2,..|none", requires = "out", help = help_of_fields(), help_heading = "Output")]
     #[serde(skip_serializing_if = "Option::is_none")]
     fields: Option<Chosen>,
     #[command(flatten)]

@@ -30,7 +30,7 @@ pub(crate) struct LoadArgs {
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::FORCE)]
     force: Vec<Entry>,
-    /// Rigid approaches beyond first touch, length, negative for separation
+    /// Rigid approaches beyond first touch, length, negative for separation (with a law)
     #[arg(
         long,
         alias = "displacement",

@@ -92,7 +92,7 @@ impl Contact {
         grid: &Grid,
         heights: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
-        Self::responding(NormalResponse::distributed, share, body, grid, heights.into())
+        Self::responding(NormalResponse::recent, share, body, grid, heights.into())
     }
 
     /// Makes the contact as [`distributed`](Self::distributed), without lateral displacement of the surface.
@@ -105,11 +105,12 @@ impl Contact {
         grid: &Grid,
         heights: impl Into<Heights<'a>>,
     ) -> Result<Self, Refusal> {
-        Self::responding(NormalResponse::held_sideways_over, share, body, grid, heights.into())
+        let held = |grid, body: &_, share: &_| NormalResponse::held_sideways_over(grid, body, share).into();
+        Self::responding(held, share, body, grid, heights.into())
     }
 
     fn responding(
-        response: fn(Grid, &Body, &Share) -> NormalResponse,
+        response: fn(Grid, &Body, &Share) -> Arc<NormalResponse>,
         share: &Share,
         body: &Body,
         grid: &Grid,
@@ -118,7 +119,7 @@ impl Contact {
         let surface = Self::rough(share, grid, heights)?;
         let units = Units::of(body, &surface)?;
         let contact = Self {
-            response: response(units.grid(grid), &units.body(body), share).into(),
+            response: response(units.grid(grid), &units.body(body), share),
             free: None,
             all_components: None,
             hardness: None,

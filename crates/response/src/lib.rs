@@ -26,6 +26,7 @@ mod normal;
 mod operator;
 mod patch_table;
 mod plate;
+mod recent;
 mod rounded;
 mod scattered;
 mod units;

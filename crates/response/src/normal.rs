@@ -323,6 +323,11 @@ impl NormalResponse {
         self.transform.grid()
     }
 
+    /// Returns true if this is the response of `body`.
+    pub(crate) fn is_of(&self, body: &Body) -> bool {
+        self.body == *body
+    }
+
     /// Returns the planned transforms of the grid, used by [`NormalTransforms`](crate::NormalTransforms).
     pub(crate) fn transform(&self) -> &Transform {
         &self.transform

@@ -56,6 +56,10 @@ const MEMBERS: [(&str, &str, &str); 6] = [
 /// Returns the error message for a file in a format that is recognised but not read, or `None` for any other file.
 pub(crate) fn refusal(file: &File) -> Option<String> {
     let head = file.head();
+    #[cfg(feature = "zip")]
+    if let (b"PK\x03\x04", Err(damaged)) = (head.get(..4).unwrap_or_default(), Zip::open(file)) {
+        return Some(format!("{damaged}; copy the file again"));
+    }
     let (name, way) = first_bytes(head)
         .or_else(|| deeper(head, file.length()))
         .or_else(|| archive(file))

@@ -249,8 +249,9 @@ pub(super) fn read(text: &str) -> Result<Table, String> {
             NEEDED.into_iter().enumerate().map(|(place, column)| (column, (place, None))).collect()
         });
         if head_line == 0 && cells.len() != NEEDED.len() {
+            let found: String = content.chars().take(40).collect();
             return Err(at(format!(
-                "is {content:?}; it must be three numbers, frequency, storage and loss, or before them these heads"
+                "is {found:?}; it must be three numbers, frequency, storage and loss, or before them these heads"
             )));
         }
         let number = |column: Column| -> Result<Option<f64>, String> {

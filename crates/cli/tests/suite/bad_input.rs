@@ -44,13 +44,15 @@ fn flags_out_of_range() {
         ("all --dim 2 --boundary free", ["--dim", "--components all"]),
         ("held --boundary free", ["held", "--boundary free"]),
         ("held --second-body 1,0.3", ["held", "--second-body"]),
-        ("all --fields displacement_x,plastic_depth", ["--fields", "plastic_depth"]),
+        ("all --out x.h5 --fields displacement_x,plastic_depth", ["--fields", "plastic_depth"]),
         ("all --solver verlet-critical --damping 1,1,1", ["--damping", "compressible slab"]),
     ] {
         contact(&format!("{small} --components {more}"), &words);
     }
-    contact(&format!("{small} --fields displacement_x"), &["--fields", "displacement_x", "--components all"]);
-    contact(&format!("{small} --dim 2 --components all --fields displacement_y"), &["--fields", "displacement_y"]);
+    contact(&format!("{small} --fields gap"), &["--out"]);
+    let written = format!("{small} --out x.h5 --fields");
+    contact(&format!("{written} displacement_x"), &["--fields", "displacement_x", "--components all"]);
+    contact(&format!("{written} displacement_y --dim 2 --components all"), &["--fields", "displacement_y"]);
     contact(&format!("{small} --dt 0.5"), &["--dt", "verlet-critical"]);
     contact(&format!("{small} --solver fire --dt 0.5"), &["--dt", "verlet-critical"]);
     contact(&format!("{small} --solver verlet-critical --dt 1.5"), &["--dt", "below 1"]);

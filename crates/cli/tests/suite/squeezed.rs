@@ -275,7 +275,7 @@ fn what_does_not_go_together_is_refused() {
         (format!("{with} --lower-surface flat.npy"), ["--lower-surface", "--lower-seed"]),
         (format!("{slab} --lower-surface other.npy"), ["--lower-surface", "16 x 16"]),
         (format!("{slab} --lower-surface missing.npy"), ["missing.npy", ""]),
-        (format!("{slab} --fields lower_gap"), ["--fields", "--lower-surface"]),
+        (format!("{slab} --out x.h5 --fields lower_gap"), ["--fields", "--lower-surface"]),
         (
             "contact --surface flat.npy --height 0.1 --pressure 0.1 --lower-surface flat.npy".to_owned(),
             ["flat.npy", "equal"],

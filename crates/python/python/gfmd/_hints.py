@@ -41,12 +41,12 @@ _ARGUMENTS = {
 
 # Other names of attributes.
 _ATTRIBUTES = {
-    "pressure": ("traction", "tractions", "stress", "p", "pressures", "force", "forces", "sigma"),
+    "pressure": ("traction", "tractions", "stress", "p", "pressures", "forces", "sigma"),
     "area_fraction": ("area", "contact_area", "relative_area", "fractional_area", "contact_fraction", "A"),
     "touching": ("contact", "mask", "in_contact", "contact_map", "contacting_points"),
     "displacement_z": ("displacements", "deformation", "u", "uz", "u_z", "disp"),
     "approach": ("displacement", "indentation", "penetration", "offset", "depth"),
-    "mean_pressure times the area of the surface": ("load", "normal_force", "total_force"),
+    "mean_pressure times the area of the surface": ("force", "load", "normal_force", "total_force"),
     "gap": ("gaps", "separation", "interfacial_gap"),
     "mean_gap": ("mean_separation", "average_gap"),
     "max_pressure": ("peak_pressure", "pmax", "p_max", "maximum_pressure"),

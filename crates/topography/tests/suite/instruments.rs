@@ -671,6 +671,10 @@ fn entries_of_x3p_are_found_whatever_their_folder_case_and_slashes() {
     let two = [("a/main.xml", main_xml("D", "", "")), ("b/main.xml", main_xml("D", "", ""))];
     let two = refusal(made::zipped(&two, CompressionMethod::Stored));
     assert_eq!(two, "the archive has a/main.xml, b/main.xml; it must have one main.xml");
+    let mut cut = made::zipped(&[("main.xml", main_xml("D", "", ""))], CompressionMethod::Stored);
+    cut.truncate(cut.len() / 2);
+    let cut = refusal(cut);
+    assert!(cut.starts_with("the zip archive is damaged: ") && cut.ends_with("; copy the file again"), "{cut}");
 }
 
 #[test]
