@@ -32,7 +32,7 @@ use crate::loads::{LoadArgs, Sign};
 use crate::measuring::{Conducting, Findings, Gathered, MeasureArgs, Touching, recalled};
 use crate::progress::Progress;
 use gfmd_input::base::MovedBase;
-use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::failure::{Failure, Outcome, or_none};
 use gfmd_input::memory::peak_bytes;
 use gfmd_input::session::Session;
 use gfmd_input::source::Surface;
@@ -299,7 +299,7 @@ impl Loads {
         )?;
         let Measuring { gathered, trace, mut finer, .. } = measuring;
         let is_kept = outcome.is_kept(kept.as_deref());
-        let SeriesOutcome { records, failure, not_converged, .. } = outcome;
+        let SeriesOutcome { records, mut failure, not_converged, .. } = outcome;
         let head = Head::new(&args.asked()?, prepared, contact.surface());
         let mut report = Report {
             head: Head { fluid: args.measure.fluid.fluid.clone(), ..head },
@@ -338,16 +338,10 @@ impl Loads {
             let below = state.lower().map(|lower| SceneFields::below(lower, state.lower_plastic_depth()));
             let below = below.and_then(|shown| shown_by_first(&prepared.surface, shown));
             let show = |whole| self.show(args, &whole, below.as_ref(), &gathered, &mut report);
-            session.agree(whole.map_or(Ok(()), show))?;
+            or_none(session.agree(whole.map_or(Ok(()), show)), &mut failure);
         }
         let law = self.law.as_ref().filter(|_| failure.is_none()).map(|law| law.write(&report, prepared)).transpose();
-        let failure = match session.agree(law) {
-            Ok(written) => {
-                report.export_law = written.flatten();
-                failure
-            }
-            Err(without_law) => Some(without_law),
-        };
+        report.export_law = or_none(session.agree(law), &mut failure).flatten();
         Ok(Outcome { report, failure })
     }
 

@@ -33,7 +33,7 @@ use self::waypoints::WaypointArgs;
 use crate::loads::Sign;
 use crate::measuring::{Conducting, MeasureArgs, draw_patches};
 use crate::whole::Whole;
-use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::failure::{Failure, Outcome, or_none};
 use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::lower::LowerArgs;
 use gfmd_input::session::Session;
@@ -319,7 +319,7 @@ fn finish(
     if let Some(archive) = file.as_mut().and_then(StateFile::archive) {
         statistics::write(archive, prepared, &gathered.states)?;
     }
-    let SeriesOutcome { records, failure, not_converged, parted_at } = outcome;
+    let SeriesOutcome { records, mut failure, not_converged, parted_at } = outcome;
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose();
     let out = session.agree(out)?.flatten();
     let out = session.written(out);
@@ -343,7 +343,7 @@ fn finish(
             }
             Ok(files)
         });
-        report.plots = session.agree(drawn)?;
+        report.plots = or_none(session.agree(drawn), &mut failure);
     }
     Ok(Outcome { report, failure })
 }

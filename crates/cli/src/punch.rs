@@ -13,7 +13,7 @@ use ndarray::{Array2, Array3};
 use serde::{Deserialize, Serialize};
 
 use crate::progress::Progress;
-use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::failure::{Failure, Outcome, or_none};
 use gfmd_input::memory::{self, peak_bytes};
 use gfmd_input::session::Session;
 use gfmd_problem::options::flags::toml_of;
@@ -344,7 +344,8 @@ impl Prepared {
             report.out = session.written(Some(self.write(output, args, session, &report, &solution)?));
         }
         if let (None, Some(prefix)) = (&failure, &args.plots) {
-            report.plots = figures::draw(prefix, &report, &self.grids[0], &self.body, &solution, reference)?;
+            let drawn = figures::draw(prefix, &report, &self.grids[0], &self.body, &solution, reference);
+            report.plots = or_none(drawn, &mut failure);
         }
         let kept = report.out.as_deref().map_or_else(String::new, |out: &Path| format!("; kept in {}", out.display()));
         Ok(Outcome { report, failure: failure.map(|failure| failure.with(&kept)) })

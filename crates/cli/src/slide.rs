@@ -15,7 +15,7 @@ use clap::Args as ClapArgs;
 use gfmd_contact::{Contact, Load, Refusal, SolveError, Visit};
 use gfmd_files::Output;
 use gfmd_heat::HeatError;
-use gfmd_input::failure::{Failure, Outcome};
+use gfmd_input::failure::{Failure, Outcome, or_none};
 use gfmd_input::hardness::HardnessArgs;
 use gfmd_input::memory::peak_bytes;
 use gfmd_input::session::Session;
@@ -513,7 +513,8 @@ impl SlideInput {
         if let (None, Some(prefix), Some(last)) = (&failure, &args.plots, &last) {
             let is_viscoelastic = prepared.inelastic.relaxation.is_some();
             let of_surface = (&prepared.surface, prepared.hardness.as_ref(), last);
-            report.plots = report.draw(prefix, (velocities.len(), is_viscoelastic), of_surface)?;
+            let drawn = report.draw(prefix, (velocities.len(), is_viscoelastic), of_surface);
+            report.plots = or_none(drawn, &mut failure);
         }
         Ok(Outcome { report, failure })
     }

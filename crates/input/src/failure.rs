@@ -150,6 +150,15 @@ pub struct Outcome<R> {
     pub failure: Option<Failure>,
 }
 
+/// Returns what was made of finished results; if that failed, nothing, and keeps the reason in `failure`, so that the
+/// results are printed.
+pub fn or_none<T: Default>(made: Result<T, Failure>, failure: &mut Option<Failure>) -> T {
+    made.unwrap_or_else(|reason| {
+        failure.get_or_insert(reason);
+        T::default()
+    })
+}
+
 /// Returns the state that a solve has reached, and the failure, in these `units`, if it did not converge.
 ///
 /// # Errors

@@ -462,8 +462,19 @@ impl SourceArgs {
             return Err(Failure::value(key(option), "given", words!["left out without ", key("surface")]));
         }
         let is_made = self.surface.is_none() && self.second_surface.is_none();
-        if let (true, Some(option)) = (is_made, self.preparation.of_scans()) {
+        let of_scans = [
+            ("detrend", self.detrend != Detrend::None),
+            ("periodise", self.periodise != Periodisation::AsIs),
+            ("flip", self.flip),
+        ];
+        let given = of_scans.into_iter().find_map(|(option, given)| given.then_some(option));
+        if let (true, Some(option)) = (is_made, given.or_else(|| self.preparation.of_scans())) {
             return Err(Failure::value(key(option), "given", words!["left out without ", key("surface")]));
+        }
+        let is_fitted = self.preparation.level.is_some() || self.detrend != Detrend::None;
+        if !(self.preparation.exclude.is_empty() || is_fitted) {
+            let fits = words![key("level"), " or ", key("detrend")];
+            return Err(Failure::value(key("exclude"), "given", words!["left out without ", fits]));
         }
         if boundary == Boundary::Free && self.periodise != Periodisation::AsIs {
             return Err(Failure::value(

@@ -5,6 +5,7 @@ mod scene;
 use std::path::{Path, PathBuf};
 
 use gfmd_field::Grid;
+use gfmd_files::{FileError, Output};
 use gfmd_measure::theory::{BUSH_GIBSON_THOMAS_KAPPA, persson_area};
 use gfmd_plot::{Axis, Below, Chart, Map, Mark, Panel, Series, TWO_COLUMNS};
 use gfmd_unit::{DisplayUnit, Units};
@@ -14,17 +15,21 @@ use gfmd_input::failure::Failure;
 
 pub use scene::{Face, FigureKind, Scene, SceneFields, rough};
 
-/// Parses a prefix of figures. Its folder must exist.
+/// Parses a prefix of figures. Its folder must exist and be writable.
 ///
 /// # Errors
-/// Returns an error if the folder does not exist or if a figure name would be too long for the file system.
+/// Returns an error if no file can be made in the folder, or if a figure name would be too long for the file system.
 pub fn parse_prefix(text: &str) -> Result<PathBuf, String> {
     let prefix = PathBuf::from(text);
     let folder = gfmd_files::folder(&prefix);
     if !folder.is_dir() {
         return Err(format!("there is no folder {}", folder.display()));
     }
-    check_names(&prefix).map(|()| prefix)
+    check_names(&prefix)?;
+    match Output::claim(named(&prefix, "map.svg")) {
+        Err(error @ FileError::Io { .. }) => Err(error.to_string()),
+        _ => Ok(prefix),
+    }
 }
 
 /// Checks that figures with this prefix can be written, so that long work does not fail because of their names.

@@ -72,11 +72,14 @@ impl Composition {
 }
 
 impl Analysis {
-    /// Returns kappa of a point with the long waves composed, as in the extrapolations that are `composed`.
-    pub fn composed(&self, point: usize, load: usize, plan: &Plan) -> Option<&Datum> {
+    /// Returns kappa of a point with the long waves composed, as in the extrapolations that are `composed`, less what
+    /// the grid adds, which is composed, too.
+    pub fn composed(&self, point: usize, load: usize, plan: &Plan) -> Option<Datum> {
         let (hurst, p_star) = (plan.points[point].hurst, plan.config.loads.p_star[load]);
         let eps = self.data.get(&Key { point, load, area: Area::Raw })?.all_eps();
         let of = |e: &&Extrapolation| e.composed && e.hurst == hurst && e.p_star == p_star && e.area == Area::Raw;
-        self.extrapolations.iter().find(of)?.data.iter().find(|datum| datum.all_eps() == eps)
+        let datum = self.extrapolations.iter().find(of)?.data.iter().find(|datum| datum.all_eps() == eps)?;
+        let less = |(seed, kappa): (&u64, &f64)| (*seed, kappa - datum.edge.get(seed).unwrap_or(&0.0));
+        Some(Datum::new(datum.all_eps(), datum.kappa.iter().map(less).collect()))
     }
 }

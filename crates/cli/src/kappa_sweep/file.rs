@@ -110,7 +110,11 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
     let kappa = |row: &Key, area: Area| datum(row, area).map_or(f64::NAN, Datum::mean);
     let error = |row: &Key, area: Area| datum(row, area).and_then(Datum::standard_error).unwrap_or(f64::NAN);
     let edge = |row: &Key| datum(row, Area::Raw).map_or(f64::NAN, Datum::mean_edge);
-    let columns: [Column<Key>; 8] = [
+    let composed = |row: &Key| analysis.composed(row.point, row.load, plan);
+    let kappa_composed = |row: &Key| composed(row).map_or(f64::NAN, |datum| datum.mean());
+    let composed_error = |row: &Key| composed(row).and_then(|datum| datum.standard_error()).unwrap_or(f64::NAN);
+    let of_composed = "kappa less edge, with the long waves composed; NaN if they are not";
+    let columns: [Column<Key>; 10] = [
         ("dim", "dimension of the body: 3, or 2 in plane strain", &|_| f64::from(plan.config.surface.dim)),
         ("p_star", "reduced pressure p/(E* g)", &|row| plan.config.loads.p_star[row.load]),
         ("realisations", "number of realisations", &|row| plan.runs_of(row.point).len() as f64),
@@ -119,6 +123,8 @@ fn write_points(archive: &mut Archive, plan: &Plan, analysis: &Analysis) -> Resu
         ("kappa_corrected", "kappa of the perimeter-corrected area", &|row| kappa(row, Area::Corrected)),
         ("kappa_corrected_sem", "standard error of the mean of kappa_corrected", &|row| error(row, Area::Corrected)),
         ("edge", "part of kappa added by the grid, estimated from each contact, mean over realisations", &edge),
+        ("kappa_composed", of_composed, &kappa_composed),
+        ("kappa_composed_sem", "standard error of the mean of kappa_composed", &composed_error),
     ];
     write_columns(archive, "/points", &point, &rows, &columns)
 }

@@ -220,11 +220,7 @@ impl Report {
         let points = analysis.data.iter().filter(|(key, _)| key.area == Area::Raw).map(|(key, raw)| {
             let point = &plan.points[key.point];
             let corrected = analysis.data.get(&Key { area: Area::Corrected, ..*key });
-            // Less what the grid adds, which is composed, too.
-            let composed = analysis.composed(key.point, key.load, plan).map(|datum| {
-                let less = |(seed, kappa): (&u64, &f64)| (*seed, kappa - datum.edge.get(seed).unwrap_or(&0.0));
-                Datum::new(datum.all_eps(), datum.kappa.iter().map(less).collect())
-            });
+            let composed = analysis.composed(key.point, key.load, plan);
             PointReport {
                 cell: Cell::new(plan, point),
                 p_star: plan.config.loads.p_star[key.load],

@@ -50,6 +50,10 @@ fn flags_out_of_range() {
         contact(&format!("{small} --components {more}"), &words);
     }
     contact(&format!("{small} --fields gap"), &["--out"]);
+    for of_scans in ["--flip", "--detrend plane", "--periodise mirror", "--exclude above:0", "--level rows:median"] {
+        let option = of_scans.split_once(' ').map_or(of_scans, |(option, _)| option);
+        contact(&format!("{small} {of_scans}"), &[option, "left out without --surface"]);
+    }
     let written = format!("{small} --out x.h5 --fields");
     contact(&format!("{written} displacement_x"), &["--fields", "displacement_x", "--components all"]);
     contact(&format!("{written} displacement_y --dim 2 --components all"), &["--fields", "displacement_y"]);
@@ -189,6 +193,7 @@ fn sweeps_that_cannot_be_computed() {
     sweep("[loads]\np_star = [0.02, 0.01]", &["loads.p_star"]);
     sweep("[loads]\np_star = [-0.02]", &["loads.p_star"]);
     sweep("[fit]\np_star = 0.3", &["fit.p_star", "0.3"]);
+    sweep("[fit]\nresamples = 2", &["fit.resamples", "from 20"]);
     sweep("[fit]\nalpha_c = \"loose\"", &["fit.alpha_c", "loose"]);
     sweep("[points]\neps_c_inv = [1.0]", &["points", "eps_c", "1"]);
     sweep("[points]\neps_f_inv = [1048576.0]", &["GiB"]);
@@ -213,4 +218,27 @@ fn not_converged_is_an_error_that_keeps_what_was_reached() {
     let file = gfmd_files::Reader::open(folder.path().join("c.h5")).unwrap();
     assert_eq!(file.values::<f64>("/loads/converged").unwrap()[0], 0.0);
     assert!(file.values::<f64>("/loads/kappa").unwrap()[1].is_nan());
+}
+
+/// Figures that cannot be written cost no result: it is printed, and the status is 1.
+#[test]
+fn results_are_printed_without_their_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    for figure in ["map", "friction", "u_x"] {
+        std::fs::create_dir(folder.path().join(format!("taken-{figure}.svg"))).unwrap();
+    }
+    for (command, key) in [
+        ("contact --n 16 --p-star 0.1", "loads"),
+        ("path --n 16 --p-star 0.1 --steps 1", "steps"),
+        ("slide --n 16 --p-star 0.1 --prony 1:0.3 --velocity 1", "states"),
+        ("punch --n 32", "mean_pressure"),
+    ] {
+        let line = format!("{command} --plots taken --json");
+        let output = gfmd(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+        let (printed, said) = (output.stdout.as_slice(), String::from_utf8_lossy(&output.stderr));
+        assert_eq!(output.status.code(), Some(1), "{command}: {said}");
+        assert!(said.contains("taken-"), "{command}: {said}");
+        let printed: serde_json::Value = serde_json::from_slice(printed).unwrap();
+        assert!(!printed[key].is_null(), "{command}: {printed}");
+    }
 }

@@ -134,6 +134,7 @@ fn what_cannot_be_prepared_is_refused_in_one_line() {
         ("--exclude above:1m --detrend plane", "it has no point of the scan"),
         ("--exclude 0:,0: --detrend plane", "do not determine all terms"),
         ("--exclude 0:4um, --detrend slope", "slope"),
+        ("--exclude 0:4um,", "left out without --level or --detrend"),
         ("--despike 0", "the threshold of spikes is 0; it must be positive and finite"),
         ("--despike 5,4", "the window of spikes is 4; it must be an odd number of points from 3 to 99"),
         ("--despike 0.1,3", "stand out; at most a tenth may"),

@@ -82,7 +82,8 @@ impl Config {
         check(fit.alpha_c != Alpha::Edge || surface.dim == 3, "fit.alpha_c", &fit.alpha_c.word(), allowed)?;
         self.check_method()?;
         self.check_protocol()?;
-        check(fit.resamples <= 1_000_000, "fit.resamples", &fit.resamples, "from 0 to 1000000")?;
+        let has_percentiles = fit.resamples == 0 || (20..=1_000_000).contains(&fit.resamples);
+        check(has_percentiles, "fit.resamples", &fit.resamples, "0 for none, or from 20 to 1000000")?;
         self.body()?;
         check(
             GRADIENTS.contains(&surface.rms_gradient),
