@@ -1,14 +1,22 @@
 //! Warnings on a result, which are written into every file of a run.
 
+use std::borrow::Cow;
+use std::fmt::{self, Display};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Warning on a result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// Short stable name, for programs.
-    pub code: &'static str,
+    pub code: Cow<'static, str>,
     /// Warning in words, one line.
     pub text: String,
+}
+
+impl Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{}: {}", self.code, self.text)
+    }
 }
 
 /// Warnings of a run, in order. Clones share the list, so a file contains all warnings added before it is finished.
@@ -28,7 +36,7 @@ impl Warnings {
 
     /// Returns the warnings so far as text, one line `code: text` each.
     pub fn lines(&self) -> String {
-        self.list().iter().map(|Warning { code, text }| format!("{code}: {text}\n")).collect()
+        self.list().iter().map(|warning| format!("{warning}\n")).collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Run of the program: common flags of all commands, interruption, and the machine.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -306,15 +307,15 @@ impl Session {
 
     /// Warns the user: on stderr, in the JSON of the report, and in the files of the run. `code` is a short name that
     /// does not change (docs/interface.md).
-    pub fn warn(&self, code: &'static str, text: impl Into<Words>) {
+    pub fn warn(&self, code: impl Into<Cow<'static, str>>, text: impl Into<Words>) {
         let text = line(&text.into().spelled(self.spelling()));
         tracing::warn!("{text}");
         self.note(code, text);
     }
 
     /// Records a warning like [`warn`](Self::warn), for a remark that the printed report contains itself.
-    pub fn note(&self, code: &'static str, text: String) {
-        self.warnings.add(Warning { code, text: line(&text) });
+    pub fn note(&self, code: impl Into<Cow<'static, str>>, text: String) {
+        self.warnings.add(Warning { code: code.into(), text: line(&text) });
     }
 
     /// Returns the spelling of options in texts for the user.
@@ -329,7 +330,7 @@ impl Session {
     pub fn json(&self, report: &impl Serialize) -> Result<String, Failure> {
         #[derive(Serialize)]
         struct Remark {
-            code: &'static str,
+            code: Cow<'static, str>,
             text: String,
         }
         #[derive(Serialize)]

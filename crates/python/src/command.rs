@@ -214,7 +214,8 @@ pub(crate) fn path_vjp<'py>(
 fn stacked([x, y]: [Option<Array2<f64>>; 2]) -> Option<Array3<f64>> {
     let shape = x.as_ref().or(y.as_ref())?.raw_dim();
     let x = x.unwrap_or_else(|| Array2::zeros(shape));
-    let components = if y.is_some() { 2 } else { 1 };
+    // A profile has no shear along y.
+    let components = if y.is_some() || shape[1] > 1 { 2 } else { 1 };
     let fields = [Some(x), y];
     let mut all = Array3::zeros((components, shape[0], shape[1]));
     all.outer_iter_mut().zip(fields.into_iter().flatten()).for_each(|(mut own, field)| own.assign(&field));

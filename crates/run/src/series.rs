@@ -152,6 +152,9 @@ pub struct SolvedState<'a> {
     pub is_cut: bool,
 }
 
+/// Code of the warning of a contact that reaches the edge of its patch.
+const PATCH_EDGE: &str = "patch-edge";
+
 /// End of a series.
 #[derive(Default)]
 pub struct SeriesOutcome {
@@ -202,12 +205,13 @@ impl Series<'_> {
         let (mut file, mut outcome, mut is_edge_warned) = (file, SeriesOutcome::default(), false);
         if let (Some(kept), Some(file)) = (&mut kept, &mut file) {
             outcome.records = self.recall(kept, file, path, progress, handler)?;
+            is_edge_warned = session.warnings().iter().any(|warning| warning.code == PATCH_EDGE);
         }
         if outcome.records.is_empty() {
             path.start_from(first()?);
         }
         for (index, drive) in drives.iter().enumerate().skip(outcome.records.len()) {
-            let started = Instant::now();
+            let (started, warned) = (Instant::now(), session.warnings().len());
             // Only a part with a single solve can continue in its middle.
             let is_single = facts.sequence == Sequence::Loads || facts.yields && path.solves_once();
             let copies = if is_single { kept.as_deref_mut() } else { None };
@@ -248,7 +252,7 @@ impl Series<'_> {
             let step = Step { effort, ..step };
             let at = prepared.at(state, tolerance);
             if let (false, Some(warning)) = (is_edge_warned || stopped.is_some(), prepared.edge_warning(state)) {
-                session.warn("patch-edge", format!("{place}: {warning}"));
+                session.warn(PATCH_EDGE, format!("{place}: {warning}"));
                 is_edge_warned = true;
             }
             let record =
@@ -277,7 +281,8 @@ impl Series<'_> {
             }
             if let (Some(kept), None, false) = (&mut kept, &stopped, index + 1 == drives.len() && self.ends_with_file) {
                 let fields = if place_in_file.is_some() { self.chosen.fields(facts, state, base) } else { Vec::new() };
-                let text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
+                let mut text = record.to_line().map_err(|error| Failure::computation(error.to_string()))?;
+                text.extend(session.warnings()[warned..].iter().map(|warning| format!("\n{warning}")));
                 let fields = fields.iter().map(|field| contiguous(field)).collect();
                 kept.add(&FinishedStep { text, fields }, &further)?;
                 kept.keep_state(|visitor| {
@@ -315,8 +320,12 @@ impl Series<'_> {
         let mut records = Vec::new();
         for index in 0..kept.finished() {
             let text = kept.text(index)?;
-            let record = Record::from_line(&self.prepared.facts, &text);
+            let mut lines = text.lines();
+            let record = Record::from_line(&self.prepared.facts, lines.next().unwrap_or_default());
             records.push(record.map_err(|error| kept.unusable(index, error.to_string()))?);
+            for (code, text) in lines.filter_map(|warning| warning.split_once(": ")) {
+                self.session.warn(code.to_owned(), text);
+            }
             let place = self.places.of(index);
             if let (Some(place), false) = (place, self.prepared.surface.share.is_whole()) {
                 let count = self.chosen.count(&self.prepared.facts);

@@ -63,7 +63,7 @@ pub(crate) fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{arguments:?}: {error}"))
 }
 
-/// Returns every number of a file except the seconds, which differ between identical runs.
+/// Returns every number of a file except the seconds, which differ between identical runs, and its warnings.
 pub(crate) fn numbers(path: &Path) -> BTreeMap<String, Vec<u64>> {
     let mut all = BTreeMap::new();
     if path.extension().is_some_and(|extension| extension == "vti") {
@@ -87,5 +87,8 @@ pub(crate) fn numbers(path: &Path) -> BTreeMap<String, Vec<u64>> {
     }
     let file = Reader::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     group(&file, "", &mut all);
+    if let Ok(warnings) = file.text("/", "warnings") {
+        all.insert("warnings".into(), warnings.bytes().map(u64::from).collect());
+    }
     all
 }

@@ -142,9 +142,26 @@ fn a_resumed_path_has_the_measurements_of_one_run() {
     let folder = folder.path();
     let flags = "path --n 32 --eps-f-inv 8 --p-star 0.02,0.1,0.02,0.05 --steps 3 --statistics -q \
                  --law exponential --param gamma=1e-5,range=1e-3";
+    let whole = killed_and_whole(folder, flags);
+    assert!(whole.contains_key("/patches/waypoint") && whole.contains_key("/fields/repulsion"));
+    assert_eq!(run(folder, "check whole.h5 --rerun --json")["differing"], 0);
+}
+
+/// The warnings on loads that finished before a kill are in the file of the resumed run.
+#[test]
+fn a_resumed_contact_has_the_warnings_of_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "contact --n 32 --eps-f-inv 8 --p-star 1e-3:0.3:24 --grid-error refine -q";
+    let whole = killed_and_whole(folder.path(), flags);
+    let warnings: String = whole["warnings"].iter().map(|byte| char::from(*byte as u8)).collect();
+    assert!(warnings.starts_with("grid: load 0: contacts are"), "{warnings}");
+}
+
+/// Runs a command once, and again with a kill after its first finished parts, which must change nothing. Returns the
+/// numbers.
+fn killed_and_whole(folder: &Path, flags: &str) -> std::collections::BTreeMap<String, Vec<u64>> {
     run(folder, &format!("{flags} --out whole.h5 --json"));
     let whole = numbers(&folder.join("whole.h5"));
-    assert!(whole.contains_key("/patches/waypoint") && whole.contains_key("/fields/repulsion"));
     let again = format!("{flags} --threads 1 --resume --out again.h5");
     let state = folder.join("again.h5.state");
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_gfmd"));
@@ -156,7 +173,7 @@ fn a_resumed_path_has_the_measurements_of_one_run() {
     killed.wait().unwrap();
     assert!(gfmd(folder, &words(&again)).status.success());
     assert_eq!(numbers(&folder.join("again.h5")), whole);
-    assert_eq!(run(folder, "check whole.h5 --rerun --json")["differing"], 0);
+    whole
 }
 
 /// A path draws the patches of the step with the largest contact.

@@ -134,7 +134,7 @@ fn warnings_stand_in_the_root_even_those_made_while_the_file_was_open() {
     let output = Output::claim(&path).unwrap();
     let provenance = provenance();
     let archive = Archive::create(&output, &provenance).unwrap();
-    provenance.warnings.add(crate::Warning { code: "rough-seam", text: "steps across the seam".into() });
+    provenance.warnings.add(crate::Warning { code: "rough-seam".into(), text: "steps across the seam".into() });
     archive.finish().unwrap();
     assert_eq!(read(&path).text("/", "warnings").unwrap(), "rough-seam: steps across the seam\n");
     write_all(&folder.path().join("b.h5"));
