@@ -100,8 +100,8 @@ pub struct DatumReport {
     pub kappa_tfc_without: Option<f64>,
 }
 
-/// Number of realisations of each datum from which the intervals are sound. Measured: with 4 kappa scatters by 1.7 times
-/// its standard error (14 sweeps by `star`), with 6 the intervals contain the limit as often as they should.
+/// Number of realisations of each datum from which the intervals are sound. Measured: with 4 kappa scatters by 1.7
+/// times its standard error (14 sweeps by `star`), with 6 the intervals contain the limit as often as they should.
 const FEW: usize = 6;
 
 /// Result of resampling.
@@ -348,8 +348,8 @@ impl fmt::Display for Warning {
             Self::FewRealisations { least } => {
                 write!(
                     f,
-                    "some data have only {least} realisations: the intervals are rough, and may be too narrow; {FEW} or more \
-                     are better"
+                    "some data have only {least} realisations: the intervals are rough, and may be too narrow; {FEW} \
+                     or more are better"
                 )
             }
             Self::PowerOfEpsF => write!(

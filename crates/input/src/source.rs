@@ -11,7 +11,7 @@ use gfmd_surface::{
     Fill, Interpolation, Moments, Periodisation, Statistics, SurfaceError, composite, composite_inside, finer,
     finer_inside,
 };
-use gfmd_unit::{Units, canonical, is_length};
+use gfmd_unit::{Units, canonical, digits, is_length};
 use ndarray::{ArcArray2, Array2, ArrayRef2};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -500,10 +500,10 @@ impl SourceArgs {
             if ratio > ROUGH_SEAM {
                 let text = format!(
                     "{name}: steps across the periodic seam are {ratio:.1} times those inside; they count as \
-                     roughness (rms gradient {:.4}, without the seam {:.4}). --detrend slope or --periodise mirror \
+                     roughness (rms gradient {}, without the seam {}). --detrend slope or --periodise mirror \
                      helps",
-                    statistics.moments.rms_gradient(),
-                    statistics.rms_gradient_inside
+                    digits(statistics.moments.rms_gradient()),
+                    digits(statistics.rms_gradient_inside)
                 );
                 session.warn("rough-seam", text);
             }

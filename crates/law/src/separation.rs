@@ -103,7 +103,7 @@ pub enum LawError {
         parameter: Parameter,
     },
     /// Table with points that cannot be interpolated.
-    #[error("the table has {0}")]
+    #[error("the table: {0}")]
     Curve(#[from] gfmd_curve::CurveError),
     /// Table that is not a valid law.
     #[error("the {found}; it must be {allowed}")]

@@ -90,7 +90,8 @@ const RIGID: f64 = 1e40;
 
 /// Share of the stored wave vector in the mean over the waves that the grid cannot distinguish, for a mode that is
 /// Nyquist along one axis, and along both. A wave with both components reversed is the same wave, so that two remain.
-/// In the corner the mean is taken along x first, then along y, where the reversed wave counts as well.
+/// In the corner the mean is taken along x first, then along y, where the reversed wave counts as well: contacts with
+/// mirrored surfaces differ a little there.
 const STORED: [f64; 2] = [0.5, 0.75];
 
 /// Returns the share of each wave of a pack in the mean over the waves that the grid cannot distinguish, and the share

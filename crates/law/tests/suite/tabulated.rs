@@ -96,7 +96,7 @@ fn the_traction_is_the_slope_of_the_energy_and_goes_on_beyond_the_table() {
 fn tables_that_are_no_law_are_refused_by_what_is_wrong() {
     let refused = |rows: &[[f64; 2]]| Tabulated::new(rows).unwrap_err().to_string();
     for (rows, words) in [
-        (&[[0.0, 1.0], [1.0, 0.5], [2.0, 0.0]][..], "the table has 3 rows; there must be at least 4"),
+        (&[[0.0, 1.0], [1.0, 0.5], [2.0, 0.0]][..], "the table: 3 rows; there must be at least 4"),
         (
             &[[0.0, 1.0], [1.0, 0.5], [1.0, 0.2], [2.0, 0.0]],
             "row 3 begins with 1; it must begin with a number above that of row 2, 1",
