@@ -201,7 +201,14 @@ impl Grid {
 
     /// Iterates over all modes of the half spectrum in storage order.
     pub fn modes(&self) -> impl Iterator<Item = Mode> + '_ {
+        self.modes_from(0)
+    }
+
+    /// Iterates over the modes of the half spectrum in storage order from mode `start` on.
+    pub fn modes_from(&self, start: usize) -> impl Iterator<Item = Mode> + '_ {
         let [lanes, positions] = self.spectrum_shape();
-        (0..lanes).flat_map(move |lane| (0..positions).map(move |position| self.mode(lane, position)))
+        let (first, skipped) = (start / positions, start % positions);
+        let from = move |lane: usize| if lane == first { skipped } else { 0 };
+        (first..lanes).flat_map(move |lane| (from(lane)..positions).map(move |position| self.mode(lane, position)))
     }
 }

@@ -141,8 +141,7 @@ impl Sums {
         let sums = rest.par_chunks(MODES_PER_TASK).enumerate().map(|(task, chunk)| {
             let mut sums = Self::default();
             let all = chunk.iter().chain(&behind[..behind.len().min(MODES_PER_TASK - chunk.len())]);
-            for (index, square) in (first + task * MODES_PER_TASK..grid.spectrum_len()).zip(all) {
-                let mode = grid.mode_at(index);
+            for (mode, square) in grid.modes_from(first + task * MODES_PER_TASK).zip(all) {
                 if !mode.is_uniform() {
                     sums.add(&mode, *square, resolved);
                 }

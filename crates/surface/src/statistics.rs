@@ -174,21 +174,31 @@ fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
     let second = if own > 1 { row(1) } else { &next };
     let [_, after_next] = share.beside(second, row(own - 1));
     let ahead = |i: usize| if i < own { row(i) } else { [&next[..], &after_next][i - own] };
-    let squares = |a: &[f64], b: &[f64]| b.iter().zip(a).map(|(ahead, here)| (ahead - here).powi(2)).sum::<f64>();
+    let square = |here: f64, ahead: f64| (ahead - here).powi(2);
     let of_row = |i: usize| {
         let here = row(i);
         let (behind, second) = (ahead(i + 1), ahead(i + 2));
-        let around = |steps: usize| {
-            let inside = ny.saturating_sub(steps);
-            [squares(&here[..inside], &here[ny - inside..]), squares(&here[inside..], here)]
-        };
-        let ([step, seam], [double, double_seam]) = (around(1), around(2.min(ny)));
+        // One sweep for sums that do not wait for each other.
+        let [mut sum, mut steps, mut next_steps, mut step, mut double] = [0.0; 5];
+        let (mut lowest, mut highest, mut steepest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
         let in_x = first + i + 1 < nx;
-        let slopes = (0..ny).map(|j| {
-            let x = if in_x { (behind[j] - here[j]) / dx } else { 0.0 };
-            let y = here.get(j + 1).map_or(0.0, |ahead| (ahead - here[j]) / dy);
-            x * x + y * y
-        });
+        let mut add = |j: usize, [beside, after]: [Option<f64>; 2]| {
+            let h = here[j];
+            sum += h;
+            steps += square(h, behind[j]);
+            next_steps += square(h, second[j]);
+            step += beside.map_or(0.0, |beside| square(h, beside));
+            double += after.map_or(0.0, |after| square(h, after));
+            (lowest, highest) = (lowest.min(h), highest.max(h));
+            let x = if in_x { (behind[j] - h) / dx } else { 0.0 };
+            let y = beside.map_or(0.0, |beside| (beside - h) / dy);
+            steepest = steepest.max(x * x + y * y);
+        };
+        let inside = ny.saturating_sub(2);
+        (0..inside).for_each(|j| add(j, [Some(here[j + 1]), Some(here[j + 2])]));
+        (inside..ny).for_each(|j| add(j, [here.get(j + 1).copied(), None]));
+        let seam = square(here[ny - 1], here[0]);
+        let double_seam = (inside..ny).zip(here).map(|(j, ahead)| square(here[j], *ahead)).sum();
         let laplacian = |j: usize| {
             let x = (here[j] - behind[j] + (second[j] - behind[j])) / (dx * dx);
             let y = if grid.is_line() {
@@ -200,13 +210,7 @@ fn rows(heights: &[f64], grid: &Grid, share: &Share) -> Vec<Row> {
         };
         let inner = if grid.is_line() { 0..1 } else { 1..ny.max(2) - 1 };
         let bent = if first + i + 2 < nx { inner.map(|j| laplacian(j).powi(2)).sum() } else { 0.0 };
-        let [steps, next_steps] = [squares(here, behind), squares(here, second)];
-        Row {
-            sums: [here.iter().sum(), steps, next_steps, step, seam, double, double_seam, bent],
-            lowest: here.iter().copied().fold(f64::INFINITY, f64::min),
-            highest: here.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            steepest: slopes.fold(0.0, f64::max),
-        }
+        Row { sums: [sum, steps, next_steps, step, seam, double, double_seam, bent], lowest, highest, steepest }
     };
     let found: Vec<Row> = (0..own).into_par_iter().map(of_row).collect();
     if share.is_whole() {
