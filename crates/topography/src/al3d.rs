@@ -80,7 +80,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
             length_unit: unit.clone(),
             height_unit: unit,
             details,
-            notes: vec![],
+            ..Map::default()
         })
     };
     Ok(Channel { name: "depth".into(), unit: Some("m".into()), points, read: Box::new(read) }.into())

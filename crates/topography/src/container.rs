@@ -129,7 +129,7 @@ impl Measurement {
         };
         let mut map = (channel.read)().map_err(|error| format!("{entry}: {error}"))?;
         format.upright(&mut map);
-        map.notes.extend(contents.warnings);
+        map.warnings.extend(contents.warnings);
         map.notes.insert(0, format!("the data file {entry} has the format {}", format.name));
         let (scaled, has_unit) = (map.height_unit.is_some(), map.length_unit.is_some());
         if let Some(factor) = self.height_scale.filter(|factor| *factor != 1.0 && !scaled) {

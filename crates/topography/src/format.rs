@@ -125,4 +125,6 @@ pub(crate) struct Map {
     pub details: Vec<(String, String)>,
     /// Notes of the reader.
     pub notes: Vec<String>,
+    /// Warnings about the data of the channel.
+    pub warnings: Vec<String>,
 }

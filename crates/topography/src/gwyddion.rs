@@ -140,7 +140,7 @@ fn channel<'a>(
             });
             notes.push("points under the mask of the channel are undefined".into());
         }
-        Ok(Map { heights, lengths: Some(lengths), length_unit, height_unit, details, notes })
+        Ok(Map { heights, lengths: Some(lengths), length_unit, height_unit, details, notes, ..Map::default() })
     };
     Ok(Channel { name, unit, points: grid.points, read: Box::new(read) })
 }
@@ -281,7 +281,7 @@ fn open_gsf(file: &File) -> Result<Contents<'_>, String> {
     let unit = height_unit.clone();
     let read = move || {
         let heights = grid.read(data, |height| height)?;
-        Ok(Map { heights, lengths, length_unit, height_unit, details: entries, notes: Vec::new() })
+        Ok(Map { heights, lengths, length_unit, height_unit, details: entries, ..Map::default() })
     };
     Ok(Channel { name, unit, points, read: Box::new(read) }.into())
 }

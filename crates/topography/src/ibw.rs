@@ -251,19 +251,16 @@ impl<'a> Wave<'a> {
         let mut side = |length: f64| (length, sides.next().flatten());
         let x = side(dx * nx as f64);
         let sides = Sides::of(x, (ny > 1).then(|| side(dy * ny as f64)));
-        let mut notes = vec![];
-        if !self.sound {
-            notes.push("the checksum of the header is wrong".into());
-        }
+        let warning = (!self.sound).then(|| "the checksum of the header is wrong".to_owned());
         let (height_unit, points) = (unit.clone(), grid.points);
         let read = move || {
-            let Sides { lengths, unit: length_unit, notes: converted } = sides?;
-            notes.extend(converted);
+            let Sides { lengths, unit: length_unit, notes } = sides?;
             let heights = grid.read(data, |height| height)?;
             // Igor gives every wave a spacing of 1 without a unit, which means an unknown size.
             let is_set = length_unit.is_some() || [dx, if ny == 1 { 1.0 } else { dy }] != [1.0; 2];
             let lengths = is_set.then_some(lengths);
-            Ok(Map { heights, lengths, length_unit, height_unit, details: details.to_vec(), notes })
+            let (details, warnings) = (details.to_vec(), warning.into_iter().collect());
+            Ok(Map { heights, lengths, length_unit, height_unit, details, notes, warnings })
         };
         Channel { name, unit, points, read: Box::new(read) }
     }

@@ -211,7 +211,8 @@ pub struct Topography {
     pub details: Vec<(String, String)>,
     /// Notes on this file.
     pub notes: Vec<String>,
-    /// Warnings about the file: header lines that are not used, heights that may denote missing points.
+    /// Warnings about the file: header lines that are not used, wrong checksums, heights that may denote missing
+    /// points.
     pub warnings: Vec<String>,
     /// Description of file and channel.
     pub source: String,
@@ -382,6 +383,7 @@ impl Topography {
         if map.heights.is_empty() {
             return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
         }
+        warnings.extend(map.warnings.iter().map(|warning| line(warning)));
         warnings.extend(sentinel::warning(&map.heights));
         let conversion = map.convert()?;
         if let Some([x, y]) = map.lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {

@@ -83,7 +83,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
             length_unit: lengths.map(|_| "m".into()),
             height_unit: Some("m".into()),
             details,
-            notes: vec![],
+            ..Map::default()
         })
     };
     Ok(Channel { name: "phase".into(), unit: Some("m".into()), points, read: Box::new(read) }.into())

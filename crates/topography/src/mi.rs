@@ -103,7 +103,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
                 length_unit: Some("m".into()),
                 height_unit,
                 details: details.to_vec(),
-                notes: vec![],
+                ..Map::default()
             })
         };
         channels.push(Channel { name: label, unit: Some(unit), points, read: Box::new(read) });

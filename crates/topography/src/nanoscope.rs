@@ -292,7 +292,7 @@ impl<'a> Image<'a> {
                 length_unit: Some(length_unit),
                 height_unit: Some(height_unit),
                 details: details.to_vec(),
-                notes: vec![],
+                ..Map::default()
             })
         };
         Ok(Channel { name: self.name, unit: Some(unit), points: grid.points, read: Box::new(read) })

@@ -131,7 +131,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
                 length_unit: Some(length_unit),
                 height_unit,
                 details: details.to_vec(),
-                notes: vec![],
+                ..Map::default()
             })
         };
         channels.push(Channel { name, unit: Some(unit), points: grid.points, read: Box::new(read) });

@@ -195,7 +195,7 @@ impl<'a> Dataset<'a> {
             if let Some(lengths) = &mut lengths {
                 notes.extend(rising(&mut heights, lengths));
             }
-            Ok(Map { heights, lengths, length_unit, height_unit, details, notes })
+            Ok(Map { heights, lengths, length_unit, height_unit, details, notes, ..Map::default() })
         };
         Ok(Channel { name: variable.name.clone(), unit, points: grid.points, read: Box::new(read) })
     }

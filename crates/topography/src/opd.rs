@@ -162,6 +162,7 @@ fn channel<'a>(
             height_unit: Some("nm".into()),
             details: details.to_vec(),
             notes: notes.into_iter().collect(),
+            ..Map::default()
         })
     };
     Ok(Channel { name, unit: Some("nm".into()), points, read: Box::new(read) })

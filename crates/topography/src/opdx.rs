@@ -254,7 +254,7 @@ impl<'a> Data<'a> {
                 length_unit: Some(unit),
                 height_unit: Some(height_unit),
                 details: details.to_vec(),
-                notes: vec![],
+                ..Map::default()
             })
         };
         Ok(Channel { name: self.name.into(), unit: Some(unit_of_heights), points: grid.points, read: Box::new(read) })

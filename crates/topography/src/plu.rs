@@ -60,7 +60,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
                 length_unit: unit.clone(),
                 height_unit: unit,
                 details: details.map(|(key, value)| (key.to_owned(), value)).collect(),
-                notes: vec![],
+                ..Map::default()
             })
         };
         channels

@@ -54,7 +54,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
                 length_unit: unit.clone(),
                 height_unit: unit,
                 details: details.to_vec(),
-                notes: vec![],
+                ..Map::default()
             })
         };
         channels.push(Channel { name, unit: Some("µm".into()), points, read: Box::new(read) });

@@ -80,7 +80,7 @@ impl Header {
             length_unit: metre(),
             height_unit: metre(),
             details: self.details,
-            notes: Vec::new(),
+            ..Map::default()
         }
     }
 }

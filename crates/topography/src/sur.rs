@@ -218,7 +218,7 @@ impl<'a> Object<'a> {
             length_unit: Some(unit_x),
             height_unit: Some(unit_z),
             details: self.details,
-            notes: vec![],
+            ..Map::default()
         })
     }
 }

@@ -6,6 +6,8 @@
 //! in metres. Validity has one bit per point, the lowest bit of a byte first. The first row of the file is at j = 0;
 //! its y axis points up.
 //!
+//! Wrong MD5 checksums of `main.xml` (in `md5checksum.hex`) and of the binary entries (in `main.xml`) give warnings.
+//!
 //! Names of entries may differ from those in `main.xml` in case and slashes, and all may be in one folder. Instead of a
 //! binary entry, `main.xml` itself may list the heights: one number per point, none for an undefined point.
 
@@ -24,6 +26,12 @@ pub(crate) const FORMAT: Format = Format { name: "X3P", sniff, open, first_line:
 
 /// Entry that describes the others.
 const MAIN: &str = "main.xml";
+
+/// Entry with the MD5 checksum of the description, as written by `md5sum`.
+const SUM: &str = "md5checksum.hex";
+
+/// Number of characters of an MD5 checksum.
+const SUM_DIGITS: usize = 32;
 
 /// Element of heights in the description.
 const LIST: &str = "DataList";
@@ -62,7 +70,9 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         several => return Err(format!("the archive has {}; it must have one {MAIN}", several.join(", "))),
     };
     let mut kept = Vec::new();
+    let mut sum = md5::Context::new();
     pieces(&mut zip, &main, |piece, in_list| {
+        sum.consume(piece);
         if !in_list {
             kept.extend_from_slice(piece);
         }
@@ -71,12 +81,41 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
             false => Ok(()),
         }
     })?;
+    let warnings = doubt(&mut zip, &main, sum).into_iter().collect();
     let text = String::from_utf8(kept).map_err(|_| format!("the entry {main} is not text in UTF-8"))?;
     let document = xml(&main, &text)?;
     let header = Header::parse(document.root_element(), main)?;
     let points = header.grid.points;
     let read = Box::new(move || header.read(file));
-    Ok(Channel { name: String::new(), unit: Some("m".into()), points, read }.into())
+    let channel = Channel { name: String::new(), unit: Some("m".into()), points, read };
+    Ok(Contents { warnings, ..channel.into() })
+}
+
+/// Returns a warning if the archive has another checksum of its description.
+fn doubt(zip: &mut Zip, main: &str, sum: md5::Context) -> Option<String> {
+    let name = zip.meant(&beside(main, SUM))?;
+    let text = zip.text(&name).unwrap_or_default();
+    let expected = text.split_whitespace().next().unwrap_or_default();
+    let is_sum = expected.len() == SUM_DIGITS && expected.bytes().all(|byte| byte.is_ascii_hexdigit());
+    match is_sum {
+        true => different(main, &name, expected, sum),
+        false => Some(format!("{name} begins with {:?}; it must be the MD5 checksum of {main}", clip(expected))),
+    }
+}
+
+/// Returns a warning if the checksum of the entry `name` differs from the one in another entry.
+fn different(name: &str, of: &str, expected: &str, sum: md5::Context) -> Option<String> {
+    let found = format!("{:x}", sum.finalize());
+    (!expected.eq_ignore_ascii_case(&found)).then(|| {
+        let expected = clip(expected);
+        format!("the MD5 checksum of {name} is {found}, but {of} has {expected}; one of them was changed")
+    })
+}
+
+/// Returns the path of an entry in the folder of the description.
+fn beside(main: &str, name: &str) -> String {
+    let folder = main.rsplit_once(['/', '\\']).map_or("", |(folder, _)| folder);
+    format!("{folder}/{name}")
 }
 
 /// Calls `each` for the pieces of an XML entry that end with `<`; the flag is true inside the list of heights.
@@ -207,10 +246,9 @@ impl Header {
         let Self { grid, spacing, scale: [increment, offset], main, heights: link, validity, details } = self;
         let [nx, ny] = grid.points;
         let mut zip = Zip::open(file)?;
-        let mut notes = Vec::new();
+        let mut warnings = Vec::new();
         let named = |zip: &Zip, name: &str| {
-            let folder = main.rsplit_once(['/', '\\']).map_or("", |(folder, _)| folder);
-            let beside = zip.meant(&format!("{folder}/{name}"));
+            let beside = zip.meant(&beside(&main, name));
             beside
                 .or_else(|| zip.meant(name))
                 .ok_or_else(|| format!("the archive has no entry {name}; {main} names it"))
@@ -222,7 +260,7 @@ impl Header {
                 let (stream, compressed) = zip.stream(&name)?;
                 let mut stream = Summed { stream, sum: md5::Context::new() };
                 let heights = grid.inflate(compressed, &mut stream, height)?;
-                entry.compare(stream.sum, &mut notes);
+                warnings.extend(entry.doubt(stream.sum));
                 heights
             }
             None => listed(&mut zip, &main, grid.points)?.mapv_into(height),
@@ -246,21 +284,19 @@ impl Header {
             }
             let mut sum = md5::Context::new();
             sum.consume(&bits);
-            entry.compare(sum, &mut notes);
+            warnings.extend(entry.doubt(sum));
         }
         let metre = || Some("m".to_owned());
         let lengths = [nx as f64 * spacing[0], ny as f64 * spacing[1]];
-        Ok(Map { heights, lengths: Some(lengths), length_unit: metre(), height_unit: metre(), details, notes })
+        let lengths = Some(lengths);
+        Ok(Map { heights, lengths, length_unit: metre(), height_unit: metre(), details, warnings, ..Map::default() })
     }
 }
 
 impl Entry {
-    /// Adds a note if the checksum is wrong. The checksum of the archive was correct, so the heights are as written.
-    fn compare(&self, sum: md5::Context, notes: &mut Vec<String>) {
-        let found = format!("{:x}", sum.finalize());
-        if let Some(expected) = self.checksum.as_ref().filter(|expected| !expected.eq_ignore_ascii_case(&found)) {
-            notes.push(format!("the MD5 checksum of {} is {found}, but main.xml has {}", self.name, clip(expected)));
-        }
+    /// Returns a warning if the checksum is wrong.
+    fn doubt(&self, sum: md5::Context) -> Option<String> {
+        different(&self.name, MAIN, self.checksum.as_deref().filter(|expected| !expected.is_empty())?, sum)
     }
 }
 

@@ -154,6 +154,7 @@ fn mitutoyo(book: &mut Workbook, [data, certificate]: [usize; 2]) -> Result<Chan
         height_unit: Some(height_unit.clone()),
         details: super::format::details([("date", date)]),
         notes: vec!["a workbook of Mitutoyo: the heights have the unit of the first parameter in column A".into()],
+        ..Map::default()
     };
     Ok(Channel { name: "DATA".into(), unit: Some(height_unit), points, read: Box::new(move || Ok(map)) })
 }

@@ -200,7 +200,7 @@ fn x3p_comes_back_as_it_was_written() {
         let sizes = found.lengths.unwrap().into_iter().zip(lengths);
         assert!(sizes.into_iter().all(|(found, length)| (found / length - 1.0).abs() <= f64::EPSILON));
         assert_eq!(found.unit.as_deref(), Some("m"));
-        assert!(found.notes.is_empty(), "{:?}", found.notes);
+        assert!(found.notes.is_empty() && found.warnings.is_empty(), "{:?} {:?}", found.notes, found.warnings);
         assert!(found.details.contains(&("Comment".into(), "a < b & c".into())), "{:?}", found.details);
     }
     let (note, found) = write(&heights(), [5.0, 4.0], Some("µm"));

@@ -267,7 +267,7 @@ fn igor_waves_have_either_order_of_bytes_and_name_their_channels() {
         assert!(map.notes.is_empty(), "{:?}", map.notes);
         let mut damaged = made::ibw(is_big);
         damaged[64 + 200] ^= 1;
-        assert_eq!(read(damaged).notes, ["the checksum of the header is wrong"]);
+        assert_eq!(read(damaged).warnings, ["the checksum of the header is wrong"]);
     }
     let profile = read(made::ibw_profile());
     assert_eq!((profile.heights.dim(), profile.lengths), ((5, 1), Some([2.5, 1.0])));
@@ -675,6 +675,38 @@ fn entries_of_x3p_are_found_whatever_their_folder_case_and_slashes() {
     cut.truncate(cut.len() / 2);
     let cut = refusal(cut);
     assert!(cut.starts_with("the zip archive is damaged: ") && cut.ends_with("; copy the file again"), "{cut}");
+}
+
+#[test]
+fn wrong_checksums_of_x3p_are_warnings() {
+    let digest = |bytes: &[u8]| format!("{:x}", md5::compute(bytes));
+    let heights: Vec<u8> = (1..7).flat_map(|z| f64::from(z).to_le_bytes()).collect();
+    let main = |sum: &str| {
+        let link = "<DataLink><PointDataLink>data.bin</PointDataLink><MD5ChecksumPointData>";
+        main_xml("D", "", &format!("{link}{sum}</MD5ChecksumPointData></DataLink>"))
+    };
+    let (data, wrong) = (digest(&heights), "0".repeat(32));
+    let of_main = |sum: &str| digest(&main(sum));
+    for (sum, of_main, entries) in [
+        (data.clone(), format!("{} *main.xml\n", of_main(&data)), vec![]),
+        (data.to_uppercase(), format!("{}\r\n", of_main(&data.to_uppercase()).to_uppercase()), vec![]),
+        (wrong.clone(), of_main(&wrong), vec!["data.bin"]),
+        (data.clone(), of_main(&wrong), vec!["main.xml"]),
+        (wrong.clone(), wrong, vec!["main.xml", "data.bin"]),
+    ] {
+        let sum_of_main = ("md5checksum.hex", of_main.into_bytes());
+        let entries_of_zip = [("main.xml", main(&sum)), ("data.bin", heights.clone()), sum_of_main];
+        let map = read(made::zipped(&entries_of_zip, CompressionMethod::Stored));
+        assert_eq!(map.heights[[2, 1]], 6.0);
+        let start = |entry: &&str| format!("the MD5 checksum of {entry} is ");
+        assert_eq!(map.warnings.len(), entries.len(), "{:?}", map.warnings);
+        for (warning, entry) in map.warnings.iter().zip(&entries) {
+            assert!(warning.starts_with(&start(entry)) && warning.contains(", but "), "{warning}");
+        }
+    }
+    let entries = [("main.xml", main(&data)), ("data.bin", heights), ("md5checksum.hex", b"none".to_vec())];
+    let map = read(made::zipped(&entries, CompressionMethod::Stored));
+    assert_eq!(map.warnings, ["md5checksum.hex begins with \"none\"; it must be the MD5 checksum of main.xml"]);
 }
 
 #[test]
