@@ -36,8 +36,11 @@ use points::MOST_COLUMNS;
 
 pub(crate) const FORMAT: Format = Format { name: "text", sniff, open, first_line: FirstLine::Bottom };
 
-/// Byte order mark of little-endian UTF-16.
-const UTF_16: &[u8] = &[0xff, 0xfe];
+/// Reader of a unit of UTF-16 from its two bytes.
+type Unit = fn([u8; 2]) -> u16;
+
+/// Byte order marks of UTF-16, and the readers of the units behind them.
+const UTF_16: [([u8; 2], Unit); 2] = [([0xff, 0xfe], u16::from_le_bytes), ([0xfe, 0xff], u16::from_be_bytes)];
 
 /// Range of last digits of a column without numbers.
 const NO_DIGIT: [f64; 2] = [f64::INFINITY, 0.0];
@@ -49,7 +52,7 @@ const NO_DATA: &str = "no data";
 const FEWEST_LABELS: usize = 3;
 
 fn sniff(file: &File) -> bool {
-    file.starts_with(UTF_16) || !file.head().contains(&0)
+    UTF_16.iter().any(|(mark, _)| file.starts_with(mark)) || !file.head().contains(&0)
 }
 
 fn open(file: &File) -> Result<Contents<'_>, String> {
@@ -131,8 +134,8 @@ fn pixels(rows: &Rows, header: &Header, points: [f64; 2]) -> Result<Option<Vec<C
 
 /// Decodes UTF-16 with its mark, UTF-8 if the bytes are valid, else Latin-1, where each byte is a character code.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
-    if let Some(bytes) = bytes.strip_prefix(UTF_16) {
-        let units = bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
+    if let Some((bytes, unit)) = UTF_16.iter().find_map(|(mark, unit)| Some((bytes.strip_prefix(mark)?, unit))) {
+        let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
         return char::decode_utf16(units).map(|found| found.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
     }
     match std::str::from_utf8(bytes) {

@@ -657,3 +657,14 @@ fn three(k: i32) -> String {
     let text = format!("{value:.decimals$}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
+
+#[test]
+fn utf_16_has_either_order_of_bytes() {
+    let text = "# Width: 3 µm\r\n# Height: 2 µm\r\n# Value units: nm\r\n1 2 3\r\n4 5 \u{2212}6\r\n";
+    for to_bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+        let bytes: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(to_bytes).collect();
+        let found = Topography::from_bytes("scan", bytes, None).unwrap();
+        assert_eq!(found.heights, ndarray::array![[1.0, 4.0], [2.0, 5.0], [3.0, -6.0]]);
+        assert_eq!((found.lengths, found.unit.as_deref()), (Some([3e3, 2e3]), Some("nm")));
+    }
+}
