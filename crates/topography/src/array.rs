@@ -14,6 +14,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
     let bytes = file.bytes()?;
     let header = Header::parse(bytes)?;
     let grid = grid(&header)?;
+    header.check_end(bytes.len(), grid.bytes()?)?;
     let read = move || {
         let heights = grid.read(&bytes[header.data..], |height| height)?;
         Ok(Map { heights, ..Map::default() })

@@ -36,6 +36,7 @@ pub fn parse(bytes: &[u8]) -> Result<ArrayD<f64>, String> {
             header.shape
         ));
     };
+    header.check_end(bytes.len(), count * size)?;
     let values = data.chunks_exact(size).take(count).map(|entry| header.number.value(entry)).collect();
     let shape = IxDyn(&header.shape);
     let array = if header.column_major {
@@ -89,6 +90,22 @@ impl Header {
             format!("the entries have the type {found}; they must be real numbers, floats of 32 or 64 bits or integers")
         })?;
         Ok(Self { shape, column_major, number, data })
+    }
+
+    /// Checks that a file of `found` bytes ends with the last entry, as files of NumPy do.
+    ///
+    /// # Errors
+    /// A file that is longer than its header says.
+    pub(crate) fn check_end(&self, found: usize, entries: usize) -> Result<(), String> {
+        let needed = self.data + entries;
+        match found > needed {
+            true => Err(format!(
+                "the file has {found} bytes; it must have {needed} for the shape {:?}, so it was changed or holds \
+                 several arrays",
+                self.shape
+            )),
+            false => Ok(()),
+        }
     }
 }
 
