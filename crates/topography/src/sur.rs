@@ -3,7 +3,7 @@
 //! A file is a sequence of objects, each a header of 512 bytes, a comment, a private zone, and 16-bit or 32-bit
 //! integers line by line. A height is the integer times the spacing along z, in the unit *of that spacing* (the header
 //! also names display units). Points that were not measured have the integer `smallest - 2`. The offset along z only
-//! moves the whole surface; it is listed in the details and not added.
+//! moves the whole surface; it is listed in the details and not added. Bytes after the last object give a warning.
 
 use flate2::bufread::ZlibDecoder;
 use std::io::Read;
@@ -57,6 +57,7 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         Heights::First => 1,
         Heights::All => first.objects,
     };
+    let all = first.objects;
     let mut channels = vec![];
     let mut object = first;
     for index in 0..objects {
@@ -71,7 +72,16 @@ fn open(file: &File) -> Result<Contents<'_>, String> {
         }
         channels.push(object.clone().channel());
     }
-    Ok(channels.into())
+    // Objects without heights may follow.
+    let (end, found) = (bytes.at(), bytes.at() + bytes.left());
+    let is_longer = objects == all && found > end;
+    let warnings = is_longer.then(|| {
+        format!(
+            "the file has {found} bytes, and its heights end at byte {end}; bytes may have been inserted before, which \
+             spoils the heights behind them"
+        )
+    });
+    Ok(Contents { warnings: warnings.into_iter().collect(), ..channels.into() })
 }
 
 /// Object: entries of its header, and its data before decoding.

@@ -115,6 +115,19 @@ fn digital_surf_says_what_is_wrong() {
 }
 
 #[test]
+fn bytes_behind_the_heights_of_digital_surf_are_a_warning() {
+    for (streams, at) in [(0, 537), (0, usize::MAX), (1, usize::MAX)] {
+        let mut bytes = made::sur(16, streams, 0);
+        assert!(read(bytes.clone()).warnings.is_empty());
+        let end = bytes.len();
+        bytes.insert(at.min(end), 0);
+        let says = format!("the file has {} bytes, and its heights end at byte {end}; ", end + 1);
+        let [warning] = &read(bytes).warnings[..] else { panic!("{streams}, {at}") };
+        assert!(warning.starts_with(&says), "{warning}");
+    }
+}
+
+#[test]
 fn a_compressed_surface_must_have_as_many_heights_as_it_says() {
     let whole = made::sur(32, 1, 0);
     let start = whole.len() - made::deflated(&[]).len();
