@@ -4,7 +4,7 @@ use ndarray::Axis;
 
 use crate::bytes::clip;
 use crate::format::Map;
-use crate::unit::{Conversion, is_length};
+use crate::unit::{Conversion, canonical, is_length};
 
 use super::{Rows, words};
 
@@ -97,6 +97,68 @@ struct Length {
     unit: Option<String>,
 }
 
+impl std::fmt::Display for Length {
+    fn fmt(&self, to: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match &self.unit {
+            Some(unit) => write!(to, "{} {unit}", self.value),
+            None => write!(to, "{}", self.value),
+        }
+    }
+}
+
+/// Value of an entry that may be repeated, but not with another value.
+trait Entry: std::fmt::Display {
+    /// Returns true if the value has the same meaning as another one.
+    fn agrees(&self, other: &Self) -> bool;
+}
+
+impl Entry for f64 {
+    fn agrees(&self, other: &Self) -> bool {
+        (self - other).abs() <= SAME * other.abs()
+    }
+}
+
+impl Entry for String {
+    fn agrees(&self, other: &Self) -> bool {
+        canonical(self) == canonical(other)
+    }
+}
+
+impl Entry for Length {
+    fn agrees(&self, other: &Self) -> bool {
+        match (&self.unit, &other.unit) {
+            (None, None) => self.value.agrees(&other.value),
+            (Some(from), Some(to)) if canonical(from) == canonical(to) => self.value.agrees(&other.value),
+            (Some(from), Some(to)) => {
+                let conversion = Conversion::between(from, to).ok().flatten();
+                conversion.is_some_and(|conversion| conversion.apply(self.value).agrees(&other.value))
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Relative difference of numbers that counts as rounding.
+const SAME: f64 = 1e-9;
+
+/// Sets an entry.
+///
+/// # Errors
+/// An entry that a line before gives with another value.
+fn once<T: Entry>(entry: &mut Option<T>, value: T, line: usize, name: &str) -> Result<(), String> {
+    match entry {
+        Some(before) if !value.agrees(before) => Err(format!(
+            "line {line} says that the {name} is {}, and a line before says {}; both must agree",
+            clip(&value.to_string()),
+            clip(&before.to_string())
+        )),
+        _ => {
+            *entry = Some(value);
+            Ok(())
+        }
+    }
+}
+
 /// Unit of heights and lengths, the lengths, and notes on conversions.
 struct Sizes {
     unit: Option<String>,
@@ -129,12 +191,12 @@ impl Header {
         let count = || value.parse().map(Some).map_err(|_| format!("line {line} says {value:?}; it must be a number"));
         match key.to_lowercase().as_str() {
             key if key.contains("xy") && rest.first().is_some_and(|unit| is_length(unit)) => {
-                self.pixel = Some(length(line, &format!("{value} {}", rest[0]))?);
+                once(&mut self.pixel, length(line, &format!("{value} {}", rest[0]))?, line, "pixel size")?;
                 self.is_top_first = true;
             }
             "horizontal" | "horizont." => self.points[0] = count()?,
             "vertical" | "vertikal" => self.points[1] = count()?,
-            "unit" | "einheit" => self.value_unit = Some((*value).into()),
+            "unit" | "einheit" => once(&mut self.value_unit, (*value).into(), line, "unit")?,
             "output image data" | "bilddatenausg." | "data name" if !value.is_empty() => {
                 if !["height", "höhe"].iter().any(|height| value.to_lowercase().contains(height)) {
                     return Err(format!("line {line} says that the data are {value:?}; they must be heights"));
@@ -156,11 +218,13 @@ impl Header {
         let value = value.trim();
         let number = || value.parse().ok();
         match key.trim().to_lowercase().as_str() {
-            "channel" | "kanal" => self.channel = Some(value.into()),
-            "width" | "breite" | "x-length" => self.width = Some(length(line, value)?),
-            "height" | "höhe" | "y-length" => self.height = Some(length(line, value)?),
-            "pixel size" => self.pixel = Some(length(line, value)?),
-            "value units" | "value unit" | "z-unit" | "exported image units" => self.value_unit = Some(value.into()),
+            "channel" | "kanal" => once(&mut self.channel, value.into(), line, "channel")?,
+            "width" | "breite" | "x-length" => once(&mut self.width, length(line, value)?, line, "width")?,
+            "height" | "höhe" | "y-length" => once(&mut self.height, length(line, value)?, line, "height")?,
+            "pixel size" => once(&mut self.pixel, length(line, value)?, line, "pixel size")?,
+            "value units" | "value unit" | "z-unit" | "exported image units" => {
+                once(&mut self.value_unit, value.into(), line, "unit")?;
+            }
             "samps/line" => self.points[0] = number().or(self.points[0]),
             "lines" => self.points[1] = number().or(self.points[1]),
             "scan size" => {
@@ -175,13 +239,13 @@ impl Header {
             | "_fillvalue"
                 if number().is_some() =>
             {
-                self.missing = number();
+                once(&mut self.missing, number().unwrap_or_default(), line, "number of missing points")?;
             }
             key => {
                 let conversion = key.strip_prefix("height conversion factor (->");
                 let Some(unit) = conversion.and_then(|rest| rest.trim().strip_suffix(')')) else { return Ok(false) };
-                self.factor = Some(length(line, value)?.value);
-                self.value_unit = Some(unit.trim().into());
+                once(&mut self.factor, length(line, value)?.value, line, "factor")?;
+                once(&mut self.value_unit, unit.trim().into(), line, "unit")?;
             }
         }
         Ok(true)

@@ -668,3 +668,23 @@ fn utf_16_has_either_order_of_bytes() {
         assert_eq!((found.lengths, found.unit.as_deref()), (Some([3e3, 2e3]), Some("nm")));
     }
 }
+
+#[test]
+fn entries_of_a_head_must_not_contradict_each_other() {
+    let table = |head: &str| format!("# Width: 9 um\n# Height: 6 um\n# Value units: nm\n{head}1 2 3\n4 5 6\n");
+    for (line, says) in [
+        ("# Width: 18 um", "the width is 18 um, and a line before says 9 um"),
+        ("# Width: 9", "the width is 9, and a line before says 9 um"),
+        ("# Höhe: 6 mm", "the height is 6 mm, and a line before says 6 um"),
+        ("# Value units: um", "the unit is um, and a line before says nm"),
+        ("# Height conversion factor (-> m): 2", "the unit is m, and a line before says nm"),
+        ("# NODATA: 5\n# nodata_value: 6", "the number of missing points is 6, and a line before says 5"),
+        ("# Channel: A\n# Channel: B", "the channel is B, and a line before says A"),
+        ("# pixel size: 3 um\n# pixel size: 3 nm", "the pixel size is 3 nm, and a line before says 3 um"),
+    ] {
+        let number = 3 + line.lines().count();
+        assert_eq!(refusal(&table(&format!("{line}\n"))), format!("line {number} says that {says}; both must agree"));
+    }
+    let same = read(&table("# Width: 9000 nm\n# Height: 6.0 µm\n# Value units: nm\n"));
+    assert_eq!((same.lengths, same.unit.as_deref()), (Some([9e3, 6e3]), Some("nm")));
+}
