@@ -50,16 +50,30 @@ const MISSING: [&str; 41] = [
 /// Longest number, in bytes, that is rewritten before parsing.
 const LONGEST: usize = 64;
 
-/// Parses a number; NaN for a point without a height.
+/// Parses a number; not finite for a point without a height.
 pub(super) fn number(word: &str, line: usize, column: usize) -> Result<f64, String> {
     if let Ok(number) = word.parse() {
-        return Ok(number);
+        return in_range(number, word, line, column);
     }
     if is_missing(word) {
         return Ok(f64::NAN);
     }
     let rewritten = if word.len() <= LONGEST { plain(word).parse().ok() } else { None };
-    rewritten.ok_or_else(|| format!("line {line}, column {column} is {:?}; it must be a number", clip(word)))
+    let number =
+        rewritten.ok_or_else(|| format!("line {line}, column {column} is {:?}; it must be a number", clip(word)))?;
+    in_range(number, word, line, column)
+}
+
+/// Returns a number as it is, but refuses digits that stand for a number too large for a double.
+fn in_range(number: f64, word: &str, line: usize, column: usize) -> Result<f64, String> {
+    match number.is_infinite() && word.bytes().any(|byte| byte.is_ascii_digit()) {
+        true => Err(format!(
+            "line {line}, column {column} is {:?}, which is out of range; it must be at most {:.1e}",
+            clip(word),
+            f64::MAX
+        )),
+        false => Ok(number),
+    }
 }
 
 /// Returns true for a word that denotes a point without a height, or an empty word between two separators: a word of
