@@ -1,6 +1,8 @@
 //! Lists of points: `x y z` on a lattice in any order, with or without gaps, and `x z` at even distances, among other
 //! columns or alone.
 
+use std::collections::BTreeSet;
+
 use ndarray::Array2;
 
 use super::Rows;
@@ -17,6 +19,9 @@ pub(super) const MANY: usize = 16;
 
 /// Largest ratio of lattice points to points in the list.
 const SPARSEST: usize = 4;
+
+/// Smallest ratio of the points of a list to those that are in it again.
+const FEW_AGAIN: usize = 4;
 
 /// Largest number of columns of a list.
 pub(super) const MOST_COLUMNS: usize = 16;
@@ -74,13 +79,14 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
             if rows.column(0).next().is_some_and(is_number) && is_monotonic(rows.column(1)) {
                 return profile(1, 2);
             }
-            if rows.rows < MANY {
+            if rows.rows < MANY && !columns.is_full(rows) {
                 return Ok(None);
             }
             Err(format!(
-                "the {} lines of three numbers are not the points x y z of a lattice; they must be, or a line above \
+                "the {} lines of three numbers are not the points x y z of a lattice{}; they must be, or a line above \
                  must name x and z of a profile; {AS_MATRIX}",
-                rows.rows
+                rows.rows,
+                columns.again(rows)
             ))
         }
         4..=MOST_COLUMNS => {
@@ -190,6 +196,29 @@ impl Columns {
         Ok(None)
     }
 
+    /// Returns true if few points are in the list again, and the others are all points of a lattice.
+    fn is_full(self, rows: &Rows) -> bool {
+        let Some(y) = self.y else { return false };
+        let [x, y] = [self.x, y].map(|column| rows.column(column).collect::<Vec<_>>());
+        let points: BTreeSet<_> = x.iter().zip(&y).map(|(x, y)| [x, y].map(|place| place.to_bits())).collect();
+        let [count_x, count_y] = [&x, &y].map(|places| axis::count(places));
+        points.len() >= FEWEST + 2 && count_x * count_y == points.len() && !self.again(rows).is_empty()
+    }
+
+    /// Describes the first point that is in the list again, if few points are; empty if none is.
+    fn again(self, rows: &Rows) -> String {
+        let Some(y) = self.y else { return String::new() };
+        let points = || rows.column(self.x).zip(rows.column(y)).enumerate();
+        let mut sorted: Vec<_> = points().map(|(row, (x, y))| ([x, y].map(f64::to_bits), row)).collect();
+        sorted.sort_unstable();
+        let again = || sorted.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        let first = again().min_by_key(|pair| pair[1].1).filter(|_| FEW_AGAIN * again().count() <= rows.rows);
+        let point = first.and_then(|pair| Some((pair[0].1, points().nth(pair[1].1)?)));
+        point.map_or_else(String::new, |(before, (row, (x, y)))| {
+            format!(" (point {} has the x and y of point {}, {x} and {y})", row + 1, before + 1)
+        })
+    }
+
     /// Returns the map with the units of the columns.
     fn map(self, rows: &Rows, titles: &[Title], header: &Header) -> Result<Map, String> {
         let map = match self.y {
@@ -197,11 +226,12 @@ impl Columns {
             Some(y) => self.surface(rows)?.ok_or_else(|| {
                 let name = |column: usize| titles.get(column).map_or("", |title| title.name.trim());
                 format!(
-                    "the {} points in the columns {}, {}, {} are not on a lattice, each point once; they must be",
+                    "the {} points in the columns {}, {}, {} are not on a lattice, each point once{}; they must be",
                     rows.rows,
                     name(self.x),
                     name(y),
-                    name(self.z)
+                    name(self.z),
+                    self.again(rows)
                 )
             })?,
         };

@@ -590,6 +590,13 @@ fn words_for_missing_points_are_known() {
     for word in ["1_0", "5um", "high", "1.2.3"] {
         assert!(refusal(&format!("1.5,2.0,0.5\n2.5,{word},3.0\n")).ends_with("it must be a number"));
     }
+    for word in ["inf", "-inf", "+Infinity"] {
+        assert_eq!(read(&format!("1.5,2.0,0.5\n2.5,{word},3.0\n")).undefined, 1, "{word}");
+    }
+    for word in ["1e999", "-1e309", "2.0D+400", "1.0+400"] {
+        let says = format!("line 2, column 2 is {word:?}, which is out of range; it must be at most 1.8e308");
+        assert_eq!(refusal(&format!("1.5,2.0,0.5\n2.5,{word},3.0\n")), says);
+    }
 }
 
 #[test]
@@ -687,4 +694,15 @@ fn entries_of_a_head_must_not_contradict_each_other() {
     }
     let same = read(&table("# Width: 9000 nm\n# Height: 6.0 µm\n# Value units: nm\n"));
     assert_eq!((same.lengths, same.unit.as_deref()), (Some([9e3, 6e3]), Some("nm")));
+}
+
+#[test]
+fn a_point_that_is_listed_again_is_named() {
+    let list = nodes(|_, x, y, z| format!("{x} {y} {z}\n")) + "1.5 0.5 7\n";
+    for head in ["", "x y z\n", "# by a program\n"] {
+        let reason = refusal(&format!("{head}{list}"));
+        assert!(reason.contains(" (point 31 has the x and y of point 10, 1.5 and 0.5); they must be"), "{reason}");
+    }
+    let short = refusal("0 0 5\n1 0 4\n2 0 7\n0 1 3\n1 1 9\n2 1 8\n2 0 1\n");
+    assert!(short.contains(" (point 7 has the x and y of point 3, 2 and 0); they must be"), "{short}");
 }
