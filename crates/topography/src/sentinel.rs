@@ -1,4 +1,4 @@
-//! Heights that may denote missing points.
+//! Heights that may denote missing points, or are damaged.
 
 use ndarray::Array2;
 
@@ -22,6 +22,9 @@ const KNOWN: [f64; 13] = [
 /// Size above which a single number far from all others is not a height in any unit.
 const HUGE: f64 = 1e10;
 
+/// Relative rounding error of heights of single precision.
+const ROUNDING: f64 = 1e-6;
+
 /// Distance from all other heights, relative to their range, at which a known number is doubtful.
 const KNOWN_FAR: f64 = 2.0;
 
@@ -43,6 +46,24 @@ pub(crate) fn warning(heights: &Array2<f64>) -> Option<String> {
             listed.join(" and ")
         )
     })
+}
+
+/// Returns a warning with the number of heights outside the range that the head of a file states, and the furthest of
+/// them. Each end of the range is rounded to its `digits`. A range from 0 to 0 is not stated.
+pub(crate) fn outside(heights: &Array2<f64>, [low, high]: [f64; 2], digits: [f64; 2]) -> Option<String> {
+    if [low, high] == [0.0; 2] {
+        return None;
+    }
+    let slack = ROUNDING * low.abs().max(high.abs());
+    let distance = |z: f64| (low - digits[0] - slack - z).max(z - high - digits[1] - slack);
+    let found = heights.iter().copied().filter(|z| z.is_finite() && distance(*z) > 0.0);
+    let count = found.clone().count();
+    let furthest = found.max_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+    Some(format!(
+        "{count} of {} heights are outside the range in the head, {low} to {high}, the furthest at {furthest}; head or \
+         heights are damaged",
+        heights.len()
+    ))
 }
 
 /// Two lowest different heights, or the two highest ones with their signs changed.

@@ -7,6 +7,7 @@
 use super::bytes::{Bytes, Grid, Order, Sample, count, positive};
 use super::file::File;
 use super::format::{Channel, Contents, FirstLine, Format, Map, size};
+use super::sentinel;
 
 pub(crate) const FORMAT: Format = Format { name: "Surfer", sniff, open, first_line: FirstLine::Bottom };
 
@@ -34,11 +35,22 @@ fn open_6(mut bytes: Bytes) -> Result<Contents, String> {
         }
         *spacing = positive("the spacing", (high - low) / (points[axis] - 1) as f64)?;
     }
-    bytes.skip(16)?;
+    let range = [bytes.f64()?, bytes.f64()?];
     let map = Map { lengths: Some(size(points, spacing)), ..Map::default() };
     let height = |height| if height >= BLANK { f64::NAN } else { height };
     let data = bytes.take(bytes.left())?;
-    Channel::of_grid("", Grid::lines(points, Sample::F32, Order::Little), data, map, height).map(Into::into)
+    Channel::of_grid("", Grid::lines(points, Sample::F32, Order::Little), data, map, height)
+        .map(|channel| within(range, channel).into())
+}
+
+/// Returns a channel that warns about heights outside a range.
+fn within(range: [f64; 2], Channel { name, unit, points, read }: Channel) -> Channel {
+    let read = Box::new(move || {
+        let mut map = read()?;
+        map.warnings.extend(sentinel::outside(&map.heights, range, [0.0; 2]));
+        Ok(map)
+    });
+    Channel { name, unit, points, read }
 }
 
 /// Opens a grid of version 7.
@@ -64,7 +76,7 @@ fn open_7(mut bytes: Bytes) -> Result<Contents, String> {
     let points = [count("the number of columns", grid.i32()?)?, lines];
     grid.skip(16)?;
     let spacing = [positive("the spacing along x", grid.f64()?)?, positive("the spacing along y", grid.f64()?)?];
-    grid.skip(16)?;
+    let range = [grid.f64()?, grid.f64()?];
     let [rotation, blank] = [grid.f64()?, grid.f64()?];
     if rotation != 0.0 {
         return Err(format!("the grid is turned by {rotation}; it must not be turned"));
@@ -78,5 +90,6 @@ fn open_7(mut bytes: Bytes) -> Result<Contents, String> {
     let map = Map { lengths: Some(size(points, spacing)), ..Map::default() };
     let height = move |height| if is_blank(height, blank) { f64::NAN } else { height };
     let data = data.take(data.left())?;
-    Channel::of_grid("", Grid::lines(points, Sample::F64, Order::Little), data, map, height).map(Into::into)
+    Channel::of_grid("", Grid::lines(points, Sample::F64, Order::Little), data, map, height)
+        .map(|channel| within(range, channel).into())
 }

@@ -2,10 +2,11 @@
 
 use ndarray::{Array2, Axis};
 
-use super::number::{is_missing, number};
+use super::number::{is_missing, last_digit, number};
 use crate::MOST_POINTS;
 use crate::bytes::{clip, lines, positive};
 use crate::format::{Channel, Map};
+use crate::sentinel;
 
 /// Smallest number that Surfer uses for a blank point.
 const BLANK: f64 = 1.701_41e38;
@@ -123,9 +124,10 @@ fn after<'a>(text: &'a str, line: &str) -> &'a str {
 /// Reads a Surfer grid: the positions of the first and last points, then heights starting at the bottom line.
 fn surfer(text: &str) -> Result<Map, String> {
     let mut words = text.split_whitespace().skip(1);
-    let mut head = [0.0; 8];
-    for value in &mut head {
+    let (mut head, mut digits) = ([0.0; 8], [0.0; 8]);
+    for (value, digit) in head.iter_mut().zip(&mut digits) {
         let word = words.next().unwrap_or_default();
+        *digit = last_digit(word);
         *value =
             word.parse().map_err(|_| format!("the head has {:?}; it must have 8 numbers below DSAA", clip(word)))?;
     }
@@ -140,7 +142,8 @@ fn surfer(text: &str) -> Result<Map, String> {
         positive(name, spacing).map(|spacing| spacing * head[axis])
     };
     let lengths = Some([along(0, "the spacing along x")?, along(1, "the spacing along y")?]);
-    Ok(Map { heights, lengths, ..Map::default() })
+    let warnings = sentinel::outside(&heights, [head[6], head[7]], [digits[6], digits[7]]).into_iter().collect();
+    Ok(Map { heights, lengths, warnings, ..Map::default() })
 }
 
 /// Reads the blocks of heights of a Wyko text, with lines along y.

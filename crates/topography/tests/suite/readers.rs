@@ -58,7 +58,14 @@ fn bcr_has_integers_or_floats_behind_a_head_in_either_encoding() {
 #[test]
 fn grids_of_surfer_have_no_unit_and_begin_with_the_bottom_line() {
     for version in [6, 7] {
-        assert_eq!(check_bare("Surfer", read(grids::surfer(version)), Some(GRID.lengths)).undefined, 1);
+        let map = check_bare("Surfer", read(grids::surfer(version)), Some(GRID.lengths));
+        assert_eq!((map.undefined, map.warnings.len()), (1, 0));
+        let mut narrow = grids::surfer(version);
+        let at = narrow.windows(8).position(|bytes| bytes == 271_f64.to_le_bytes()).unwrap();
+        narrow[at..at + 8].copy_from_slice(&246_f64.to_le_bytes());
+        let says =
+            " of 20 heights are outside the range in the head, -150 to 246, the furthest at 271; head or heights";
+        assert!(read(narrow).warnings[0].contains(says));
     }
 }
 

@@ -706,3 +706,15 @@ fn a_point_that_is_listed_again_is_named() {
     let short = refusal("0 0 5\n1 0 4\n2 0 7\n0 1 3\n1 1 9\n2 1 8\n2 0 1\n");
     assert!(short.contains(" (point 7 has the x and y of point 3, 2 and 0); they must be"), "{short}");
 }
+
+#[test]
+fn heights_of_a_surfer_grid_outside_its_range_are_a_warning() {
+    for (range, count) in
+        [("1 4", 0), ("0.5 3.9", 0), ("0 0", 0), ("-9 9", 0), ("1.04 4", 1), ("1.4 3.96", 1), ("1.37 3.94", 2)]
+    {
+        let map = read(&format!("DSAA\n2 2\n0 1\n0 1\n{range}\n1 2 1.70141e38\n3.96\n"));
+        assert_eq!((map.undefined, map.warnings.len()), (1, usize::from(count > 0)), "{range}: {:?}", map.warnings);
+        let start = format!("{count} of 4 heights are outside the range in the head, {}, ", range.replace(' ', " to "));
+        assert!(map.warnings.iter().all(|warning| warning.starts_with(&start)), "{:?}", map.warnings);
+    }
+}
