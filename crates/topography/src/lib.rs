@@ -212,7 +212,7 @@ pub struct Topography {
     /// Notes on this file.
     pub notes: Vec<String>,
     /// Warnings about the file: header lines that are not used, wrong checksums, heights that may denote missing
-    /// points.
+    /// points or be damaged.
     pub warnings: Vec<String>,
     /// Description of file and channel.
     pub source: String,
@@ -326,7 +326,7 @@ impl Topography {
         let mut map = Map { heights, ..Map::default() };
         Ok(Self {
             undefined: map.undefine(),
-            warnings: sentinel::warning(&map.heights).into_iter().collect(),
+            warnings: sentinel::warning(&map.heights, None).into_iter().collect(),
             heights: map.heights,
             lengths: None,
             unit: None,
@@ -384,7 +384,7 @@ impl Topography {
             return Err(format!("the grid is {nx} x {ny} points; it must have at least one point"));
         }
         warnings.extend(map.warnings.iter().map(|warning| line(warning)));
-        warnings.extend(sentinel::warning(&map.heights));
+        warnings.extend(sentinel::warning(&map.heights, map.height_unit.as_deref()));
         let conversion = map.convert()?;
         if let Some([x, y]) = map.lengths.filter(|lengths| !lengths.iter().all(|l| l.is_finite() && *l > 0.0)) {
             return Err(format!("the size is {x} by {y}; it must be positive and finite"));

@@ -2,6 +2,8 @@
 
 use ndarray::Array2;
 
+use crate::unit::Conversion;
+
 /// Numbers that programs write for missing points, if far outside all heights.
 const KNOWN: [f64; 13] = [
     -999.25,
@@ -22,6 +24,9 @@ const KNOWN: [f64; 13] = [
 /// Size above which a single number far from all others is not a height in any unit.
 const HUGE: f64 = 1e10;
 
+/// Relative rounding error of computed heights.
+const ROUNDING_OF_SUMS: f64 = 1e-14;
+
 /// Relative rounding error of heights of single precision.
 const ROUNDING: f64 = 1e-6;
 
@@ -31,20 +36,113 @@ const KNOWN_FAR: f64 = 2.0;
 /// Distance at which any repeated number is doubtful.
 const FAR: f64 = 10.0;
 
+/// Largest height in metres: larger ones are neither on a specimen nor on the Earth.
+const HIGHEST: f64 = 1e4;
+
+/// Largest height in any unit.
+const LARGEST: f64 = 1e30;
+
+/// Distance from the median, relative to all nearer heights and to the central range, at which heights are doubtful.
+const ISOLATED: f64 = 500.0;
+
+/// Largest number of heights from which the central range is estimated, and the smallest.
+const MOST_SAMPLES: usize = 1 << 16;
+const FEWEST_SAMPLES: usize = 16;
+
+/// Returns a warning about heights that may denote missing points or are damaged: numbers for missing points, heights
+/// that are larger than any, and heights far outside all others. `unit` is the unit of the heights.
+pub(crate) fn warning(heights: &Array2<f64>, unit: Option<&str>) -> Option<String> {
+    match (marks(heights), impossible(heights, unit)) {
+        (Some((text, marked)), Some((_, count))) if marked >= count => Some(text),
+        (_, Some((text, _))) | (Some((text, _)), None) => Some(text),
+        (None, None) => isolated(heights),
+    }
+}
+
+/// Returns a warning with the number of heights that are larger than any, and this number.
+fn impossible(heights: &Array2<f64>, unit: Option<&str>) -> Option<(String, usize)> {
+    let factor = |unit| Conversion::between(unit, "m").ok().map(|found| found.map_or(1.0, |found| found.apply(1.0)));
+    let metres = unit.and_then(factor);
+    let limit = metres.map_or(LARGEST, |metres| LARGEST.min(HIGHEST / metres));
+    let found = heights.iter().copied().filter(|z| z.is_finite() && z.abs() > limit);
+    let count = found.clone().count();
+    let furthest = found.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    let limit = if metres.is_some() { format!("{HIGHEST} m") } else { format!("{LARGEST:e}") };
+    let text = format!(
+        "{count} of {} heights are larger than {limit}, up to {furthest:e}; they may be damaged or denote missing \
+         points, which must be nan",
+        heights.len()
+    );
+    Some((text, count))
+}
+
+/// Returns a warning with the heights that are far outside all others. The central nine tenths of the heights set the
+/// scale.
+fn isolated(heights: &Array2<f64>) -> Option<String> {
+    let finite = || heights.iter().copied().filter(|z| z.is_finite());
+    // An odd step meets all columns of a grid.
+    let step = finite().count().div_ceil(MOST_SAMPLES) | 1;
+    let mut samples: Vec<f64> = finite().step_by(step).collect();
+    samples.sort_unstable_by(f64::total_cmp);
+    let count = samples.len();
+    let cut = (count / 20).max(2);
+    if count < FEWEST_SAMPLES {
+        return None;
+    }
+    let (median, [low, high]) = (samples[count / 2], [samples[cut], samples[count - 1 - cut]]);
+    let range = high - low;
+    let distance = |z: f64| (z - median).abs();
+    // A flat surface has no scale.
+    if range <= ROUNDING_OF_SUMS * low.abs().max(high.abs()) || finite().all(|z| distance(z) <= ISOLATED * range) {
+        return None;
+    }
+    // Nearest and furthest distance for each binary exponent.
+    let mut octaves = vec![[f64::INFINITY, 0.0]; 1 << 11];
+    for distance in finite().map(distance) {
+        let [near, far] = &mut octaves[(distance.to_bits() >> 52) as usize];
+        (*near, *far) = (near.min(distance), far.max(distance));
+    }
+    let mut reach = range;
+    let start = octaves.into_iter().find_map(|[near, far]| {
+        let is_isolated = near < f64::INFINITY && near > ISOLATED * reach;
+        reach = reach.max(far);
+        is_isolated.then_some(near)
+    })?;
+    let ends = |is_far: bool| {
+        finite()
+            .filter(|z| (distance(*z) >= start) == is_far)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])
+    };
+    let ([low, high], [first, last]) = (ends(false), ends(true));
+    let found = finite().filter(|z| distance(*z) >= start).count();
+    let found = if found == 1 {
+        format!("1 height, {first:e}, is")
+    } else {
+        format!("{found} heights, {first:e} to {last:e}, are")
+    };
+    Some(format!(
+        "{found} far outside all others, {low:e} to {high:e}; they may be damaged or denote missing points, which must \
+         be nan"
+    ))
+}
+
 /// Returns a warning with the lowest or highest height if it is far outside all others, and either occurs repeatedly or
-/// is used by programs for missing points.
-pub(crate) fn warning(heights: &Array2<f64>) -> Option<String> {
+/// is used by programs for missing points, and the number of such heights.
+fn marks(heights: &Array2<f64>) -> Option<(String, usize)> {
+    let mut all = 0;
     let listed: Vec<String> = doubtful(heights)
         .map(|(height, count)| {
+            all += count;
             let height = if height.abs() < HUGE { height.to_string() } else { format!("{height:e}") };
             format!("{height} at {count} point{}", if count == 1 { "" } else { "s" })
         })
         .collect();
     (!listed.is_empty()).then(|| {
-        format!(
+        let text = format!(
             "the height is {}, far outside all others; this may denote missing points, which must be nan",
             listed.join(" and ")
-        )
+        );
+        (text, all)
     })
 }
 
@@ -119,6 +217,10 @@ fn doubtful(heights: &Array2<f64>) -> impl Iterator<Item = (f64, usize)> {
 mod tests {
     use super::*;
 
+    fn warning(heights: &Array2<f64>) -> Option<String> {
+        super::warning(heights, None)
+    }
+
     /// Returns heights between -1 and 1, with `number` at some points.
     fn map(number: f64, count: usize) -> Array2<f64> {
         let mut heights = Array2::from_shape_fn((8, 6), |(i, j)| (1.3 * i as f64 + 0.7 * j as f64).sin());
@@ -161,5 +263,65 @@ mod tests {
         assert_eq!(warning(&Array2::from_elem((2, 2), f64::NAN)), None);
         let steps = Array2::from_shape_fn((40, 1), |(i, _)| -9999.0 + 400.0 * i as f64);
         assert_eq!(warning(&steps), None);
+    }
+
+    /// Returns 60 x 50 rough heights of size `scale`.
+    fn rough(scale: f64) -> Array2<f64> {
+        let sum = |a: f64, b: f64| (1.3 * a + 0.2 * b).sin() + (0.7 * b - 0.1 * a).cos() + (2.9 * a * b).sin();
+        Array2::from_shape_fn((60, 50), |(i, j)| scale * sum(i as f64, j as f64))
+    }
+
+    #[test]
+    fn heights_far_outside_all_others_are_counted() {
+        for scale in [1e-8, 1.0, 35.0] {
+            for far in [1e5, -1e5, -2e8, 1e8] {
+                for count in [1, 7, 100] {
+                    let mut heights = rough(scale);
+                    let step = heights.len() / count;
+                    heights.iter_mut().step_by(step).take(count).enumerate().for_each(|(k, height)| {
+                        *height = scale * far * (1.0 + 0.01 * k as f64);
+                    });
+                    let text = warning(&heights).unwrap();
+                    let start = if count == 1 { "1 height, ".to_owned() } else { format!("{count} heights, ") };
+                    assert!(text.starts_with(&start) && text.contains(" far outside all others, "), "{text}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pits_and_steps_of_a_rough_surface_are_no_damage() {
+        assert_eq!(warning(&rough(1e-8)), None);
+        let with = |fraction: usize, height: &dyn Fn(usize) -> f64| {
+            let mut heights = rough(1.0);
+            heights.iter_mut().take(3000 / fraction).enumerate().for_each(|(k, z)| *z += height(k));
+            heights
+        };
+        // Pits of 100 interquartile ranges, a step of a tenth of the surface, a pit with walls, a spike on a plane.
+        for heights in [
+            with(50, &|_| -200.0),
+            with(3000, &|_| -200.0),
+            with(9, &|_| 1e6),
+            with(30, &|k| -1e6 * 2_f64.powi(-(k as i32) / 4)),
+            Array2::from_shape_fn((60, 50), |(i, j)| f64::from((i, j) == (3, 4))),
+            Array2::from_shape_fn((60, 50), |(i, j)| (-0.3 * (i * i + j * j) as f64).exp()),
+        ] {
+            assert_eq!(warning(&heights), None);
+        }
+    }
+
+    #[test]
+    fn no_height_is_larger_than_a_mountain() {
+        let heights = rough(1.0 / 3.0);
+        for (unit, factor, says) in [
+            (Some("m"), 4e4, "10000 m"),
+            (Some("nm"), 4e13, "10000 m"),
+            (None, 4e30, "1e30"),
+            (Some("px"), 4e30, "1e30"),
+        ] {
+            let text = super::warning(&(&heights * factor), unit).unwrap();
+            assert!(text.contains(&format!(" of 3000 heights are larger than {says}, up to ")), "{text}");
+            assert_eq!(super::warning(&(&heights * (factor / 4.0)), unit), None);
+        }
     }
 }

@@ -252,6 +252,21 @@ fn alicona_lines_are_padded_and_a_tag_names_the_height_of_undefined_points() {
 }
 
 #[test]
+fn heights_that_are_larger_than_any_are_a_warning() {
+    let mut bytes = made::al3d();
+    let data = 640..bytes.len();
+    for (k, height) in bytes[data].chunks_exact_mut(4).enumerate() {
+        height.copy_from_slice(&(1e-6 * (k as f32).sin()).to_le_bytes());
+    }
+    assert!(read(bytes.clone()).warnings.is_empty());
+    // A lost byte shifts all others.
+    bytes.remove(641);
+    bytes.push(0);
+    let [warning] = &read(bytes).warnings[..] else { panic!() };
+    assert!(warning.contains(" of 20 heights are larger than 10000 m, up to "), "{warning}");
+}
+
+#[test]
 fn metropro_is_big_endian_and_scales_phases() {
     let scale = 0.5 * 2.0 / 32768.0;
     let expected =

@@ -609,6 +609,15 @@ fn numbers_that_stand_for_missing_points_are_named() {
     let array = ndarray::array![[1.5, -9999.0], [0.25, 2.0], [1.0, 0.5]].into_dyn();
     assert_eq!(Topography::of_array("heights", &array.view()).unwrap().warnings.len(), 1);
     assert!(read("1.5,4.0,0.5,1.0\n2.5,0.5,3.0,0.5\n").warnings.is_empty());
+    // The end of the last number is lost, or one number is from elsewhere.
+    for last in ["-7.5542e-0", "1e-3", "1", "7.55", "-1000"] {
+        let line = |j: usize| (0..9).map(|i| format!("{:.4e}\t", 1e-8 * (1.3 * (i * j + i) as f64).sin())).collect();
+        let lines: Vec<String> = (0..9).map(line).collect();
+        assert!(read(&lines.join("\n")).warnings.is_empty());
+        let cut = lines.join("\n").rsplit_once('\t').unwrap().0.rsplit_once('\t').unwrap().0.to_owned();
+        let [warning] = &read(&format!("{cut}\t{last}\n")).warnings[..] else { panic!("{last}") };
+        assert!(warning.starts_with("1 height, ") && warning.contains(", is far outside all others, "), "{warning}");
+    }
 }
 
 #[test]
