@@ -15,6 +15,15 @@ const TOLD: usize = 8;
 /// Largest ratio of lattice points to coordinates written as whole numbers.
 const GAPS: f64 = 1.3;
 
+/// Smallest spacing, in units of the last digit, that rounding does not hide.
+const COARSE: f64 = 3.5;
+
+/// Largest step, relative to the largest of all, that is rounding between points of one column.
+const ALIKE: f64 = 0.1;
+
+/// Largest ratio of lattice points to the points of a profile.
+const SPARSEST: f64 = 1.5;
+
 /// Evenly spaced coordinates.
 #[derive(Debug, PartialEq)]
 pub(super) struct Axis {
@@ -32,46 +41,59 @@ impl Axis {
     /// # Errors
     /// Coordinates that may be rounded, or may have gaps.
     pub(super) fn of(coordinates: &[f64], digits: [f64; 2]) -> Result<Option<Self>, String> {
-        let [digit, _] = digits;
+        let [smallest, _] = digits;
         let places = distinct(coordinates);
         if let Some(axis) = Self::even(&places) {
             return Ok(Some(axis));
         }
-        let unclear = || {
-            format!(
-                "they are written to {digit:e} only, and may be rounded or have gaps; more digits must be written, or \
-                 all points, or a matrix"
-            )
-        };
-        let whole = digit >= 1.0;
+        let whole = smallest >= 1.0;
         if let Some((axis, digit)) = Self::fitted(&places, digits) {
-            let count = |pair: &[f64]| ((pair[1] - pair[0]) / digit).round();
-            let long = places.windows(2).filter(|pair| count(pair) > 1.5).count() as f64 / (places.len() - 1) as f64;
+            let long = longer(&places, digit);
             let is_rounded = axis.step >= 2.0 * digit
-                || places.windows(2).all(|pair| count(pair) > 1.5)
+                || long == 1.0
                 || places.len() >= TOLD && (MIXED[0]..=MIXED[1]).contains(&long);
             match (is_rounded, whole) {
                 (true, _) => return Ok(Some(axis)),
                 (false, true) => {}
-                (false, false) => return Err(unclear()),
+                (false, false) => return Err(unclear(smallest)),
             }
         }
-        let Some(axis) = Self::with_gaps(coordinates) else { return Ok(None) };
+        let Some(axis) = Self::on_lattice(coordinates, ALIKE, coordinates.len() as f64) else { return Ok(None) };
         let most = if whole { GAPS } else { 1.0 };
-        let is_coarse = axis.step < 3.5 * digit && axis.count as f64 > most * places.len() as f64;
-        if is_coarse { Err(unclear()) } else { Ok(Some(axis)) }
+        let is_coarse = axis.step < COARSE * smallest && axis.count as f64 > most * places.len() as f64;
+        if is_coarse { Err(unclear(smallest)) } else { Ok(Some(axis)) }
     }
 
-    /// Finds the lattice of rising coordinates without gaps; `None` if there is none.
-    pub(super) fn rising(coordinates: &[f64], digits: [f64; 2]) -> Option<Self> {
-        if !coordinates.windows(2).all(|pair| pair[1] > pair[0]) {
-            return None;
+    /// Finds the lattice of rising coordinates, each once, where points may be missing; `None` if there is none.
+    ///
+    /// # Errors
+    /// Coordinates that may be rounded, or may have gaps.
+    pub(super) fn rising(places: &[f64], digits: [f64; 2]) -> Result<Option<Self>, String> {
+        let ([digit, _], points) = (digits, places.len() as f64);
+        if !places.windows(2).all(|pair| pair[1] > pair[0]) {
+            return Ok(None);
         }
-        let full = |axis: &Self| axis.count == coordinates.len();
-        Self::even(coordinates)
-            .or_else(|| Self::fitted(coordinates, digits).map(|(axis, _)| axis))
-            .or_else(|| Self::with_gaps(coordinates))
-            .filter(full)
+        if let Some(axis) = Self::even(places) {
+            return Ok(Some(axis));
+        }
+        let whole = digit >= 1.0;
+        let lattice = Self::on_lattice(places, 0.0, 2.0 * points);
+        let gaps = lattice.as_ref().filter(|axis| axis.count > places.len());
+        let is_coarse = |axis: &Self| axis.step < COARSE * digit;
+        let few = |axis: &Self| axis.count as f64 <= if whole { GAPS * points } else { points };
+        match (Self::fitted(places, digits), gaps) {
+            (Some((axis, _)), None) => Ok(Some(axis)),
+            (Some((axis, unit)), Some(gaps)) if is_coarse(gaps) => {
+                let long = longer(places, unit);
+                match axis.step >= 2.0 * unit || long == 1.0 || places.len() >= TOLD && long >= MIXED[0] {
+                    true => Ok(Some(axis)),
+                    false if few(gaps) => Ok(lattice),
+                    false => Err(unclear(digit)),
+                }
+            }
+            (None, Some(gaps)) if is_coarse(gaps) && !few(gaps) => Err(unclear(digit)),
+            _ => Ok(lattice.filter(|axis| axis.count as f64 <= SPARSEST * points)),
+        }
     }
 
     /// Returns true if each coordinate is the next point of a lattice, rising or falling, within the digits written.
@@ -162,22 +184,22 @@ impl Axis {
         })
     }
 
-    /// Finds the lattice of coordinates with gaps, where coordinates may be off by a fraction of the spacing.
-    fn with_gaps(coordinates: &[f64]) -> Option<Self> {
+    /// Finds the lattice of at most `most` intervals of coordinates with gaps, where coordinates may be off by a part of
+    /// the spacing. Steps below a share `alike` of the largest are rounding between points of one column.
+    fn on_lattice(coordinates: &[f64], alike: f64, most: f64) -> Option<Self> {
         let mut sorted = coordinates.to_vec();
         sorted.sort_by(f64::total_cmp);
         let (first, last) = (*sorted.first()?, *sorted.last()?);
         if !(last - first).is_finite() || last <= first {
             return None;
         }
-        // Steps far below the largest are rounding between points of one column.
         let steps = || sorted.windows(2).map(|pair| pair[1] - pair[0]);
         let largest = steps().fold(0.0, f64::max);
-        let smallest = steps().filter(|step| *step > 0.1 * largest).fold(f64::INFINITY, f64::min);
-        let single = || steps().filter(|step| *step > 0.1 * largest && *step < 1.5 * smallest);
+        let smallest = steps().filter(|step| *step > alike * largest).fold(f64::INFINITY, f64::min);
+        let single = || steps().filter(|step| *step > alike * largest && *step < 1.5 * smallest);
         let mean = single().sum::<f64>() / single().count() as f64;
         let intervals = ((last - first) / mean).round();
-        if intervals > coordinates.len() as f64 {
+        if intervals > most {
             return None;
         }
         #[expect(
@@ -221,6 +243,20 @@ impl Axis {
 /// Number of steps of a search by halves or thirds.
 const SEARCHES: usize = 60;
 
+/// Returns the reason for refusing coordinates whose last digit has the unit `digit`.
+fn unclear(digit: f64) -> String {
+    format!(
+        "they are written to {digit:e} only, and may be rounded or have gaps; more digits must be written, or all \
+         points, or a matrix"
+    )
+}
+
+/// Returns the share of the steps of rising coordinates that are longer than one unit of the last digit.
+fn longer(places: &[f64], digit: f64) -> f64 {
+    let is_long = |pair: &&[f64]| ((pair[1] - pair[0]) / digit).round() > 1.5;
+    places.windows(2).filter(is_long).count() as f64 / (places.len() - 1) as f64
+}
+
 /// Returns the distinct coordinates, rising.
 fn distinct(coordinates: &[f64]) -> Vec<f64> {
     let mut sorted = coordinates.to_vec();
@@ -251,7 +287,7 @@ mod tests {
             assert!((found.step - step).abs() <= allowed * (1.0 + 1e-6), "{step} {found:?}");
             // The digits leave a range of spacings that shrinks with the number of points.
             assert!(allowed < 0.1 / f64::from(count - 1), "{step} {allowed}");
-            let found = Axis::rising(&rounded(step, 0..count, 0.1), [0.1; 2]).unwrap();
+            let found = Axis::rising(&rounded(step, 0..count, 0.1), [0.1; 2]).unwrap().unwrap();
             assert_eq!(found.index(found.rounded.as_ref().unwrap().0[3]), 3);
         }
         // Not rounded: the spacing follows from the ends, to the bit.
@@ -269,7 +305,14 @@ mod tests {
         assert!(gap(0.1, 0.1).unwrap_err().starts_with("they are written to 1e-1 only"));
         let twice = |k: u32| [k, k];
         assert!(Axis::of(&rounded(0.15625, (0..12).filter(|k| *k != 5).flat_map(twice), 0.1), [0.1; 2]).is_err());
-        assert_eq!(Axis::rising(&rounded(0.5, (0..12).filter(|k| *k != 5), 0.1), [0.1; 2]), None);
+        let profile = |step: f64, digits| Axis::rising(&rounded(step, (0..12).filter(|k| *k != 5), 0.01), digits);
+        assert_eq!(profile(0.5, [0.1; 2]).unwrap().unwrap().count, 12);
+        assert_eq!(profile(0.5, [0.1, 1.0]).unwrap().unwrap().count, 12);
+        assert_eq!(profile(1.0, [1.0; 2]).unwrap().unwrap().count, 12);
+        assert!(profile(0.1, [0.1; 2]).is_err() && profile(0.1, [0.1, 1.0]).is_err());
+        // More than a third is missing, or the places are uneven.
+        assert_eq!(Axis::rising(&[0.0, 0.5, 1.0, 2.0, 3.5], [0.01; 2]), Ok(None));
+        assert_eq!(Axis::rising(&[0.0, 0.11, 0.43, 0.51, 1.0], [0.01; 2]), Ok(None));
         assert_eq!(Axis::of(&[0.0, 0.11, 0.43, 0.51, 1.0], [0.01; 2]), Ok(None));
     }
 }

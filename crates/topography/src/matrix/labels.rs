@@ -61,12 +61,15 @@ pub(super) fn labelled(rows: &Rows, header: &Header) -> Result<Option<Map>, Stri
         map.notes.push("the first line and the first column number the others; they are left out".into());
         return Ok(Some(map));
     }
-    let length = |labels: &[f64], digits: [f64; 2]| {
+    let length = |labels: &[f64], digits: [f64; 2], name: &str| {
         let mut rising = labels.to_vec();
         rising.sort_by(f64::total_cmp);
-        Axis::rising(&rising, digits).map(|axis| axis.length())
+        match Axis::rising(&rising, digits).map_err(|reason| format!("the labels of {name} are not even: {reason}"))? {
+            Some(axis) if axis.count == labels.len() => Ok(axis.length()),
+            _ => Err(format!("the labels of {name} have gaps; all must be there, at even distances")),
+        }
     };
-    map.lengths = length(&above, digit).zip(length(&left, rows.digit(0))).map(|(x, y)| [x, y]);
+    map.lengths = Some([length(&above, digit, "columns")?, length(&left, rows.digit(0), "rows")?]);
     map.notes.push("the first line and the first column are x and y, which give the size".into());
     Ok(Some(map))
 }

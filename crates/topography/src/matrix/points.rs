@@ -44,6 +44,9 @@ struct Columns {
 /// Points off a lattice where the rows can hardly be a matrix; titles that name several coordinates.
 pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> {
     let titles = header.titles(rows.columns);
+    if header.has_validity && rows.columns == 3 {
+        return Columns { x: 0, y: None, z: 1 }.map(rows, &titles, header).map(Some);
+    }
     if let Some(columns) = Columns::named(&titles, rows.columns)? {
         return columns.map(rows, &titles, header).map(Some);
     }
@@ -56,13 +59,6 @@ pub(super) fn list(rows: &Rows, header: &Header) -> Result<Option<Map>, String> 
         (0..rows.columns).rev().find(|column| !rows.column(*column).all(f64::is_nan)).map_or(0, |last| last + 1);
     let profile = |x: usize, z: usize| Columns { x, y: None, z }.map(rows, &titles, header).map(Some);
     match rows.columns {
-        3 if header.has_validity => {
-            let mut map = Columns { x: 0, y: None, z: 1 }.map(rows, &titles, header)?;
-            for (height, valid) in map.heights.iter_mut().zip(rows.column(2)) {
-                *height = if valid == 0.0 { f64::NAN } else { *height };
-            }
-            Ok(Some(map))
-        }
         2.. if rows.separator == Some(' ') && rows.column(0).all(f64::is_nan) && rows.rows > 1 => {
             Err("each line is a dash and a number, a list of YAML; heights must be a matrix or points x z".into())
         }
@@ -222,7 +218,7 @@ impl Columns {
     /// Returns the map with the units of the columns.
     fn map(self, rows: &Rows, titles: &[Title], header: &Header) -> Result<Map, String> {
         let map = match self.y {
-            None => self.profile(rows)?,
+            None => self.profile(rows, header.has_validity && rows.columns == 3)?,
             Some(y) => self.surface(rows)?.ok_or_else(|| {
                 let name = |column: usize| titles.get(column).map_or("", |title| title.name.trim());
                 format!(
@@ -267,10 +263,18 @@ impl Columns {
         Ok(map)
     }
 
-    /// Reads the profile of heights at even distances, starting at the smallest x.
-    fn profile(self, rows: &Rows) -> Result<Map, String> {
+    /// Reads the profile of heights at even distances, starting at the smallest x; points missing from the list are
+    /// undefined. If `has_validity`, the third column is 0 at undefined points.
+    ///
+    /// # Errors
+    /// Coordinates that are uneven, or may be rounded or have gaps.
+    fn profile(self, rows: &Rows, has_validity: bool) -> Result<Map, String> {
         let mut x: Vec<f64> = rows.column(self.x).collect();
         let mut heights: Vec<f64> = rows.column(self.z).collect();
+        if has_validity {
+            let marks = heights.iter_mut().zip(rows.column(2));
+            marks.filter(|(_, valid)| *valid == 0.0).for_each(|(height, _)| *height = f64::NAN);
+        }
         let is_falling = x.first() > x.last();
         let goes_on = |pair: &[f64]| if is_falling { pair[1] < pair[0] } else { pair[1] > pair[0] };
         if let Some(at) = x.windows(2).position(|pair| !goes_on(pair)) {
@@ -289,9 +293,22 @@ impl Columns {
             heights.reverse();
         }
         let axis = Axis::rising(&x, rows.digit(self.x))
+            .map_err(|reason| format!("the coordinates x are not even: {reason}"))?
+            .filter(|axis| x.windows(2).all(|pair| axis.index(pair[0]) < axis.index(pair[1])))
             .ok_or_else(|| format!("the {} points x z are not at even distances; they must be", x.len()))?;
-        let notes = axis.note("x").into_iter().collect();
-        let heights = Array2::from_shape_vec((x.len(), 1), heights).map_err(|error| error.to_string())?;
+        let mut notes: Vec<String> = axis.note("x").into_iter().collect();
+        if axis.count > x.len() {
+            let missing = axis.count - x.len();
+            notes.push(format!(
+                "{missing} of {} points of the profile are not in the list; they are undefined",
+                axis.count
+            ));
+        }
+        let mut on_axis = Array2::from_elem((axis.count, 1), f64::NAN);
+        for (x, height) in x.iter().zip(heights) {
+            on_axis[[axis.index(*x), 0]] = height;
+        }
+        let heights = on_axis;
         Ok(Map { heights, lengths: Some([axis.length(), 1.0]), notes, ..Map::default() })
     }
 

@@ -727,3 +727,53 @@ fn heights_of_a_surfer_grid_outside_its_range_are_a_warning() {
         assert!(map.warnings.iter().all(|warning| warning.starts_with(&start)), "{:?}", map.warnings);
     }
 }
+
+#[test]
+fn a_profile_without_some_points_has_undefined_points_or_is_refused() {
+    let list = |missing: &[usize], x: &dyn Fn(usize) -> String, n: usize| -> String {
+        let kept = (0..n).filter(|k| !missing.contains(k));
+        kept.map(|k| format!("{} {:.4}\n", x(k), (0.3 * k as f64).sin())).collect()
+    };
+    let general = |digits: usize, step: f64| {
+        move |k: usize| format!("{:.digits$}", step * k as f64).trim_end_matches('0').trim_end_matches('.').to_owned()
+    };
+    for (missing, x, n, step) in [
+        (&[50][..], &(|k: usize| k.to_string()) as &dyn Fn(usize) -> String, 100, 1.0),
+        (&[5], &general(1, 0.5), 20, 0.5),
+        (&[3, 4, 7, 15], &general(1, 0.5), 20, 0.5),
+        (&[1, 50, 97], &|k| format!("{:.3}", 0.1 * k as f64), 100, 0.1),
+        (&[20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31], &|k| (3 * k).to_string(), 60, 3.0),
+    ] {
+        for falls in [false, true] {
+            let mut lines: Vec<String> = list(missing, x, n).lines().map(|line| line.to_owned() + "\n").collect();
+            if falls {
+                lines.reverse();
+            }
+            let map = read(&lines.concat());
+            assert_eq!((map.heights.dim(), map.undefined), ((n, 1), missing.len()));
+            assert!((map.lengths.unwrap()[0] - step * n as f64).abs() < 1e-9, "{:?}", map.lengths);
+            for (k, height) in map.heights.iter().enumerate() {
+                let is_right = match missing.contains(&k) {
+                    true => height.is_nan(),
+                    false => (height - (0.3 * k as f64).sin()).abs() < 1e-4,
+                };
+                assert!(is_right, "{k}: {height}");
+            }
+            let note =
+                format!("{} of {n} points of the profile are not in the list; they are undefined", missing.len());
+            assert_eq!(map.notes, [note]);
+        }
+    }
+    for x in [&(|k: usize| format!("{:.1}", 0.1 * k as f64)) as &dyn Fn(usize) -> String, &general(1, 0.1)] {
+        let reason = refusal(&list(&[50], x, 100));
+        let says = "the coordinates x are not even: they are written to 1e-1 only, and may be rounded or have gaps; ";
+        assert!(reason.starts_with(says) && advises(&reason), "{reason}");
+    }
+    // Points that are marked stay with their heights.
+    let marked = read("X;Y;valid\n3;4.5;0\n2;3.5;1\n1;2.5;1\n0;1.5;1\n");
+    assert_eq!((marked.undefined, marked.heights[[0, 0]], marked.heights[[3, 0]].is_nan()), (1, 1.5, true));
+    // Labels of a matrix.
+    let rows: Vec<String> = (0..40).filter(|k| *k != 20).map(|k| format!("{k},1.5,2.5,{k}.5\n")).collect();
+    let reason = refusal(&format!("y\\x,0,1,2\n{}", rows.concat()));
+    assert!(reason.starts_with("the labels of rows ") && advises(&reason), "{reason}");
+}
