@@ -20,6 +20,7 @@ mod grids;
 mod header;
 mod labels;
 mod number;
+mod pairs;
 mod points;
 
 use std::borrow::Cow;
@@ -32,6 +33,7 @@ use super::format::{Channel, Contents, FirstLine, Format, Map};
 
 use header::Header;
 use number::{is_ambiguous, is_missing, last_digit, looks_like, number};
+use pairs::Pairs;
 use points::MOST_COLUMNS;
 
 pub(crate) const FORMAT: Format = Format { name: "text", sniff, open, first_line: FirstLine::Bottom };
@@ -176,6 +178,9 @@ fn parse(text: &str) -> Result<(Rows, Header), String> {
         Some((words, error)) if words == rows.columns => return Err(error),
         _ => {}
     }
+    if rows.above.is_none() {
+        rows.pairs.check(rows.columns)?;
+    }
     if let Some(missing) = header.missing {
         rows.values.iter_mut().filter(|value| **value == missing).for_each(|value| *value = f64::NAN);
     }
@@ -239,6 +244,8 @@ struct Rows {
     digits: Vec<[f64; 2]>,
     /// True if the first line begins with a separator.
     has_empty_corner: bool,
+    /// Whole numbers that may have decimal commas.
+    pairs: Pairs,
     /// Numbers above the columns except the first.
     above: Option<Vec<f64>>,
 }
@@ -270,6 +277,7 @@ impl Rows {
         };
         if self.rows == 0 {
             self.digits.clear();
+            self.pairs = Pairs::default();
             self.has_empty_corner = content.starts_with(separator);
         }
         for (column, word) in fields(content, separator).enumerate() {
@@ -283,6 +291,9 @@ impl Rows {
             }
             let number = number(word, line, column + 1)?;
             self.values.push(number);
+            if separator == ',' {
+                self.pairs.add(line, column, word);
+            }
             if column < MOST_COLUMNS && number.is_finite() && number != 0.0 {
                 let digit = last_digit(word);
                 self.digits.resize(self.digits.len().max(column + 1), NO_DIGIT);

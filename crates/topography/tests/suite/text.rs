@@ -777,3 +777,39 @@ fn a_profile_without_some_points_has_undefined_points_or_is_refused() {
     let reason = refusal(&format!("y\\x,0,1,2\n{}", rows.concat()));
     assert!(reason.starts_with("the labels of rows ") && advises(&reason), "{reason}");
 }
+
+#[test]
+fn decimal_commas_between_commas_are_refused() {
+    let mut random = Random(9);
+    let mut table = |lines: usize, cell: &mut dyn FnMut(&mut Random) -> String| -> String {
+        let mut line = || (0..4).map(|_| cell(&mut random)).collect::<Vec<_>>().join(",") + "\n";
+        (0..lines).map(|_| line()).collect()
+    };
+    let number = |random: &mut Random, range: std::ops::Range<usize>| random.of(range) as f64 / 1e3;
+    for (name, text) in [
+        ("signs", table(32, &mut |random| format!("{:.3}", number(random, 0..4000) - 2.0).replace('.', ","))),
+        ("no signs", table(8, &mut |random| format!("{:.3}", number(random, 0..4000)).replace('.', ","))),
+        ("no zeros", table(8, &mut |random| format!("{:.3}", number(random, 100..999)).replace('.', ","))),
+        ("short", table(9, &mut |random| (number(random, 0..4000) - 2.0001).to_string().replace('.', ","))),
+        ("exponents", table(2, &mut |random| format!("{:.3e}", 1e-9 * number(random, 1..4000)).replace('.', ","))),
+        ("minus zero", "-0,3,0,5\n0,7,0,9\n".into()),
+        ("a profile", "0,25\n1,05\n2,15\n3,75\n".into()),
+    ] {
+        let reason = refusal(&text);
+        assert!(reason.starts_with("the commas may ") && advises(&reason), "{name}: {reason}");
+    }
+    for (name, text) in [
+        ("whole", table(9, &mut |random| format!("{},{}", random.of(0..99), random.of(0..99)))),
+        ("signs", table(9, &mut |random| (random.of(0..99) as f64 - 50.0).to_string())),
+        ("padded", table(9, &mut |random| format!("{:03},{:03}", random.of(0..400), random.of(0..400)))),
+        ("large", table(9, &mut |random| format!("{},{}", random.of(10..400), random.of(10..400)))),
+        ("two digits", table(9, &mut |random| format!("{},{}", random.of(10..100), random.of(10..100)))),
+        ("points", table(9, &mut |random| format!("{},{:.3}", random.of(0..9), number(random, 0..999)))),
+        ("small", "1,12\n2,15\n3,10\n4,99\n".into()),
+        ("binary", "0,1,0,1,0,1\n0,1,0,1,0,1\n".into()),
+    ] {
+        if let Err(reason) = parse(&text) {
+            assert!(!reason.starts_with("the commas may "), "{name}: {reason}\n{text}");
+        }
+    }
+}
