@@ -193,7 +193,11 @@ impl Cube {
         let texts = |name: &str| reader.texts(&path(name));
         let surfaces = texts("surface")?;
         let bodies = texts("body")?;
-        let seeds: Vec<u64> = reader.values::<f64>(&path("seed"))?.into_iter().map(|seed| seed as u64).collect();
+        let seeds = reader.values::<f64>(&path("seed"))?;
+        if let Some(seed) = seeds.iter().find(|seed| **seed < 0.0 || seed.fract() != 0.0) {
+            return Err(Failure::input(path("seed"), format!("it has {seed:?}; seeds must be whole numbers")));
+        }
+        let seeds = seeds.into_iter().map(|seed| seed as u64).collect();
         let mut axes = Vec::new();
         for name in ["load", "step", "velocity"].into_iter().filter(|name| reader.contains(&path(name))) {
             let values = reader.values::<f64>(&path(name))?;

@@ -154,6 +154,24 @@ def test_xarray():
     assert loop.shear_x.dims == ("waypoint", "y", "x") and loop.lateral.dims == ("step", "axis")
 
 
+def test_data_arrays_of_xarray_keep_their_axes_and_size():
+    pytest.importorskip("xarray")
+    wide = gfmd.self_affine(n=(24, 16), size=(3.0, 2.0), eps_f_inv=4, unit="um")
+    height = wide.to_xarray().height
+    assert height.dims == ("y", "x")
+    for given in (height, height.transpose("x", "y")):
+        assert gfmd.Surface(given) == wide
+    assert gfmd.Surface(height.drop_vars(["x", "y"])).size == (1.0, 16 / 24)
+    uneven = height.assign_coords(x=height.x**2)
+    for wrong, reason in [
+        (height.rename(x="a"), "heights has the dimensions"),
+        (uneven, "the coordinates x of heights are uneven or fall"),
+        (height.isel(y=slice(None, None, -1)), "the coordinates y of heights are uneven or fall"),
+    ]:
+        with pytest.raises(gfmd.InputError, match=reason):
+            gfmd.Surface(wrong)
+
+
 def test_pyvista():
     pytest.importorskip("pyvista")
     contact = gfmd.contact(gfmd.self_affine(n=(32, 16), size=(1.0, 2.0)), BODY, p_star=0.05)

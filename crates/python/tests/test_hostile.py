@@ -88,3 +88,32 @@ def test_a_name_with_a_zero_byte_is_refused(name: str) -> None:
     for function in (gfmd.load, gfmd.read):
         with pytest.raises(gfmd.InputError, match="NUL"):
             function(name)
+
+
+def test_masked_entries_are_no_numbers() -> None:
+    def masked(values: object, place: int) -> object:
+        array = np.ma.array(values, dtype=float)
+        array[place] = np.ma.masked
+        return array
+
+    flat = np.zeros((16, 16))
+    calls = (
+        lambda: gfmd.path(ROUGH, BODY, p_star=0.05, friction=0.3, lateral=masked([0, 1e-3, 2e-3], 2), steps=1),
+        lambda: gfmd.path(ROUGH, gfmd.Body(prony=[(1.0, 0.5)]), p_star=0.05, time=masked([0, 1, 2], 2), steps=1),
+        lambda: gfmd.path(ROUGH, BODY, p_star=0.05, friction=np.ma.masked, lateral=1e-3, steps=1),
+        lambda: gfmd.Body(poisson=np.ma.masked),
+        lambda: gfmd.contact(ROUGH, BODY, p_star=0.05, hardness=masked(flat + 1, 3)),
+        lambda: gfmd.contact(ROUGH, gfmd.Body(height=0.2), p_star=0.05, base_displacement=masked(flat, 3)),
+        lambda: gfmd.contacts(ROUGH, BODY, p_star=masked([0.05, 0.1], 1)),
+    )
+    for call in calls:
+        with pytest.raises(gfmd.InputError, match="masked of [0-9]+ entries; every entry must be a number"):
+            call()
+
+
+def test_numbers_of_steps_and_states_cannot_be_changed() -> None:
+    p = gfmd.path(ROUGH, BODY, p_star=[0.05], steps=2)
+    slide = gfmd.slide(ROUGH, gfmd.Body(prony=[(1.0, 0.5)]), p_star=0.05, velocity=[1.0])
+    for array in (p.steps.mean_pressure, p.steps.area_fraction, slide.states.friction):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 7.0

@@ -116,6 +116,17 @@ def test_a_sweep_keeps_the_runs_that_are_done_and_goes_on(named, ctrl_c, tmp_pat
     assert second.runs > first.runs and second.out == first.out
 
 
+@pytest.mark.parametrize("named", [True, False])
+def test_a_study_keeps_its_finished_members_and_goes_on(named, ctrl_c, tmp_path):
+    config = {"command": "contact", "contact": {"n": 64, "p_star": 0.05}, "study": {"seed": "1:300"}}
+    ctrl_c()
+    error = interrupted(lambda: gfmd.study(config, out=tmp_path / "s.h5" if named else None))
+    out = error.state.out
+    assert Path(out + ".journal").exists() and f"out={out!r}, resume=True" in str(error)
+    found = gfmd.study(config, out=out, resume=True)
+    assert (found.status == "solved").all() and not Path(out + ".journal").exists()
+
+
 def test_a_sweep_that_goes_on_ends_as_one_in_one_go(ctrl_c, tmp_path):
     config = {**SWEEP, "statistics": {"realisations": 30}}
     wanted = gfmd.kappa_sweep(config)

@@ -106,6 +106,9 @@ def test_friction_and_hardness_have_derivatives_of_their_own():
     along = share @ found.lateral @ [np.cos(np.pi / 6), np.sin(np.pi / 6)]
     assert along == pytest.approx((up - down) / 2e-7, rel=1e-5)
     assert found.shear_strength == 0.0 and found.wear_by_slip == 0.0
+    # One component alone: the other is zero.
+    alone, both = (p.vjp(shear_x=PRESSURE[:2], **other) for other in ({}, {"shear_y": 0 * PRESSURE[:2]}))
+    assert np.any(alone.heights != 0) and np.array_equal(alone.heights, both.heights)
 
 
 def test_steps_made_in_several_increments_have_the_derivatives_of_all():

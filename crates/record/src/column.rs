@@ -267,11 +267,12 @@ impl<S: Subject> Column<S> {
         self.name.strip_suffix(LIMIT).filter(|_| self.origin == Origin::Grid)
     }
 
-    /// Returns the cell of a number in a file.
+    /// Returns the cell of a number in a file. A count that is not whole, and a flag other than 0 and 1, stays what it
+    /// is, so that a comparison notices it.
     pub fn stored(&self, value: f64) -> Cell {
         match self.number {
-            Number::Count if value >= 0.0 => Cell::Count(value as u64),
-            Number::Flag if !value.is_nan() => Cell::Flag(value != 0.0),
+            Number::Count if value >= 0.0 && value.fract() == 0.0 => Cell::Count(value as u64),
+            Number::Flag if value == 0.0 || value == 1.0 => Cell::Flag(value == 1.0),
             _ => Cell::Real(value),
         }
     }

@@ -211,7 +211,9 @@ fn a_changed_measurement_is_found() {
     let elastic = "path --n 24 --eps-f-inv 6 --steps 1 --p-star 0.02,0.08 --statistics --conductivity 3,0.5";
     let relaxing = format!("{elastic} --prony 1:0.5 --time 0.1,2");
     for flags in [elastic, &relaxing] {
-        for variable in ["/path/largest_patch_fraction", "/path/contact_conductance", "/patches/force"] {
+        let counted = ["/path/converged"];
+        let measured = ["/path/largest_patch_fraction", "/path/contact_conductance", "/patches/force"];
+        for variable in counted.into_iter().chain(measured) {
             assert!(found_after(folder, flags, variable).contains(variable), "{flags}: {variable}");
         }
     }

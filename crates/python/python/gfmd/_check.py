@@ -22,8 +22,16 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def unmasked(name: str, value: object) -> None:
+    """Refuses masked entries, whose numbers mean nothing."""
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        count = int(np.ma.getmaskarray(value).sum())
+        raise InputError(f"{name} has {count} masked of {value.size} entries; every entry must be a number")
+
+
 def number(name: str, value: object) -> float:
     """Checks a Python or NumPy number other than NaN; strings are refused."""
+    unmasked(name, value)
     if not isinstance(value, (str, bytes, bool, np.bool_)):
         try:
             array = np.asarray(value)
@@ -90,6 +98,7 @@ def quantities(name: str, value: Any, kind: Optional[str] = None) -> list[Quanti
 
 
 def integer(name: str, value: Any, least: int = 0, most: int = 2**63 - 1) -> int:
+    unmasked(name, value)
     if not isinstance(value, (bool, np.bool_)):
         try:
             found = operator.index(value)
@@ -134,6 +143,7 @@ def is_sequence(value: Any) -> bool:
 
 def several(name: str, value: Any, kind: str = "number") -> list[Any] | None:
     """Returns the values of a sequence, at least one; None for a single value."""
+    unmasked(name, value)
     if not is_sequence(value):
         return None
     try:
@@ -225,6 +235,7 @@ def whole(name: str, found: Array, undefined: int, lengths: tuple[float, float],
 
 def array(name: str, value: Any) -> Array:
     """Copies an array of real numbers or flags to float64."""
+    unmasked(name, value)
     try:
         given = np.asarray(value)
         if given.dtype.kind in "fiub":

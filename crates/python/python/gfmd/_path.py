@@ -433,7 +433,7 @@ def _column(values: list[Any]) -> Any:
         names = dict.fromkeys(name for value in values if value for name in value)
         return Record({name: _column([value and value.get(name) for value in values]) for name in names})
     made = np.array([np.nan if value is None else value for value in values])
-    return made.astype(float) if made.dtype == object else made
+    return frozen(made.astype(float) if made.dtype == object else made)
 
 
 def drive_keys(said: str, drive: dict[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _command, _show
 from ._body import Body, as_body
-from ._check import Array, kind_of, quantities, quantity, several, shown
+from ._check import Array, frozen, kind_of, quantities, quantity, several, shown
 from ._errors import InputError
 from ._columns import StateFields, States
 from ._given import taking
@@ -203,7 +203,7 @@ def made_of(
         warm = {f"heat_{name}": np.nan if value is None else value for name, value in state.pop("heat", {}).items()}
         parts = {f"residual_{name}": value for name, value in state.pop("residual").items()}
         rows.append({**state, **theory, **warm, **parts})
-    columns = {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
+    columns = {name: frozen(np.array([row[name] for row in rows])) for name in (rows[0] if rows else ())}
     reported = {name: _command.records(value) for name, value in values.items()}
     if isinstance(bound, np.ndarray):
         reported["hardness"] = bound

@@ -177,7 +177,8 @@ def study(
     Raises:
         InputError: an invalid study; nothing was computed.
         NotConverged: contacts failed; `.state` is the Study with all others.
-        Interrupted: finished contacts are kept in a journal next to `out`, if it was given.
+        Interrupted: finished contacts are kept in a journal next to `out`; `.state.out` is the file to resume to, in a
+            new folder without `out`.
 
     Example:
         >>> many = gfmd.study({
@@ -190,6 +191,7 @@ def study(
     """
     folder = tempfile.mkdtemp(prefix="gfmd-")
     file = os.path.join(folder, "study.h5")
+    kept = None
     try:
         file = os.fspath(options.get("out") or file)
         described = given(config) if isinstance(config, Mapping) else {"config": path("config", config)}
@@ -200,9 +202,14 @@ def study(
     except KeyboardInterrupt as error:
         if isinstance(error, Interrupted) and isinstance(error.state, Study):
             raise
-        raise Interrupted(str(error) or "interrupted") from error
+        reported = str(error).split("; finished members are in ")[0] or "interrupted"
+        if Path(f"{file}.journal").exists():
+            kept = file
+            reported += f"; finished members are kept: gfmd.study(..., out={kept!r}, resume=True) continues"
+        raise Interrupted(reported, Record({"out": kept})) from error
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        if kept is None or "out" in options:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def made_of(values: dict[str, Any], contents: Contents) -> Study:

@@ -81,7 +81,8 @@ class Surface:
 
     Args:
         heights: array of shape [nx, ny] or [n] of finite numbers (any real type, order or layout; it is copied once),
-            or a SurfaceTopography object, with its size and unit.
+            a DataArray of xarray with the dimensions x and y, whose coordinates give the size, or a SurfaceTopography
+            object, with its size and unit.
         size: cell size, L or (Lx, Ly), in the unit of the heights; 1 by default. L alone is the length along x, with
             equal spacing along y.
         unit: unit of heights and lengths, such as "um"; `to_unit` converts. With a unit, stresses and lengths may be
@@ -116,6 +117,10 @@ class Surface:
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
             description, periodic = "SurfaceTopography", getattr(heights, "is_periodic", False) is True
             heights, lengths, found = _taken_over(heights)
+            size = lengths if size is None else size
+            unit = found if unit is None else unit
+        elif hasattr(heights, "dims") and hasattr(heights, "coords"):
+            heights, lengths, found = _labelled(heights)
             size = lengths if size is None else size
             unit = found if unit is None else unit
         copy, undefined = _check.heights(heights)
@@ -904,6 +909,32 @@ def _taken_over(topography: Any) -> tuple[Any, Size, Optional[str]]:
     return topography.heights(), size, getattr(topography, "unit", None)  # type: ignore[return-value]
 
 
+def _labelled(heights: Any) -> tuple[Any, Size, Optional[str]]:
+    """Returns heights [x, y], size and unit of a DataArray of xarray with the dimensions x and y, in any order."""
+    dims = tuple(heights.dims)
+    if sorted(map(str, dims)) not in (["x"], ["x", "y"]):
+        raise InputError(
+            f"heights has the dimensions {_check.shown(dims)}; they must be x and y (.values is an array alone)"
+        )
+    ordered = [dim for dim in ("x", "y") if dim in dims]
+    unit, lengths = heights.attrs.get("units"), []
+    for dim in ordered:
+        if dim not in heights.coords:
+            continue
+        places = heights.coords[dim]
+        steps = np.diff(_check.array(dim, places.values))
+        step = float(np.mean(steps)) if len(steps) else 0.0
+        if not (step > 0 and np.allclose(steps, step, rtol=1e-6, atol=0.0)):
+            raise InputError(f"the coordinates {dim} of heights are uneven or fall; they must rise by equal steps")
+        if places.attrs.get("units", unit) != unit:
+            raise InputError(
+                f"heights has the unit {unit}, and its coordinates {dim} {places.attrs['units']}; they must have one"
+            )
+        lengths.append(step * (len(steps) + 1))
+    size = None if len(lengths) < len(ordered) else tuple(lengths) if len(lengths) == 2 else lengths[0]
+    return heights.transpose(*ordered).values, size, unit  # type: ignore[return-value]
+
+
 def as_surface(value: Any) -> Surface:
     return value if isinstance(value, Surface) else Surface(value)
 
@@ -930,7 +961,7 @@ def as_hardness(value: Any, surface: Surface) -> Union[float, str, Array, None]:
     """Checks a hardness, a number or an array [x, y]."""
     if value is None or np.ndim(value) == 0:
         return None if value is None else quantity("hardness", value)
-    field = np.array(value, dtype=np.float64)
+    field = _check.array("hardness", value)
     if field.ndim == 1 and surface.n[1] == 1:
         field = field[:, np.newaxis]
     if field.shape != surface.n:

@@ -184,8 +184,8 @@ impl Axis {
         })
     }
 
-    /// Finds the lattice of at most `most` intervals of coordinates with gaps, where coordinates may be off by a part of
-    /// the spacing. Steps below a share `alike` of the largest are rounding between points of one column.
+    /// Finds the lattice of at most `most` intervals of coordinates with gaps, where coordinates may be off by a part
+    /// of the spacing. Steps below a share `alike` of the largest are rounding between points of one column.
     fn on_lattice(coordinates: &[f64], alike: f64, most: f64) -> Option<Self> {
         let mut sorted = coordinates.to_vec();
         sorted.sort_by(f64::total_cmp);

@@ -86,7 +86,8 @@ impl Pairs {
             self.example.as_ref().map_or_else(String::new, |(line, word)| format!(" ({word} in line {line})"));
         Err(format!(
             "the commas may separate numbers or be decimal: every second number looks like a fraction{example}; \
-             numbers with decimal commas must have another separator, such as ;, and whole numbers one other than a comma"
+             numbers with decimal commas must have another separator, such as ;, and whole numbers one other than a \
+             comma"
         ))
     }
 }
