@@ -12,9 +12,9 @@ const POINTS: usize = 1 << 18;
 static LAST: Mutex<Option<Arc<NormalResponse>>> = Mutex::new(None);
 
 impl NormalResponse {
-    /// Returns the response [`distributed`](Self::distributed), the last one if its grid and body are the same: for
-    /// small contacts, of which many follow each other, the tables cost as much as a seventh of the contact. Responses
-    /// of more than 2^18 points, and of several processes, are not kept.
+    /// Returns the response [`distributed`](Self::distributed), the last one if its grid and body are the same: many
+    /// small contacts often follow each other, and the tables take a seventh of the time of each. Responses of more
+    /// than 2^18 points, and of several processes, are not kept.
     pub fn recent(grid: Grid, body: &Body, share: &Share) -> Arc<Self> {
         if !share.is_whole() || grid.len() > POINTS {
             return Self::distributed(grid, body, share).into();
