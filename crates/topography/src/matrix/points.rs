@@ -308,8 +308,7 @@ impl Columns {
         for (x, height) in x.iter().zip(heights) {
             on_axis[[axis.index(*x), 0]] = height;
         }
-        let heights = on_axis;
-        Ok(Map { heights, lengths: Some([axis.length(), 1.0]), notes, ..Map::default() })
+        Ok(Map { heights: on_axis, lengths: Some([axis.length(), 1.0]), notes, ..Map::default() })
     }
 
     /// Reads the surface through points x y z on a lattice; lattice points missing from the list are undefined.
