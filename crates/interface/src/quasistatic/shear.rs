@@ -147,11 +147,20 @@ impl ShearStep {
         if self.slipped.is_empty() {
             return Vec::new();
         }
-        let (points, lateral) = (self.points(), self.stuck.len());
-        let traction = Self::traction(&self.traction[..lateral], state);
+        let traction = Self::traction(&self.traction[..self.stuck.len()], state);
         let mut displacement = vec![0.0; traction.len()];
         self.transforms.compliance(&traction, &mut displacement);
-        lengths(&self.slip(&displacement), points).collect()
+        let limits = limits_of(&self.shear, self.factor, state);
+        self.wearing_slip(&self.slip(&displacement), &limits).collect()
+    }
+
+    /// Returns the length of the slip at each point, 0 at points that stick: their slip is an error of the search, and
+    /// the sum of its lengths over all increments of a path grows with their number.
+    fn wearing_slip<'a>(&'a self, slip: &'a [f64], limits: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let (points, shear) = (self.points(), &self.traction[..self.stuck.len()]);
+        let sticks = |i: usize, shear: f64| shear < limits[i] * (1.0 - AT_LIMIT);
+        let both = lengths(slip, points).zip(lengths(shear, points)).enumerate();
+        both.map(move |(i, (slip, shear))| if sticks(i, shear) { 0.0 } else { slip })
     }
 
     /// Returns the number of points.
@@ -196,7 +205,7 @@ impl ShearStep {
             descended = method.minimise(&mut problem, &mut shear[..lateral], &mut slip, budget, watch);
         }
         self.transforms.compliance(&self.traction, &mut self.displacement);
-        let slipped = lengths(&slip, points).take(self.slipped.len());
+        let slipped = self.wearing_slip(&slip, &limits.values).take(self.slipped.len());
         let image: Vec<f64> = self.displacement[lateral..].iter().copied().chain(slipped).collect();
         let mut mixed: Vec<f64> = self.lift.iter().chain(&self.slipped).copied().collect();
         let product = |a: &[f64], b: &[f64]| {

@@ -14,7 +14,7 @@ use gfmd_interface::{
     Interface, Path, QuasistaticContact, QuasistaticState, Refinement, Sequence, Squeezed, StoredFields, Wear,
 };
 use gfmd_law::LawKind;
-use gfmd_problem::{Facts, Friction, Lower, Part, RULES, Rule, Support, Unknown, WearBy, pose, rules_of};
+use gfmd_problem::{AnyState, Facts, Friction, Lower, Part, RULES, Rule, Support, Unknown, WearBy, pose, rules_of};
 use gfmd_problem::{rules_of_sliding, table};
 use gfmd_relax::Budget;
 
@@ -262,6 +262,15 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
     assert!(posed[0].stiffness(&states[3], 1e-9).is_err());
 }
 
+/// Returns true for a state whose wear by slip changes neither pressure nor gap of the next one: no pressed point slips,
+/// or the pressure of each is the hardness, so that less plastic depth makes up for the depth worn off.
+fn hides_wear(state: &AnyState) -> bool {
+    let Some(sticking) = state.of_parts().and_then(QuasistaticState::stick_fraction) else { return false };
+    let pressure = state.pressure();
+    let pressed = || pressure.iter().filter(|pressure| **pressure > 0.0);
+    sticking >= pressed().count() as f64 / pressure.len() as f64 || pressed().all(|pressure| *pressure == HARDNESS)
+}
+
 /// Checks that every combination is refused, or solved with all its parts. Equal states mean that a part is left out.
 #[test]
 fn every_combination_is_refused_by_the_table_or_solved() {
@@ -287,16 +296,19 @@ fn every_combination_is_refused_by_the_table_or_solved() {
                 solved.map_err(|error| format!("solved: {error}"))
             };
             // The memory of a path acts from the second step on.
-            let state = match facts.sequence {
-                Sequence::Loads => press(0.0, None)?,
-                Sequence::Path => press(1.0, Some(&press(0.0, None)?))?,
+            let start = press(0.0, None)?;
+            let next = match facts.sequence {
+                Sequence::Loads => None,
+                Sequence::Path => Some(press(1.0, Some(&start))?),
             };
+            let state = next.as_ref().unwrap_or(&start);
             let lateral = state.lateral().iter().flatten();
             let bits = state.pressure().iter().chain(state.gap()).chain(lateral).map(|value| value.to_bits()).collect();
             match states.insert(bits, facts) {
                 // The first step of a path may be the state of a load.
                 Some(other) if (Facts { sequence: facts.sequence, ..other }) != facts => {
-                    Err(format!("the state of {other:?}"))
+                    let is_hidden = Facts { wear: facts.wear, ..other } == facts && hides_wear(&start);
+                    if is_hidden { Ok(()) } else { Err(format!("the state of {other:?}")) }
                 }
                 _ if state.worst() <= 1e-6 => Ok(()),
                 _ => Err(format!("residual {:e}", state.worst())),
