@@ -30,7 +30,7 @@ pub(crate) struct LoadArgs {
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "as_numbers", deserialize_with = "from_numbers")]
     #[option(kinds = Kinds::FORCE)]
     force: Vec<Entry>,
-    /// Rigid approaches beyond first touch, length, negative for separation (with a law)
+    /// Rigid approaches beyond first touch, length, negative for separation (with a law, or along a path)
     #[arg(
         long,
         alias = "displacement",
@@ -48,7 +48,7 @@ pub(crate) struct LoadArgs {
 pub(crate) enum Sign {
     /// Surfaces that only touch under a load.
     Positive,
-    /// Surfaces that keep an imprint, which a load of zero leaves; approaches are positive.
+    /// Surfaces along a path, which may part and touch again: any approach.
     NotNegative,
     /// Surfaces that may be pulled.
     Any,
@@ -89,8 +89,8 @@ impl LoadArgs {
         for (option, values) in given {
             let (allowed, has_sign): (&str, fn(f64) -> bool) = match sign {
                 Sign::NotNegative if option != "approach" => ("finite and not negative", |value| value >= 0.0),
-                Sign::Positive | Sign::NotNegative => ("positive and finite", |value| value > 0.0),
-                Sign::Any => ("finite", |_| true),
+                Sign::Positive => ("positive and finite", |value| value > 0.0),
+                Sign::NotNegative | Sign::Any => ("finite", |_| true),
             };
             if let Some(bad) = numbers(values).find(|value| !(value.is_finite() && has_sign(*value))) {
                 return Err(Failure::value(key(option), bad, allowed));

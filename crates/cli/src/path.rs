@@ -259,13 +259,7 @@ fn path_input(args: &Args, session: &Session) -> Result<PathInput, Failure> {
     }
     let prepared = Prepared::new(&args.asked()?, args.series(), session)?;
     args.body.check_modulus(prepared.surface.unit.as_deref())?;
-    // A viscoelastic body may lag behind the surface and touch it again.
-    let may_part = prepared.inelastic.relaxation.is_some() && args.waypoints.given() == "approach";
-    let sign = match () {
-        () if prepared.facts.yields => Sign::NotNegative,
-        () if !may_part && args.law.law == LawKind::HardWall => Sign::Positive,
-        () => Sign::Any,
-    };
+    let sign = if args.law.law == LawKind::HardWall { Sign::NotNegative } else { Sign::Any };
     let (drives, places) = args.waypoints.drives(&args.steps.steps, &prepared, sign)?;
     if let Some(Wear { by_distance, .. }) = prepared.inelastic.wear {
         check_distance(by_distance, &drives, &prepared.surface)?;
@@ -320,6 +314,9 @@ fn finish(
         statistics::write(archive, prepared, &gathered.states)?;
     }
     let SeriesOutcome { records, mut failure, not_converged, parted_at } = outcome;
+    if let Some(last) = records.last() {
+        warn_of_wear(last, session);
+    }
     let out = file.map(|file| file.finish(&records, drives.len(), not_converged.as_ref())).transpose();
     let out = session.agree(out)?.flatten();
     let out = session.written(out);
@@ -398,6 +395,24 @@ fn warn_of_strain(state: &PlasticState, prepared: &Prepared, session: &Session) 
             " reach deeper",
         ];
         session.warn("yield-depth", text);
+    }
+}
+
+/// Error of the wear volume divided by it above which a warning asks for more steps.
+const LARGEST_WEAR_ERROR: f64 = 0.05;
+
+/// Warns of a wear volume that depends much on the number of steps.
+fn warn_of_wear(last: &Record, session: &Session) {
+    let Some((volume, error)) = last.value("wear_volume").zip(last.value("wear_volume_error")) else { return };
+    if error > LARGEST_WEAR_ERROR * volume {
+        let text = words![
+            format!(
+                "the wear volume has an estimated error of {:.0} %; compare a run with more ",
+                100.0 * error / volume
+            ),
+            key("steps"),
+        ];
+        session.warn("wear-error", text);
     }
 }
 

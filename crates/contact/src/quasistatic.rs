@@ -71,11 +71,15 @@ pub struct Reading {
     pub losses: Losses,
     /// Source of the energy lost in the step to this state.
     pub loss: Loss,
+    /// Mean depth worn off so far at the upper and the lower face of a slab, length. The second is 0 for one surface.
+    pub worn: [f64; 2],
 }
 
 /// Source of the energy lost in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Loss {
+    /// No loss: the energy of an elastic contact with a hard wall is conserved.
+    Conserved,
     /// Balance of work and energy, from this stored energy per area. Energy is lost only in jumps.
     Balance(f64),
     /// Loss of an increment per area, from the solver. Its error is the error of the increment.
@@ -159,6 +163,7 @@ impl Reading {
         distance: 0.0,
         losses: Losses { relaxation: 0.0, friction: 0.0, wear: 0.0, plastic: 0.0, jumps: 0.0 },
         loss: Loss::Known(0.0),
+        worn: [0.0; 2],
     };
 
     /// Returns the values of a state that is pressed without shear and has an unknown loss.

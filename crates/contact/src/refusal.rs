@@ -238,14 +238,6 @@ pub enum Refusal {
     /// More processes than can share the grid.
     #[error(transparent)]
     Ranks(#[from] TooManyRanks),
-    /// There is no contact, which friction needs.
-    #[error("the {what} is {found}; it must be positive, since friction needs contact")]
-    NotPressed {
-        /// Mean pressure or approach.
-        what: &'static str,
-        /// Value found.
-        found: f64,
-    },
     /// The approach is prescribed, but only a mean pressure can be prescribed.
     #[error("the approach is prescribed; for this contact the mean pressure must be prescribed")]
     NoApproach,

@@ -286,9 +286,9 @@ impl Solution {
         // Under a prescribed load the rigid surface sinks with the body. The gap does not depend on it, and is computed
         // without it: on a soft or high slab the sinking is much larger than the roughness.
         let above = match load {
-            // The approach is the mean of clearance − u_z over the contact.
+            // The approach is the mean of clearance − u_z over the contact; without a pressure it is first touch.
             Load::MeanPressure(_) => {
-                if touching > 0.0 || hardness.is_none() {
+                if touching > 0.0 {
                     free / touching
                 } else {
                     between(share, &pressure, upper, room)
@@ -329,6 +329,7 @@ impl Solution {
             penetration: positive(-sums.1) / length_scale,
             negative_pressure: if sum == 0.0 { 0.0 } else { positive(-sums.2) / mean_pressure },
             load: match load {
+                Load::MeanPressure(0.0) if mean_pressure == 0.0 => 0.0,
                 Load::MeanPressure(asked) => (mean_pressure - asked).abs() / asked,
                 Load::Approach(_) => 0.0,
             },

@@ -184,7 +184,6 @@ impl From<Refusal> for Failure {
         let option = match &refusal {
             Refusal::Tolerance(_) => "tolerance",
             Refusal::MeanPressure { .. }
-            | Refusal::NotPressed { what: "mean pressure", .. }
             | Refusal::NotFinite { what: "mean pressure", .. }
             | Refusal::LoadBelowTractionRounding { .. }
             | Refusal::LoadBelowRoughnessRounding { what: "mean pressure", .. }
@@ -196,7 +195,6 @@ impl From<Refusal> for Failure {
             | Refusal::Rounding { what: "shear traction", .. } => "lateral",
             Refusal::Approach { .. }
             | Refusal::NoApproach
-            | Refusal::NotPressed { .. }
             | Refusal::NotFinite { what: "approach", .. }
             | Refusal::LoadBelowRoughnessRounding { .. }
             | Refusal::LoadUnderflows { .. }

@@ -51,6 +51,9 @@ pub struct Step {
     /// Estimated error of `dissipated`. `None` if `dissipated` is unknown or the step was not halved. Where the loss is
     /// [certified](Loss::Certified), it is twice the difference from a path with half as many increments.
     pub dissipated_error: Option<f64>,
+    /// Estimated errors of the mean depths [worn off so far](Reading::worn), length: twice the difference from a path
+    /// with half as many increments. `None` if that path was not followed.
+    pub worn_error: Option<[f64; 2]>,
     /// Sum of the imbalances of work and energy over the increments, where the loss is [certified](Loss::Certified).
     pub work_imbalance: Option<f64>,
     /// Number of equal increments, where the loss is [known](Loss::Known) or [certified](Loss::Certified), else 0. The
@@ -74,11 +77,13 @@ pub struct Step {
 
 /// A path of a contact, each state found from the previous one.
 ///
-/// Without friction the energy of a stable state changes by the work of the rigid surface, and energy is lost only in
-/// jumps. A step is therefore divided until one of two conditions holds. Either the balance of work and energy closes
-/// to fourth order and is alike in both halves, which shows that no energy was lost. Or a jump is enclosed between two
-/// states so close that the work between them is negligible; the missing energy is then the loss. Once the solves of a
-/// step are used up, the difference between the halves is an error of the loss.
+/// An elastic contact with a hard wall loses no energy: each step is one solve.
+///
+/// With a law, but without friction, the energy of a stable state changes by the work of the rigid surface, and energy
+/// is lost only in jumps. A step is therefore divided until one of two conditions holds. Either the balance of work and
+/// energy closes to fourth order and is alike in both halves, which shows that no energy was lost. Or a jump is enclosed
+/// between two states so close that the work between them is negligible; the missing energy is then the loss. Once the
+/// solves of a step are used up, the difference between the halves is an error of the loss.
 ///
 /// With friction the state itself depends on the number of increments, as long as they are few: slip counts from the
 /// start of an increment, which is too early where the contact grows. A step (also the first one, which begins at zero
@@ -292,7 +297,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
         }
         let step = &mut search.step;
         match (reading.loss, self.last.take()) {
-            (Loss::Unknown, last) => self.last = last,
+            (Loss::Unknown, _) => {}
             (Loss::Known(_), last) => {
                 // An error leaves the path unchanged.
                 self.last = last;
@@ -301,7 +306,7 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 self.last = Some(made?);
                 return Ok(search.step);
             }
-            (Loss::Balance(_), None) => {
+            (Loss::Conserved, _) | (Loss::Balance(_), None) => {
                 (step.dissipated, step.dissipated_error, step.jumped) = (Some(0.0), Some(0.0), Some(false));
             }
             (Loss::Balance(_) | Loss::Certified { stored: Some(_), .. }, Some((start, begin)))
@@ -315,7 +320,8 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 let end = StepPoint { state, reading, share: 1.0, origin: 0.0 };
                 let is_halved = self.is_halved && matches!(reading.loss, Loss::Certified { .. });
                 let outcome = search.account(&mut here, end, drive, reference).and_then(|()| {
-                    let coarse = is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
+                    let worn = here.reading.worn;
+                    let coarse = is_halved.then(|| search.beside(self.coarse.as_ref(), drive, worn)).transpose()?;
                     Ok(coarse.flatten())
                 });
                 self.allowance = search.allowance;
@@ -328,7 +334,8 @@ impl<'a, P: Quasistatic> Path<'a, P> {
                 self.last = last;
                 let start = self.last.as_ref();
                 let made = search.halve(start, (state, reading), drive, self.is_halved).and_then(|made| {
-                    let coarse = self.is_halved.then(|| search.beside(self.coarse.as_ref(), drive)).transpose()?;
+                    let (coarse, worn) = (self.coarse.as_ref(), made.1.worn);
+                    let coarse = self.is_halved.then(|| search.beside(coarse, drive, worn)).transpose()?;
                     Ok((made, coarse.flatten()))
                 });
                 self.allowance = search.allowance;
@@ -557,12 +564,14 @@ impl<P: Quasistatic> Search<'_, P> {
         Ok(made.end)
     }
 
-    /// Makes the step with half as many increments, too, from the end `coarse` of the coarser path, and sets the error
-    /// of the loss unless it is known. Returns `None` if the step is not divided or cannot be made.
+    /// Makes the step with half as many increments, too, from the end `coarse` of the coarser path, and sets the errors
+    /// of the depths `worn` off and of the loss unless it is known. Returns `None` if the step is not divided or cannot
+    /// be made.
     fn beside(
         &mut self,
         coarse: Option<&SolvedState<P::State>>,
         drive: Drive,
+        worn: [f64; 2],
     ) -> Result<Option<SolvedState<P::State>>, SolveError<P::State>> {
         let (state, begin) =
             (coarse.map(|(state, _)| state), coarse.map_or(Reading::UNLOADED, |(_, reading)| *reading));
@@ -578,6 +587,8 @@ impl<P: Quasistatic> Search<'_, P> {
                 let lost = losses.total();
                 let change = self.step.dissipated.map(|dissipated| OF_A_LOSS * (dissipated - lost).abs());
                 self.step.dissipated_error = self.step.dissipated_error.or(change);
+                let by_half = end.1.worn;
+                self.step.worn_error = Some([0, 1].map(|face| OF_A_LOSS * (worn[face] - by_half[face]).abs()));
                 Ok(Some(end))
             }
             Err(error @ SolveError::Interrupted { .. }) => Err(error),
@@ -848,14 +859,12 @@ impl Quasistatic for Interface {
             approach: state.approach,
             mean_shear: state.mean_shear,
             lateral: state.lateral,
-            time: 0.0,
-            distance: 0.0,
-            losses: Losses::default(),
-            loss: if self.has_energy() {
-                Loss::Balance(state.elastic_energy + state.interface_energy)
-            } else {
-                Loss::Unknown
+            loss: match self.has_energy() {
+                true if !self.attracts() => Loss::Conserved,
+                true => Loss::Balance(state.elastic_energy + state.interface_energy),
+                false => Loss::Unknown,
             },
+            ..Reading::UNLOADED
         }
     }
 }

@@ -402,34 +402,36 @@ impl Equilibrium for QuasistaticContact {
         if self.shear.is_some() || by_slip { &WITH_SHEAR } else { self.normal.solvers() }
     }
 
-    /// Accepts approaches beyond the mean clearance of worn surfaces, and any approach of a body that relaxes with
-    /// periodic boundaries: surfaces may part, and touch again after recovery. Ignores a lateral displacement of
-    /// surfaces that do not shear each other.
+    /// Accepts approaches beyond the mean clearance of worn surfaces. Along a path a hard wall may part from the surface
+    /// and touch it again: under a mean pressure of zero, at first touch, and at any approach below it. Ignores a lateral
+    /// displacement of surfaces that do not shear each other.
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         if self.sequence == Sequence::Loads {
             return self.normal.check(drive);
         }
         drive.check()?;
         check_order(drive, [0.0; 2])?;
-        let is_wall = matches!(self.normal, Normal::Wall(_));
         match drive.load {
-            Load::Approach(approach) if is_wall && self.boundary() == Boundary::Periodic => {
-                let parts = approach <= 0.0 && self.medium.is_some();
-                let wears = approach > 0.0 && self.wear.is_some();
-                if parts || wears { Ok(()) } else { self.check_load(drive) }
+            _ if self.lifts(drive.load) => Ok(()),
+            Load::Approach(approach)
+                if approach > 0.0 && self.wear.is_some() && self.boundary() == Boundary::Periodic && self.is_wall() =>
+            {
+                Ok(())
             }
-            _ => self.check_load(drive),
+            load => {
+                if let Load::MeanPressure(mean) = load {
+                    Units::check_pressure(mean)?;
+                }
+                self.normal.check(self.drive(drive)).map_err(|refusal| self.given_refusal(refusal))
+            }
         }
     }
 
     fn check_resolution(&self, drive: Drive, tolerance: f64) -> Result<(), Refusal> {
-        match drive.load {
-            Load::Approach(approach) if approach <= 0.0 && self.medium.is_some() => Ok(()),
-            _ => self
-                .normal
-                .check_resolution(self.drive(drive), tolerance)
-                .map_err(|refusal| self.given_refusal(refusal)),
+        if self.lifts(drive.load) {
+            return Ok(());
         }
+        self.normal.check_resolution(self.drive(drive), tolerance).map_err(|refusal| self.given_refusal(refusal))
     }
 
     /// Solves the load, with a search from `start`; or the increment from `start`, or from the undeformed surfaces at
@@ -448,20 +450,15 @@ impl Equilibrium for QuasistaticContact {
 }
 
 impl QuasistaticContact {
-    fn check_load(&self, drive: Drive) -> Result<(), Refusal> {
-        if self.shear.is_some() && matches!(self.normal, Normal::Wall(_)) {
-            match drive.load {
-                Load::MeanPressure(found) if found <= 0.0 => {
-                    return Err(Refusal::NotPressed { what: "mean pressure", found });
-                }
-                Load::Approach(found) if found <= 0.0 => return Err(Refusal::NotPressed { what: "approach", found }),
-                _ => {}
-            }
-        }
-        if let Load::MeanPressure(mean) = drive.load {
-            Units::check_pressure(mean)?;
-        }
-        self.normal.check(self.drive(drive)).map_err(|refusal| self.given_refusal(refusal))
+    fn is_wall(&self) -> bool {
+        matches!(self.normal, Normal::Wall(_))
+    }
+
+    /// Returns true for a load along a path that lifts a hard wall off an elastic surface: no pressure, or an approach
+    /// that does not reach first touch of the given surfaces.
+    fn lifts(&self, load: Load) -> bool {
+        let is_path = self.sequence == Sequence::Path && self.is_wall();
+        is_path && matches!(load, Load::MeanPressure(0.0) | Load::Approach(..=0.0))
     }
 
     /// Converts the numbers of a refusal to the units of the input.
@@ -475,6 +472,7 @@ impl Quasistatic for QuasistaticContact {
         let stored = || state.elastic_energy() + state.interface_energy();
         let loss = match &self.normal {
             Normal::Law(_) if !self.has_energy() => Loss::Unknown,
+            _ if !self.loses() && !self.attracts() => Loss::Conserved,
             Normal::Law(_) if !self.loses() => Loss::Balance(stored()),
             Normal::Wall(_) if self.medium.is_none() && self.wear.is_none() => Loss::Known(state.losses.total()),
             _ => {
@@ -496,6 +494,7 @@ impl Quasistatic for QuasistaticContact {
             distance: state.distance,
             losses: state.losses,
             loss,
+            worn: [state.wear_volume(), 0.0],
         }
     }
 

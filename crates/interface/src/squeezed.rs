@@ -308,9 +308,10 @@ impl Quasistatic for Squeezed {
                 stored: stored.map(|stored| 2.0 * stored),
                 flows,
             },
-            Loss::Unknown => Loss::Unknown,
+            loss @ (Loss::Conserved | Loss::Unknown) => loss,
         };
-        Reading { approach: state.approach, losses: reading.losses.times(2.0), loss, ..reading }
+        let worn = [&state.upper, &state.lower].map(QuasistaticState::wear_volume);
+        Reading { approach: state.approach, losses: reading.losses.times(2.0), loss, worn, ..reading }
     }
 
     fn depends_on_division(&self, start: Option<&Self::State>, end: &Self::State, tolerance: f64) -> bool {

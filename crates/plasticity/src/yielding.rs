@@ -54,8 +54,11 @@ pub(crate) struct Energies {
     pub(crate) dissipated: f64,
 }
 
-/// The load that unloads a body, so that the surfaces touch without a pressure.
-const UNLOADED: Load = Load::MeanPressure(0.0);
+/// Returns true for a load that lifts the rigid surface off the body: no pressure, at first touch, or an approach that
+/// does not reach first touch of a body that has not yielded.
+fn lifts(load: Load) -> bool {
+    matches!(load, Load::MeanPressure(0.0) | Load::Approach(..=0.0))
+}
 
 /// Returns the approach at which a contact touches at one point.
 fn first_touch(contact: &Contact) -> f64 {
@@ -177,12 +180,12 @@ impl YieldingContact {
 
     /// Checks that the tolerance resolves a load.
     pub(crate) fn check_resolution(&self, load: Load, tolerance: f64) -> Result<(), Refusal> {
-        if load == UNLOADED { Ok(()) } else { self.contact.check_resolution(Drive::from(load), tolerance) }
+        if lifts(load) { Ok(()) } else { self.contact.check_resolution(Drive::from(load), tolerance) }
     }
 
     /// Checks a load.
     pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
-        if load == UNLOADED {
+        if lifts(load) {
             return Ok(());
         }
         self.contact.check(Drive::from(load))?;
@@ -252,14 +255,13 @@ impl YieldingContact {
         let depth = plastic_displacement.iter().map(|u| -u).collect();
         let depth = Array2::from_shape_vec(points, depth).expect("the displacement has the size of the grid");
         let contact = self.contact.with_indentation(&depth)?;
-        let touch = first_touch(&contact);
-        let apart = match load {
+        let is_apart = match load {
             // The imprint of earlier loads may be deeper than the approach.
-            Load::Approach(approach) => (touch >= approach).then_some(approach),
-            Load::MeanPressure(_) => (load == UNLOADED).then_some(touch),
+            Load::Approach(approach) => first_touch(&contact) >= approach,
+            Load::MeanPressure(mean) => mean == 0.0,
         };
-        if let Some(approach) = apart {
-            let mut solution = contact.certify(&Array2::zeros(points), Load::Approach(approach))?;
+        if is_apart {
+            let mut solution = contact.certify(&Array2::zeros(points), load)?;
             solution.residual.complementarity = 0.0;
             return Ok(solution);
         }
@@ -441,7 +443,6 @@ impl YieldingContact {
         let shape = self.contact.surface().shape();
         let depth = Array2::from_shape_vec(shape, depth).expect("the displacement has the size of the grid");
         let contact = self.contact.with_indentation(&depth)?;
-        let load = if load == UNLOADED { Load::Approach(first_touch(&contact)) } else { load };
         let mut solution = contact.certify(pressure, load)?;
         let parted = solution.mean_pressure == 0.0 && solution.residual.penetration == 0.0;
         if parted {

@@ -33,7 +33,6 @@ pub fn pose(facts: &Facts, given: &Parts, plasticity: Option<&Plasticity>) -> Re
     let parts = Parts {
         sequence: facts.sequence,
         boundary: facts.boundary,
-        // A path of a periodic hard wall is solved as a law, since the energy of a law gives the loss.
         law: given.law.clone().filter(|_| facts.solves_a_law()),
         all_components: facts.shears_by_law() || given.all_components,
         held: facts.unknown == Unknown::Held,

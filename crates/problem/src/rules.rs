@@ -141,16 +141,10 @@ impl Facts {
         self.unknown == Unknown::All || self.finite_slope || self.friction.is_some() || self.lateral
     }
 
-    /// Returns true if the states follow a law across the gap; on a path that is periodic or moves all components also
-    /// for an elastic hard wall alone, and for any hard wall of a slab between two surfaces.
+    /// Returns true if the states follow a law across the gap; on a path also for a hard wall that moves all
+    /// components, and for any hard wall of a slab between two surfaces.
     pub fn solves_a_law(&self) -> bool {
-        let is_alone = !(self.hardness
-            || self.yields
-            || self.friction.is_some()
-            || self.boundary == Boundary::Free
-            || self.relaxes.is_some()
-            || self.wear.is_some());
-        let is_solved = is_alone || self.lower.is_some() || self.shears_by_law();
+        let is_solved = self.lower.is_some() || self.shears_by_law();
         self.has_law() || self.sequence == Sequence::Path && is_solved
     }
 

@@ -129,6 +129,9 @@ pub fn page(reader: &Reader, kinds: &KindsByKey) -> Result<Page, Failure> {
             p {
                 @if wears_alone { "Energy lost: " (lost) (unit) ". " }
                 "The surfaces have lost " (stored.said("wear_volume", computed - 1, 1.0)) " of their height on average"
+                @if column("wear_volume_error").get(computed - 1).is_some_and(|error| error.is_finite()) {
+                    " (estimated error " (stored.said("wear_volume_error", computed - 1, 1.0)) ")"
+                }
                 ", " (stored.said("max_wear", computed - 1, 1.0)) " at most. "
                 @if ran_in.iter().all(|ratio| ratio.is_finite()) && computed > 1 {
                     "From the first step to the last, the contact area went from "

@@ -65,7 +65,7 @@ fn refused(refusal: &Refusal) -> Verdict {
         Refusal::Solver { .. } | Refusal::NoEnergy | Refusal::NoDynamics => "refused: solver",
         Refusal::Search(_) => "refused: search",
         Refusal::Overflow => "refused: overflow",
-        Refusal::NotPressed { .. } | Refusal::MeanPressure { .. } => "refused: no pressure",
+        Refusal::MeanPressure { .. } => "refused: no pressure",
         _ => return Err(format!("an unexpected refusal: {text}")),
     })
 }

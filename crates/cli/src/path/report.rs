@@ -46,6 +46,9 @@ pub struct Report {
     /// Mean depth lost at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wear_volume: Option<f64>,
+    /// Its estimated error, unknown if no path with half as many increments was followed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wear_volume_error: Option<Option<f64>>,
     pub extra_solves: u64,
     pub lowest_mean_pressure: f64,
     /// With a finer grid: `X_limit`, `X_limit_error`, `X_grid_error` of the lost energy and the lowest mean pressure,
@@ -88,6 +91,10 @@ impl Report {
             dissipated_error: error_of_losses(&steps),
             work_imbalance: work_imbalance(|name| steps.iter().map(|step| step.number(name)).collect()),
             wear_volume: steps.last().and_then(|step| step.value("wear_volume")),
+            wear_volume_error: steps
+                .last()
+                .filter(|step| step.has("wear_volume"))
+                .map(|step| step.value("wear_volume_error")),
             extra_solves: steps.iter().map(|step| step.number("extra_solves") as u64).sum(),
             lowest_mean_pressure: lowest(&steps, "mean_pressure"),
             limits: BTreeMap::new(),
@@ -250,10 +257,18 @@ impl fmt::Display for Report {
             )?;
         }
         if let Some(volume) = self.wear_volume {
-            write!(f, "\nwear volume {} per area", read(volume, "length"))?;
+            let last = |name: &str| self.steps.last().and_then(|step| step.value(name));
+            let with_error = |volume: f64, error: Option<f64>| match error {
+                Some(error) => format!("{} ± {}", read(volume, "length"), read(error, "length")),
+                None => read(volume, "length"),
+            };
+            write!(f, "\nwear volume {} per area", with_error(volume, self.wear_volume_error.flatten()))?;
             // The numbers of a step belong to the upper face.
-            match self.steps.iter().rev().find_map(|step| step.value("lower_wear_volume")) {
-                Some(below) => writeln!(f, " at the upper face, {} at the lower", read(below, "length"))?,
+            match last("lower_wear_volume") {
+                Some(below) => {
+                    let below = with_error(below, last("lower_wear_volume_error"));
+                    writeln!(f, " at the upper face, {below} at the lower")?;
+                }
                 None => writeln!(f)?,
             }
         }

@@ -423,7 +423,7 @@ fn unusable_flags_are_refused_in_one_line() {
         ("contact --n 16 --eps-f-inv 4 --param gamma=1 --p-star 1", &["--param", "hard-wall", "gamma", "none"]),
         ("path --n 16 --eps-f-inv 4", &["--approach"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1,2 --lateral 1,2,3", &["--p-star", "1 or 3", "2"]),
-        ("path --n 16 --eps-f-inv 4 --p-star=-1", &["--p-star", "positive"]),
+        ("path --n 16 --eps-f-inv 4 --p-star=-1", &["--p-star is -1", "not negative"]),
         ("path --n 16 --eps-f-inv 4 --p-star 1 --friction -0.1", &["--friction", "mu is -0.1"]),
         (
             "path --n 16 --eps-f-inv 4 --p-star 1 --friction 0.1 --law npc \

@@ -257,6 +257,19 @@ fn the_imbalance_of_a_path_leaves_out_loading_at_once() {
 }
 
 #[test]
+fn a_file_has_the_warning_of_a_rough_wear_volume() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "wear --n 16 --eps-f-inv 4 --coefficient 5 --pressure 0.01 --distance 2 --energy-solves 3 --out";
+    for (steps, warns) in [(1, true), (64, false)] {
+        let report = json(folder.path(), &words(&format!("{flags} {steps}.h5 --steps {steps} --json")));
+        let [volume, error] = ["wear_volume", "wear_volume_error"].map(|key| report[key].as_f64().unwrap());
+        assert_eq!(error > 0.05 * volume, warns, "{volume} {error}");
+        let warnings = Reader::open(folder.path().join(format!("{steps}.h5"))).unwrap().text("/", "warnings").unwrap();
+        assert_eq!(warnings.contains("wear-error"), warns, "{warnings}");
+    }
+}
+
+#[test]
 fn quantities_have_units() {
     let folder = tempfile::tempdir().unwrap();
     let wave = |i: usize| (std::f64::consts::TAU * i as f64 / 24.0).cos();
@@ -293,7 +306,7 @@ fn unusable_input_is_refused_in_one_line() {
         ("--pressure 0.01 --coefficient 1 --distance -1", "--distance is -1; it must be finite and not negative"),
         ("--pressure 0.01 --coefficient 1 --distance 1,nan", "--distance is NaN; it must be finite and not negative"),
         ("--coefficient 1 --distance 1", "--approach"),
-        ("--pressure=-0.01 --coefficient 1 --distance 1", "--pressure is -0.01; it must be positive and finite"),
+        ("--pressure=-0.01 --coefficient 1 --distance 1", "--pressure is -0.01; it must be finite and not negative"),
         ("--approach 0 --coefficient 1 --distance 1", "--approach is 0; it must be positive and finite"),
         ("--pressure 0.01,0.02,0.03 --coefficient 1 --distance 1,2", "--distance has 2 waypoints; it must have 1 or 3"),
         ("--approach 1 --coefficient 1 --distance 0", "less than the mean clearance"),

@@ -201,10 +201,13 @@ fn a_load_of_zero_leaves_the_imprint() {
         let output = gfmd(folder.path(), &words(&format!("{METAL} {flags}")));
         (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
     };
-    for flags in ["--pressure 0.01,-0.001", "--approach 0.001,0"] {
-        let (status, text) = refused(flags);
-        assert!(status == Some(2) && text.contains("it must be"), "{flags}: {text}");
-    }
+    let (status, text) = refused("--pressure 0.01,-0.001");
+    assert!(status == Some(2) && text.contains("it must be"), "{text}");
+    let lifted = json(folder.path(), &words(&format!("{METAL} --approach 0.001,-0.001 --steps 2 --out c.h5 --json")));
+    let step = &lifted["steps"][2];
+    assert_eq!((step["mean_pressure"].as_f64(), step["approach"].as_f64()), (Some(0.0), Some(-0.001)));
+    assert_eq!(step["plastic_displacement"], lifted["steps"][1]["plastic_displacement"]);
+    assert_eq!(json(folder.path(), &["check", "c.h5", "--rerun", "--json"])["differing"], 0);
 }
 
 #[test]

@@ -213,7 +213,12 @@ impl QuasistaticState {
         let depth = self.wear_depth()?;
         let deepest = depth.iter().fold(0.0, |most: f64, w| most.max(*w));
         let deepest = self.share().each(deepest).into_iter().fold(0.0, f64::max);
-        Some((self.mean_of(depth), deepest))
+        Some((self.wear_volume(), deepest))
+    }
+
+    /// Returns the mean depth worn off so far over the whole surface, length; 0 if the surfaces do not wear.
+    pub(crate) fn wear_volume(&self) -> f64 {
+        self.wear_depth().map_or(0.0, |depth| self.mean_of(depth))
     }
 
     /// Returns the mean [plastic depth](Self::plastic_depth) over the whole surface, length.

@@ -199,14 +199,17 @@ impl<'a> Step<'a> {
     /// Returns the drive of the normal contact with this first touch, and true if its surfaces are apart.
     fn drive_from(&self, touch: f64) -> (Drive, bool) {
         let (load, is_apart) = match self.drive.load {
-            Load::MeanPressure(mean) => (Load::MeanPressure(mean / self.affine.factor()), false),
+            Load::MeanPressure(mean) => {
+                let is_apart = mean == 0.0 && matches!(self.normal, Normal::Wall(_));
+                (Load::MeanPressure(mean / self.affine.factor()), is_apart)
+            }
             Load::Approach(approach) => {
                 let mut size = approach.abs().max(touch.abs());
                 if self.contact.medium.is_some() {
                     size = size.max(self.contact.normal.surface().rms_height());
                 }
                 let beyond = approach - touch;
-                let may_part = self.depth.is_some() && matches!(self.normal, Normal::Wall(_));
+                let may_part = matches!(self.normal, Normal::Wall(_));
                 let is_apart = may_part && beyond <= ROUNDING_OF_APPROACH * size;
                 (Load::Approach(if is_apart { beyond.min(0.0) } else { beyond }), is_apart)
             }

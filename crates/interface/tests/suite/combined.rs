@@ -186,3 +186,76 @@ fn a_loss_in_no_time_has_an_error_unless_nothing_slips_or_yields() {
         }
     }
 }
+
+/// Fretting: the depth depends on the length of the increments, as slip counts from their start.
+#[test]
+fn the_error_of_the_worn_depth_encloses_its_distance_from_a_finer_path() {
+    let (body, grid, heights) = problem();
+    let wear = Some(Wear { by_distance: 0.0, by_slip: 0.5 });
+    let shear = Some(Limit::Coulomb(0.3).into());
+    let parts = Parts { wear, shear, ..Parts::new(&body, &grid, &heights) };
+    let pressed = Drive::from(Load::MeanPressure(0.03));
+    let turns = [2e-3, -2e-3, 2e-3].map(|x| Drive { lateral: [x, 0.0], ..pressed });
+    let drives: Vec<Drive> = std::iter::once(pressed).chain(turns).collect();
+    let contact = QuasistaticContact::new(&parts).unwrap();
+    let follow = |solves_per_step, tolerance| {
+        let mut path = Path::new(&contact, Budget::default(), Refinement { solves_per_step, tolerance });
+        let steps = drives.iter().map(|drive| {
+            let error = path.step(*drive, &mut ()).unwrap().worn_error;
+            (path.state().unwrap().wear_volume_and_depth().unwrap().0, error)
+        });
+        steps.collect::<Vec<_>>()
+    };
+    let [coarse, fine] = [(16, 1e-2), (400, 1e-5)].map(|(solves, tolerance)| follow(solves, tolerance));
+    for ((worn, error), (limit, _)) in coarse.into_iter().zip(fine).skip(1) {
+        let [upper, lower] = error.unwrap();
+        assert!((worn - limit).abs() <= upper && upper < 0.5 * worn, "{worn} +- {upper}, limit {limit}");
+        assert_eq!(lower, 0.0, "there is one surface");
+    }
+    assert!(follow(0, 1e-2).iter().all(|(_, error)| error.is_none()), "without extra solves there is no other path");
+}
+
+/// A hard wall that is lifted off touches without pressure, at the limit of small loads, and touches again as before.
+#[test]
+fn a_contact_is_unloaded_completely_and_loaded_again() {
+    let (body, grid, heights) = problem();
+    let prony = Prony::from_fractions(&[(1.3, 0.6)]).unwrap();
+    for boundary in Boundary::ALL {
+        let plain = Parts { boundary, ..Parts::new(&body, &grid, &heights) };
+        let hardness = Some(HARDNESS.into());
+        let shear = Some(Limit::Coulomb(0.3).into());
+        let wear = Some(Wear { by_distance: 0.3, by_slip: 0.0 });
+        let relaxation = Some((&prony, Relaxes::Both));
+        for (name, parts) in [
+            ("elastic", plain.clone()),
+            ("hardness", Parts { hardness: hardness.clone(), ..plain.clone() }),
+            ("friction", Parts { shear: shear.clone(), ..plain.clone() }),
+            ("wear", Parts { wear, ..plain.clone() }),
+            ("relaxation", Parts { relaxation, ..plain.clone() }),
+            ("all", Parts { hardness, shear, wear, relaxation, ..plain.clone() }),
+        ] {
+            let at = |load: Load, time: f64| {
+                let lateral = if parts.shear.is_some() { [1e-3 * time, 0.0] } else { [0.0; 2] };
+                Drive { lateral, ..Drive::from(load).at(time).after(0.1 * time) }
+            };
+            let loaded = at(Load::MeanPressure(0.04), 1.0);
+            let unloaded = |load: Load| follow(&parts, &[loaded, at(load, 1.5), at(Load::MeanPressure(0.04), 2.0)]);
+            let [free, light] = [0.0, 1e-9].map(|mean| unloaded(Load::MeanPressure(mean)));
+            let touch = free[1].approach();
+            let lifted = unloaded(Load::Approach(touch.min(0.0) - 0.01));
+            for (states, gap) in [(&free, 0.0), (&lifted, touch - touch.min(0.0) + 0.01)] {
+                let state = &states[1];
+                assert!(state.pressure().iter().all(|p| *p == 0.0), "{name}, {boundary}");
+                assert_eq!(state.mean_shear, [0.0; 2], "{name}, {boundary}");
+                let least = state.gap().iter().copied().fold(f64::INFINITY, f64::min);
+                assert!((least - gap).abs() <= 1e-12, "{name}, {boundary}: {least:e} instead of {gap:e}");
+                assert!(state.worst() <= 1e-10 && state.elastic_energy().is_finite(), "{name}, {boundary}");
+            }
+            let expected = light[1].approach();
+            assert!((touch - expected).abs() <= 1e-6, "{name}, {boundary}: touches at {touch}, almost {expected}");
+            for states in [&free, &lifted] {
+                assert!(apart(&states[2], &light[2]) < 1e-5, "{name}, {boundary}: {:e}", apart(&states[2], &light[2]));
+            }
+        }
+    }
+}

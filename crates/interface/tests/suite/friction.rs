@@ -186,12 +186,7 @@ fn bad_input_is_refused_with_what_was_found() {
     };
     let contact = make(&heights, 0.4).unwrap();
     let message = |drive: Drive| contact.press(drive).solve().unwrap_err().to_string();
-    assert_eq!(
-        message(pressed(-0.1, 0.0)),
-        "the mean pressure is -0.1; it must be positive, since friction needs contact"
-    );
-    let apart = Load::Approach(0.0).into();
-    assert_eq!(message(apart), "the approach is 0; it must be positive, since friction needs contact");
+    assert_eq!(message(pressed(-0.1, 0.0)), "the mean pressure is -0.1; it must be positive and finite");
     assert_eq!(message(pressed(0.1, f64::NAN)), "the lateral displacement is NaN; it must be finite");
     assert!(message(Load::Approach(1.0).into()).contains("less than the mean clearance"));
     assert!(matches!(make(&Array2::zeros((16, 1)), 0.4), Err(Refusal::Flat)));

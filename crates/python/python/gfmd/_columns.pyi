@@ -594,6 +594,12 @@ class Steps(Record):
         """
 
     @property
+    def wear_volume_error(self) -> Array:
+        """Length [step]: estimated error of wear_volume by the finite length of all increments so far: twice its
+        difference from a path with half as many; NaN if that path was not followed. With `wear` only.
+        """
+
+    @property
     def max_wear(self) -> Array:
         """Length [step]: largest depth lost so far. With `lower_surface`: largest depth lost so far at the upper
         face. With `wear` only.
@@ -748,8 +754,8 @@ class Steps(Record):
     def residual_equilibrium(self) -> Array:
         """Without unit [step]: largest unbalanced force per area, from the final fields, divided by the stress scale
         (larger of the largest traction and the softest stiffness times h_rms). With `yield_stress`: rms unbalanced
-        force on nodes below the surface, divided by the rms force on them, from the final strain. In some problems
-        only.
+        force on nodes below the surface, divided by the rms force on them, from the final strain. With `law` or
+        `yield_stress` or `lower_surface` or `lateral` only.
         """
 
     @property
@@ -768,7 +774,9 @@ class Steps(Record):
 
     @property
     def residual_wall_tension(self) -> Array:
-        """Without unit [step]: largest tension that the wall would have to carry. In some problems only."""
+        """Without unit [step]: largest tension that the wall would have to carry. With `law` or `lower_surface` or
+        `lateral` only.
+        """
 
     @property
     def residual_load(self) -> Array:
@@ -1031,17 +1039,19 @@ class Steps(Record):
     @property
     def interface_energy_limit(self) -> Array:
         """Stress * length [step]: estimate of interface_energy on an infinitely fine grid under the same mean
-        pressure. In some problems only.
+        pressure. With `law` or `lower_surface` or `lateral` only.
         """
 
     @property
     def interface_energy_limit_error(self) -> Array:
-        """Stress * length [step]: error bound (95 %) of interface_energy_limit. In some problems only."""
+        """Stress * length [step]: error bound (95 %) of interface_energy_limit. With `law` or `lower_surface` or
+        `lateral` only.
+        """
 
     @property
     def interface_energy_grid_error(self) -> Array:
-        """Stress * length [step]: grid error of interface_energy: |interface_energy - limit| + limit_error. In some
-        problems only.
+        """Stress * length [step]: grid error of interface_energy: |interface_energy - limit| + limit_error. With
+        `law` or `lower_surface` or `lateral` only.
         """
 
     @property

@@ -86,6 +86,8 @@ class Path(Leaks, Computed, StepFields):
         coefficient: its coefficient as a number, 1/stress, and
         wear_volume: mean depth lost at the end, length, at the upper face of a slab between two surfaces; None if no
             step was solved.
+        wear_volume_error: its estimated error, from a path with half as many increments; None if that was not followed
+            (`energy_solves` below 3).
         adhesion: adhesion numbers on this grid before the solve, an `Adhesion`; with an attraction only.
         dissipated, dissipated_error: energy lost along the path per area, stress * length, and the sum of the step
             errors; None if unknown. The error is also None if one of its terms is unknown. With several causes, `steps`
@@ -123,6 +125,7 @@ class Path(Leaks, Computed, StepFields):
     wear: Wear
     coefficient: float
     wear_volume: Optional[float]
+    wear_volume_error: Optional[float]
     adhesion: Adhesion
     dissipated: Optional[float]
     dissipated_error: Optional[float]

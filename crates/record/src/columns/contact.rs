@@ -3,8 +3,8 @@
 use gfmd_contact::Fields as _;
 use gfmd_interface::QuasistaticState;
 
-use super::{Column, undefined::reduced};
-use crate::column::Form;
+use super::{Column, undefined::reduced, undefined::worn_error};
+use crate::column::{Form, Origin};
 use crate::when::{any, between, friction, hardness, law, loads, path, relaxing, several_causes, wears, yields};
 use crate::{Cell, StateContext};
 
@@ -111,6 +111,18 @@ pub(super) const COLUMNS: &[Column] = &[
     .with(wears)
     .head("wear", Form::Size)
     .main(),
+    Column::new(
+        "wear_volume_error",
+        "length",
+        &[(
+            any,
+            "estimated error of wear_volume by the finite length of all increments so far: twice its difference from a \
+             path with half as many; NaN if that path was not followed",
+        )],
+        |at| worn_error(at, 0),
+    )
+    .with(wears)
+    .by(Origin::Way),
     Column::new(
         "max_wear",
         "length",

@@ -262,7 +262,9 @@ fn jumped(at: &StateContext) -> Cell {
     let unknown = match reading.loss {
         Loss::Balance(_) => "--energy-solves did not suffice to tell a jump from a smooth change",
         Loss::Certified { .. } if law(at.facts) => "the step did not reach a state at rest",
-        Loss::Certified { .. } | Loss::Known(_) => "no law attracts the surfaces, without which they do not jump",
+        Loss::Certified { .. } | Loss::Known(_) | Loss::Conserved => {
+            "no law attracts the surfaces, without which they do not jump"
+        }
         Loss::Unknown => "the tractions have no energy, whose loss would tell a jump",
     };
     step.jumped.ok_or(unknown).into()

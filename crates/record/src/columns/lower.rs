@@ -2,7 +2,7 @@
 
 use gfmd_interface::QuasistaticState;
 
-use super::Column;
+use super::{Column, undefined::worn_error};
 use crate::column::{Form, Origin, Table};
 use crate::when::{any, between, hard_between, hardness, path, wall_between, wears};
 use crate::{Cell, StateContext};
@@ -103,6 +103,12 @@ pub(super) const COLUMNS: &[Column] = &[
     .at("lower.wear_volume")
     .with(|facts| between(facts) && wears(facts))
     .on(Table::LowerFace, "wear", Form::Size),
+    Column::new("lower_wear_volume_error", "length", &[(any, "as wear_volume_error, at the lower face")], |at| {
+        worn_error(at, 1)
+    })
+    .at("lower.wear_volume_error")
+    .with(|facts| between(facts) && wears(facts))
+    .by(Origin::Way),
     Column::new("lower_max_wear", "length", &[(any, "largest depth lost so far at the lower face")], |at| {
         worn(at).map_or(f64::NAN, |(_, deepest)| deepest).into()
     })

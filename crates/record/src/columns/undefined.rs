@@ -33,12 +33,7 @@ pub(super) fn lost(at: &StateContext, error: bool) -> Cell {
         Loss::Unknown => "the tractions have no energy",
         _ if step.dissipated.is_none() => "the step did not reach a state at rest",
         _ if step.change.is_some_and(f64::is_nan) => "--energy-solves did not suffice to halve the increment",
-        Loss::Certified { .. } if at.facts.wear.is_some() => {
-            "the path was not followed in half as many steps: double --steps and compare the losses"
-        }
-        Loss::Certified { .. } => {
-            "the path was not followed in half as many increments: --energy-solves 4 or more does so"
-        }
+        Loss::Certified { .. } => NOT_BESIDE,
         _ if at.facts.hardness && at.facts.friction.is_none() => {
             "a step with a hardness is not halved: double --steps and compare the losses"
         }
@@ -47,6 +42,21 @@ pub(super) fn lost(at: &StateContext, error: bool) -> Cell {
              --energy-tolerance halves it"
         }
     })
+}
+
+/// Reason why a path without a coarser one beside it has no errors.
+const NOT_BESIDE: &str = "the path was not followed in half as many increments: --energy-solves 3 or more does so";
+
+/// Returns the error of the mean depth worn off at a face, 0 for the upper one, or the reason why it is unknown.
+pub(super) fn worn_error(at: &StateContext, face: usize) -> Cell {
+    let Some((step, reading)) = &at.step else { return f64::NAN.into() };
+    match step.worn_error {
+        Some(errors) => errors[face].into(),
+        None if matches!(reading.loss, Loss::Unknown) => Cell::undefined(
+            "the tractions have no energy, whose balance decides how far a path is divided: double --steps and compare",
+        ),
+        None => Cell::undefined(NOT_BESIDE),
+    }
 }
 
 /// Returns the imbalance of work and energy of a step, or the reason why it is unknown.

@@ -244,8 +244,16 @@ impl Parts {
         if !PATHS_ONCE_WRONG.contains(&index) {
             drawn.yielding = Yielding::draw(&mut drawn);
             drawn.lay_on_surface(folder);
+            drawn.unload(unit);
         }
         drawn
+    }
+
+    /// Unloads every third contact with a hard wall completely, at the second waypoint; `unit` is a size of heights.
+    fn unload(&mut self, unit: f64) {
+        if self.index.is_multiple_of(3) && self.law.is_none() && self.loads.len() > 1 {
+            self.loads[1] = if self.control == Control::Approach { short(-0.01 * unit) } else { 0.0 };
+        }
     }
 
     /// Returns the flags of the command.
