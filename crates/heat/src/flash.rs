@@ -120,7 +120,8 @@ impl Flash {
             let state = self.certified(&flux, search.at_all_points(), search.iterations, search.transform_pairs);
             let is_better = best.as_ref().is_none_or(|best| state.residual <= 0.5 * best.residual);
             if ending != Ending::Converged || state.residual <= budget.tolerance || !is_better {
-                let ending = if is_better { ending } else { Ending::GaveUp(Why::Rounding) };
+                let is_stuck = ending == Ending::Converged && !is_better;
+                let ending = if is_stuck { Ending::GaveUp(Why::Rounding) } else { ending };
                 return judged(state, ending, budget.tolerance);
             }
             target = 0.5 * budget.tolerance * state.max_rise;

@@ -104,9 +104,22 @@ fn a_search_that_ends_early_carries_its_state() {
     };
     let error = of(Budget::default(), &mut stop);
     assert!(matches!(error, HeatError::Interrupted { .. }) && error.into_state().unwrap().residual > 1e-8);
-    // Rounding is reported as a failure.
-    let error = of(Budget { tolerance: 1e-15, ..Budget::default() }, &mut ());
+    // Rounding is reported as a failure, after searches from recomputed residuals, which stop when they are told to.
+    let tight = Budget { tolerance: 1e-15, ..Budget::default() };
+    let stopped_at = |last: usize| {
+        let mut seen = 0;
+        let error = of(tight, &mut |_: &gfmd_relax::Progress| {
+            seen += 1;
+            if seen == last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        (error, seen)
+    };
+    let (error, all) = stopped_at(usize::MAX);
     assert!(matches!(error, HeatError::NotConverged { .. }), "{error}");
+    for last in 1..=all {
+        let (error, _) = stopped_at(last);
+        assert!(matches!(error, HeatError::Interrupted { .. }), "{last} of {all}: {error}");
+    }
 }
 
 #[test]
