@@ -81,9 +81,9 @@ pub struct Step {
 ///
 /// With a law, but without friction, the energy of a stable state changes by the work of the rigid surface, and energy
 /// is lost only in jumps. A step is therefore divided until one of two conditions holds. Either the balance of work and
-/// energy closes to fourth order and is alike in both halves, which shows that no energy was lost. Or a jump is enclosed
-/// between two states so close that the work between them is negligible; the missing energy is then the loss. Once the
-/// solves of a step are used up, the difference between the halves is an error of the loss.
+/// energy closes to fourth order and is alike in both halves, which shows that no energy was lost. Or a jump is
+/// enclosed between two states so close that the work between them is negligible; the missing energy is then the loss.
+/// Once the solves of a step are used up, the difference between the halves is an error of the loss.
 ///
 /// With friction the state itself depends on the number of increments, as long as they are few: slip counts from the
 /// start of an increment, which is too early where the contact grows. A step (also the first one, which begins at zero

@@ -402,9 +402,9 @@ impl Equilibrium for QuasistaticContact {
         if self.shear.is_some() || by_slip { &WITH_SHEAR } else { self.normal.solvers() }
     }
 
-    /// Accepts approaches beyond the mean clearance of worn surfaces. Along a path a hard wall may part from the surface
-    /// and touch it again: under a mean pressure of zero, at first touch, and at any approach below it. Ignores a lateral
-    /// displacement of surfaces that do not shear each other.
+    /// Accepts approaches beyond the mean clearance of worn surfaces. Along a path a hard wall may part from the
+    /// surface and touch it again: under a mean pressure of zero, at first touch, and at any approach below it. Ignores
+    /// a lateral displacement of surfaces that do not shear each other.
     fn check(&self, drive: Drive) -> Result<(), Refusal> {
         if self.sequence == Sequence::Loads {
             return self.normal.check(drive);

@@ -172,7 +172,8 @@ const PATH: &[Row] = &[
         &["/path/dissipated", "/path/dissipated_error", "/path/work_imbalance", "/path/extra_solves"],
         InPart,
         Verified,
-        "the balance of work and energy (viscoelastic bodies, and laws with an energy, undivided steps)",
+        "the balance of work and energy (viscoelastic bodies, and laws with an energy, undivided steps); zero for a \
+         hard wall on an elastic body",
     ),
     row(&["/path/step"], Verified, Verified, "the layout that the configuration gives"),
     row(

@@ -160,6 +160,9 @@ impl StepCheck<'_> {
         let keeps = facts.relaxes.is_some() || facts.wear.is_some() || facts.yields;
         if keeps || flows && facts.has_law() {
             self.balance(step, comparison);
+        } else if !flows && !facts.has_law() {
+            comparison.number("/path/dissipated", now("dissipated"), 0.0, 0.0);
+            comparison.number("/path/dissipated_error", now("dissipated_error"), 0.0, 0.0);
         } else if step > 0 && !flows && !now("interface_energy").is_nan() {
             // Energy is lost in jumps alone: without further solves, the loss is the balance of the work by the
             // trapezoidal rule and the energy.

@@ -307,7 +307,7 @@ fn unusable_input_is_refused_in_one_line() {
         ("--pressure 0.01 --coefficient 1 --distance 1,nan", "--distance is NaN; it must be finite and not negative"),
         ("--coefficient 1 --distance 1", "--approach"),
         ("--pressure=-0.01 --coefficient 1 --distance 1", "--pressure is -0.01; it must be finite and not negative"),
-        ("--approach 0 --coefficient 1 --distance 1", "--approach is 0; it must be positive and finite"),
+        ("--approach nan --coefficient 1 --distance 1", "--approach is NaN; it must be finite"),
         ("--pressure 0.01,0.02,0.03 --coefficient 1 --distance 1,2", "--distance has 2 waypoints; it must have 1 or 3"),
         ("--approach 1 --coefficient 1 --distance 0", "less than the mean clearance"),
         (&format!("{whole} --steps 0"), "--steps"),
