@@ -66,7 +66,7 @@ def test_quantities_may_have_units():
         (dict(distance=-1.0), "distance is -1; it must be finite and not negative"),
         (dict(distance=[]), "distance"),
         (dict(distance=[1, 2], p_star=[0.1, 0.2, 0.3]), "distance has 2 waypoints; it must have 1 or 3"),
-        (dict(p_star=-0.1), "p_star is -0.1; it must be positive and finite"),
+        (dict(p_star=-0.1), "p_star is -0.1; it must be finite and not negative"),
         (dict(p_star=None), "the path is given by none"),
         (dict(steps=0), "steps is 0"),
     ],

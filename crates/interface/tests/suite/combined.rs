@@ -229,7 +229,7 @@ fn a_contact_is_unloaded_completely_and_loaded_again() {
         for (name, parts) in [
             ("elastic", plain.clone()),
             ("hardness", Parts { hardness: hardness.clone(), ..plain.clone() }),
-            ("friction", Parts { shear: shear.clone(), ..plain.clone() }),
+            ("friction", Parts { shear, ..plain.clone() }),
             ("wear", Parts { wear, ..plain.clone() }),
             ("relaxation", Parts { relaxation, ..plain.clone() }),
             ("all", Parts { hardness, shear, wear, relaxation, ..plain.clone() }),

@@ -262,8 +262,8 @@ fn states_come_back_from_their_fields_and_start_their_own_kind_only() {
     assert!(posed[0].stiffness(&states[3], 1e-9).is_err());
 }
 
-/// Returns true for a state whose wear by slip changes neither pressure nor gap of the next one: no pressed point slips,
-/// or the pressure of each is the hardness, so that less plastic depth makes up for the depth worn off.
+/// Returns true for a state whose wear by slip changes neither pressure nor gap of the next one: no pressed point
+/// slips, or the pressure of each is the hardness, so that less plastic depth makes up for the depth worn off.
 fn hides_wear(state: &AnyState) -> bool {
     let Some(sticking) = state.of_parts().and_then(QuasistaticState::stick_fraction) else { return false };
     let pressure = state.pressure();
