@@ -35,7 +35,7 @@ impl Peak {
             let value = around[1][1];
             let [xx, yy] = second_differences(&around);
             let skewness = rows.third_differences(place).into_iter().fold(0.0, f64::max) / value;
-            Self { value: value + rise(&around), sharpness: -xx.min(yy) / value, skewness }
+            Self { value: value + rise(&around, rows.is_level(place)), sharpness: -xx.min(yy) / value, skewness }
         });
         let flat = Self { value: highest, sharpness: 0.0, skewness: 0.0 };
         let higher = |most: Self, peak: Self| if peak.value >= most.value { peak } else { most };
@@ -104,6 +104,15 @@ impl<'a> Rows<'a> {
         })
     }
 
+    /// Returns whether a point lies in a level row of points along x and along y; see [`levels`].
+    fn is_level(&self, [i, j]: [usize; 2]) -> [bool; 2] {
+        let ny = self.own.ncols();
+        levels([
+            from_fn(|k| self.at((i + k) as isize - 2, j)),
+            from_fn(|k| self.at(i as isize, (j + 2 * ny + k - 2) % ny)),
+        ])
+    }
+
     /// Returns the magnitudes of the third differences along x and y, from two points on each side.
     fn third_differences(&self, [i, j]: [usize; 2]) -> [f64; 2] {
         let ny = self.own.ncols();
@@ -141,10 +150,10 @@ pub fn top_of_shared(share: &Share, field: ArrayView2<f64>) -> f64 {
     }
     // With four points per wave, a wave exceeds its points by at most 1/cos(π/4) along each axis.
     let mean = share.total_of(&contiguous(&field)) / share.total() as f64;
-    let rows = Rows::of(share, field, 1);
+    let rows = Rows::of(share, field, 2);
     let own = rows.maxima(highest - 0.5 * (highest - mean)).map(|([i, j], around)| {
         let place = [share.rows().start + i, j];
-        (around[1][1] + rise(&around), place)
+        (around[1][1] + rise(&around, rows.is_level([i, j])), place)
     });
     let own = highest_first(own.collect());
     let counts = share.each(own.len());
@@ -202,9 +211,10 @@ pub fn top_inside_of_shared(share: &Share, field: ArrayView2<f64>) -> f64 {
     let ny = field.ncols();
     let (first, nx) = if share.is_whole() { (0, field.nrows()) } else { (share.rows().start, share.total() / ny) };
     let is_inner = |at: usize, points: usize| points == 1 || at > 0 && at + 1 < points;
-    let rows = Rows::of(share, field, 1);
+    let rows = Rows::of(share, field, 2);
     let inner = rows.maxima(f64::NEG_INFINITY).filter(|([i, j], _)| is_inner(first + i, nx) && is_inner(*j, ny));
-    highest_of(inner.fold(highest, |top, ([i, j], around)| top.max(field[[i, j]] + rise(&around))))
+    let risen = |([i, j], around): ([usize; 2], _)| field[[i, j]] + rise(&around, rows.is_level([i, j]));
+    highest_of(inner.map(risen).fold(highest, f64::max))
 }
 
 /// Points of the finer grid along each side around a point.
@@ -242,11 +252,15 @@ fn zoomed<'a>(
         .collect();
     let values: [[f64; SIDE]; SIDE] =
         from_fn(|x| from_fn(|y| along_y.iter().zip(&weights[x]).map(|(row, weight)| weight * row[y]).sum()));
-    let inside = (1..SIDE - 1).flat_map(|x| (1..SIDE - 1).map(move |y| [x, y]));
+    // Interpolation overshoots at the edges of a plateau, which rises no further along its level rows.
+    let along = [from_fn(|k| row(at(i, REACH + k - 2, nx))[j]), from_fn(|k| row(i)[at(j, REACH + k - 2, ny)])];
+    let level = levels(along);
+    let [along_x, along_y] = level.map(|is_level| if is_level { ZOOM..=ZOOM } else { 1..=SIDE - 2 });
+    let inside = along_x.flat_map(|x| along_y.clone().map(move |y| [x, y]));
     let highest = inside.max_by(|[x, y], [u, v]| values[*x][*y].total_cmp(&values[*u][*v]));
     highest.map_or(f64::NAN, |[x, y]| {
         let around = from_fn(|dx| from_fn(|dy| values[x + dx - 1][y + dy - 1]));
-        centre + around[1][1] + rise(&around)
+        centre + around[1][1] + rise(&around, level)
     })
 }
 
@@ -256,15 +270,30 @@ fn second_differences(at: &[[f64; 3]; 3]) -> [f64; 2] {
     [at[2][1] - 2.0 * middle + at[0][1], at[1][2] - 2.0 * middle + at[1][0]]
 }
 
-/// Returns the rise of the quadratic through 3 × 3 points above the centre, zero if it has no maximum.
-fn rise(at: &[[f64; 3]; 3]) -> f64 {
+/// Returns whether a point is one of at least three equal ones in a row along x and along y, from five points along
+/// each axis: on a profile across it, on the ridge of a cylinder along it, and on a plateau, such as a flat punch or
+/// the saturated part of a scan. The edge of a plateau may have two equal points in a row.
+fn levels(along: [[f64; 5]; 2]) -> [bool; 2] {
+    let is_level = |at: &[f64; 5]| at.windows(3).any(|three| three[0] == three[1] && three[1] == three[2]);
+    let ends = |at: &[f64; 5]| is_level(at) && at.iter().any(|value| *value != at[2]);
+    let has_equal = |at: &[f64; 5]| at[1] == at[2] || at[2] == at[3];
+    let [x, y] = &along;
+    [is_level(x) || ends(y) && has_equal(x), is_level(y) || ends(x) && has_equal(y)]
+}
+
+/// Returns the rise of the quadratic through 3 × 3 points above the centre, zero if it has no maximum. Along a level
+/// axis the points rise no further.
+fn rise(at: &[[f64; 3]; 3], level: [bool; 2]) -> f64 {
     let slope = [0.5 * (at[2][1] - at[0][1]), 0.5 * (at[1][2] - at[1][0])];
     let [xx, yy] = second_differences(at);
     let xy = 0.25 * (at[2][2] - at[2][0] - at[0][2] + at[0][0]);
     let determinant = xx * yy - xy * xy;
-    if at.iter().all(|row| row[0] == row[1] && row[1] == row[2]) {
-        // A profile.
-        return if xx < 0.0 { -0.5 * slope[0] * slope[0] / xx } else { 0.0 };
+    let along_one = |slope: f64, curvature: f64| if curvature < 0.0 { -0.5 * slope * slope / curvature } else { 0.0 };
+    match level {
+        [true, true] => return 0.0,
+        [true, false] => return along_one(slope[1], yy),
+        [false, true] => return along_one(slope[0], xx),
+        [false, false] => {}
     }
     let has_maximum = xx < 0.0 && determinant > 0.0;
     // Minus half the slope times the step to the maximum.
@@ -341,6 +370,30 @@ mod tests {
         let wave = Array2::from_shape_fn((64, 1), |(i, _)| (std::f64::consts::TAU * (i as f64 - 20.3) / 8.0).cos());
         // The bound that the function states.
         assert!((top(wave.view()) - 1.0).abs() < 3e-5, "{}", top(wave.view()));
+    }
+
+    #[test]
+    fn a_plateau_does_not_rise_between_its_points_and_a_ridge_only_across() {
+        type Height<'a> = &'a dyn Fn(usize, usize) -> f64;
+        let far = |i: usize, j: usize| (i as f64 - 15.5).hypot(j as f64 - 15.8);
+        let wave = |i: usize| (std::f64::consts::TAU * (i as f64 - 10.4) / 16.0).cos();
+        let fields: [(&str, Height); 5] = [
+            ("square punch", &|i, j| if (9..24).contains(&i) && (12..20).contains(&j) { 0.0 } else { -0.1 }),
+            ("round punch", &|i, j| if far(i, j) < 7.3 { 0.0 } else { -0.1 }),
+            ("strip", &|i, _| if (9..24).contains(&i) { 0.0 } else { -0.1 }),
+            ("saturated waves", &|i, j| (wave(i) + wave(j) - 1.2).min(0.0)),
+            ("cylinder", &|i, _| -0.01 * (i as f64 - 15.3).powi(2)),
+        ];
+        for (name, height) in fields {
+            let field = Array2::from_shape_fn((32, 32), |(i, j)| height(i, j));
+            assert_eq!(Peak::of((&field + 1.0).view()).unwrap().value, 1.0, "{name}");
+            let [periodic, inside] = [top(field.view()), top_inside(field.view())];
+            // Parabolas are no periodic waves.
+            let within = if name == "cylinder" { 1e-3 } else { 1e-15 };
+            assert!(periodic.abs() <= within && inside.abs() < 1e-15, "{name}: {periodic} {inside}");
+        }
+        let ridge = Array2::from_shape_fn((32, 32), |(_, j)| wave(j));
+        assert!((top(ridge.view()) - 1.0).abs() < 3e-5);
     }
 
     #[test]
