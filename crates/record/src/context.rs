@@ -180,7 +180,9 @@ impl<'a> StateContext<'a> {
                 (share.rows().start, share.all_rows().last().map_or(0, |rows| rows.end))
             });
             let ny = pressure.ncols();
-            let is_rim = |(i, j): (usize, usize)| first + i == 0 || j == 0 || first + i + 1 == nx || j + 1 == ny;
+            // A profile has one row, and ends at two points.
+            let is_side = |j: usize| ny > 1 && (j == 0 || j + 1 == ny);
+            let is_rim = |(i, j): (usize, usize)| first + i == 0 || first + i + 1 == nx || is_side(j);
             let is_pressed = pressure.indexed_iter().any(|(place, pressure)| is_rim(place) && *pressure > 0.0);
             let is_pressed = shared.map_or(is_pressed, |share| share.any(is_pressed));
             (nx * ny == self.points).then_some(is_pressed)

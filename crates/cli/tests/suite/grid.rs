@@ -210,6 +210,81 @@ fn the_closed_form_of_a_sphere_is_within_the_errors_of_a_patch() {
     assert!(reason.contains("contacts reach the rim"), "{reason}");
 }
 
+/// Hertz (1882): a cylinder of radius R on a half-space with E* = 1 has the load π a²/(4 R) per length, at the half
+/// width a of its contact. Its ends are counted on both grids, which often count alike.
+#[test]
+fn the_closed_form_of_a_cylinder_is_within_the_errors_of_a_profile() {
+    let folder = tempfile::tempdir().unwrap();
+    let widths: Vec<f64> = (0..64).map(|i| 0.05 + 0.003 * f64::from(i)).collect();
+    let load = |a: &f64| std::f64::consts::PI * a * a / 80.0;
+    let loads: Vec<String> = widths.iter().map(|a| load(a).to_string()).collect();
+    for n in [64, 250] {
+        let flags = format!(
+            "contact --shape cylinder:R=20 --dim 2 --n {n} --boundary free --young 1 --poisson 0 --pressure {} \
+             --grid-error refine --json -q",
+            loads.join(",")
+        );
+        let report = json(folder.path(), &words(&flags));
+        for name in ["area_fraction", "mean_pressure_in_contact"] {
+            let (mut outside, mut widest) = (0, 0.0_f64);
+            for (a, found) in widths.iter().zip(report["loads"].as_array().unwrap()) {
+                let exact = if name == "area_fraction" { 2.0 * a } else { load(a) / (2.0 * a) };
+                let [value, of_limit, error] = limit(found, name);
+                let bound = found[format!("{name}_grid_error")].as_f64().unwrap();
+                outside += usize::from((of_limit - exact).abs() > error || (value - exact).abs() > bound);
+                widest = widest.max(error / exact);
+            }
+            let finest = 0.5 / f64::from(n) / 0.1;
+            assert!(outside <= 3 && widest < 8.0 * finest, "{n}, {name}: {outside} outside, {widest}");
+        }
+    }
+}
+
+/// Sneddon (1965): a flat punch of radius a = 1/4, and a cone of slope 0.1 with the contact radius a, on a half-space
+/// with E* = 1. Formulas of random surfaces do not know edges; two grids do.
+#[test]
+fn the_closed_forms_of_shapes_with_edges_are_within_the_errors_by_two_grids() {
+    let folder = tempfile::tempdir().unwrap();
+    let solved = |shape: &str, forces: &[f64], how: &str| {
+        let forces: Vec<String> = forces.iter().map(ToString::to_string).collect();
+        let flags = format!(
+            "contact --shape {shape} --n 64 --boundary free --young 1 --poisson 0 --pressure {} --grid-error {how} \
+             --json -q",
+            forces.join(",")
+        );
+        json(folder.path(), &words(&flags))["loads"].as_array().unwrap().clone()
+    };
+    let pi = std::f64::consts::PI;
+    let force = 5e-4;
+    let punch = [
+        ("area_fraction", pi / 16.0),
+        ("approach", 2.0 * force),
+        ("stiffness", 0.5),
+        ("elastic_energy", force * force),
+        ("mean_pressure_in_contact", 16.0 * force / pi),
+    ];
+    let radii: Vec<f64> = (0..16).map(|i| 0.08 + 0.01 * f64::from(i)).collect();
+    let forces: Vec<f64> = radii.iter().map(|a| 0.05 * pi * a * a).collect();
+    let cone = |a: f64| [("area_fraction", pi * a * a), ("approach", 0.05 * pi * a), ("stiffness", 2.0 * a)];
+    let outside = |load: &Value, (name, exact): (&str, f64)| {
+        let [value, of_limit, error] = limit(load, name);
+        let bound = load[format!("{name}_grid_error")].as_f64().unwrap();
+        usize::from((of_limit - exact).abs() > error || (value - exact).abs() > bound)
+    };
+    let load = &solved("flat-punch:a=0.25,depth=0.02", &[force], "refine")[0];
+    assert_eq!(punch.map(|known| outside(load, known)), [0; 5]);
+    let loads = solved("cone:slope=0.1", &forces, "refine");
+    let found = loads.iter().zip(&radii).map(|(load, a)| cone(*a).map(|known| outside(load, known)));
+    let found = found.fold([0; 3], |sum: [usize; 3], one| std::array::from_fn(|i| sum[i] + one[i]));
+    assert!(found.iter().sum::<usize>() <= 2, "of 16 each: {found:?}");
+    assert!(reason_for(load, "max_pressure_limit").unwrap().contains("has edges"));
+    let load = &solved("flat-punch:a=0.25,depth=0.02", &[force], "estimate")[0];
+    for (name, _) in punch {
+        let reason = reason_for(load, &format!("{name}_limit")).unwrap();
+        assert!(reason.contains("waves shorter than four points"), "{name}: {reason}");
+    }
+}
+
 #[test]
 fn a_path_on_a_finer_grid_tells_the_error_of_the_pull_off_and_of_each_step() {
     let folder = tempfile::tempdir().unwrap();

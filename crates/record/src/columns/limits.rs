@@ -61,7 +61,7 @@ pub const UNRESOLVED: f64 = 0.01;
 /// single spheres, contact edges lie alike and their errors add up.
 pub const FEWEST_WAVES: f64 = 8.0;
 
-/// Columns that hardly depend on waves shorter than four points.
+/// Columns that hardly depend on waves shorter than four points of a random surface.
 const ROBUST: [&str; 5] = ["mean_gap", "elastic_energy", "stiffness", "conductance", "contact_conductance"];
 
 /// Columns with a known error only where errors average out.
@@ -93,6 +93,9 @@ const OVER_CONTACT: [&str; 4] =
 /// Columns of a profile whose differences between two grids are small by chance more often: it has few contact edges.
 const OVER_PROFILE: [&str; 2] = ["area_fraction", "max_pressure"];
 
+/// Columns that are proportional to the contact area, or to its inverse.
+const BY_AREA: [&str; 3] = ["area_fraction", "mean_pressure_in_contact", "kappa"];
+
 /// Least process zone, relative to the zone that resolves a law. In narrower zones, the contact edge catches on grid
 /// points, and two grids agree by chance.
 const LEAST_ZONE: f64 = 0.0625;
@@ -103,8 +106,8 @@ const LONGEST_CELL: f64 = 1.1;
 /// Returns the estimator of a column's limit for the contact on its grid, or the reason why the limit is unknown.
 fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, Cow<'static, str>> {
     let [dx, dy] = at.spacing;
-    let known = at.short_waves <= UNRESOLVED || ROBUST.contains(&name);
-    if !known {
+    let is_alike = is_alike(at);
+    if !is_resolved(at) && (is_alike || !ROBUST.contains(&name)) {
         return Err(format!(
             "waves shorter than four points have {:.0} % of the mean square gradient: what lies between the points \
              decides",
@@ -112,7 +115,6 @@ fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, C
         )
         .into());
     }
-    let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
     if is_alike && (at.waves.is_nan() || AVERAGES.contains(&name)) {
         return Err(format!(
             "the surface has {:.1} waves; its error by the grid is known of random ones, whose edges lie anywhere on \
@@ -153,6 +155,21 @@ fn grid_limits<'a>(at: &'a StateContext, name: &str) -> Result<GridLimits<'a>, C
     limits.map_err(|reason| reason.to_string().into())
 }
 
+/// Returns true for a surface with hardly any waves shorter than four points; false if they are unknown.
+fn is_resolved(at: &StateContext) -> bool {
+    at.short_waves <= UNRESOLVED
+}
+
+/// Returns true for a surface of few waves, with contact edges that lie alike on the grid.
+fn is_alike(at: &StateContext) -> bool {
+    at.waves.is_nan() || at.waves < FEWEST_WAVES
+}
+
+/// Returns true for a surface of few waves, or a shape, that is too sharp for its grid, such as a flat punch or a cone.
+fn has_edges(at: &StateContext) -> bool {
+    is_alike(at) && !is_resolved(at)
+}
+
 /// Returns true if the grid spacings along x and y differ.
 fn has_long_cells(at: &StateContext) -> bool {
     let [dx, dy] = at.spacing;
@@ -160,21 +177,45 @@ fn has_long_cells(at: &StateContext) -> bool {
 }
 
 /// Returns true if only two grids tell the limit of a number, not the formulas of one grid: under a law, for profiles,
-/// unequal grid spacings, a slab between two surfaces, and for numbers of a patch that depend on its gap, its rim, or
-/// its compliance.
+/// unequal grid spacings, a slab between two surfaces, shapes with edges, and for numbers of a patch that depend on its
+/// gap, its rim, or its compliance.
 fn needs_two_grids(at: &StateContext, name: &str) -> bool {
     let of_patch = || {
-        let is_alike = at.waves.is_nan() || at.waves < FEWEST_WAVES;
         // The flow through the gap of a patch was not compared with finer grids.
         !(name.starts_with("flow_") || name.starts_with("leak_"))
-            && (LEVELS.contains(&name) || !is_alike && COMPLIANT.contains(&name) || at.reaches_rim() != Some(false))
+            && (LEVELS.contains(&name) || !is_alike(at) && COMPLIANT.contains(&name) || at.reaches_rim() != Some(false))
     };
     law(at.facts)
         || BY_DIFFERENCE.contains(&name)
         || at.facts.line
         || at.facts.lower.is_some()
         || has_long_cells(at)
+        || has_edges(at) && !AVERAGES.contains(&name)
         || at.facts.boundary == Boundary::Free && of_patch()
+}
+
+/// Largest error of the counted width of one contact of a profile, divided by the spacing, in 95 % of the loads of a
+/// cylinder: each end lies anywhere between two points, the two may err alike, and the count is a third of a spacing
+/// too large on average.
+const OF_ONE_CONTACT: f64 = 1.25;
+
+/// Largest error of the counted area of a disc, in squares of the spacing, divided by the root of its boundary links on
+/// a grid with twice the spacing, for 95 % of the radii; the centre is a point, as in shapes.
+const OF_A_DISC: f64 = 1.55;
+
+/// Returns the least error of the contact area on a grid with half the spacing, divided by the area: two grids may
+/// count alike. The contacts of a profile, or of stripes along an axis, err independently of each other.
+fn error_of_counting(at: &StateContext) -> f64 {
+    let ([x, y], area) = (at.slopes, at.summary.area_fraction);
+    let part = |axis: usize| 0.5 * at.spacing[axis] / at.lengths[axis];
+    let links = at.summary.boundary_links as f64;
+    let counted = match usize::from(!at.facts.line && y > x) {
+        across if at.facts.line || x.max(y) > STEEPEST * x.min(y) => {
+            OF_ONE_CONTACT * part(across) * (links * part(1 - across)).sqrt()
+        }
+        _ => OF_A_DISC * part(0) * part(1) * links.sqrt(),
+    };
+    if area > 0.0 { counted / area } else { 0.0 }
 }
 
 /// Returns a number of a column's limit on infinitely fine grids, or the reason why it is unknown.
@@ -223,12 +264,15 @@ fn refined(
         if fine.is_nan() {
             return Err("the number has no value on the finer grid".into());
         }
+        let counting = if BY_AREA.contains(&name) { error_of_counting(at) } else { 0.0 };
         if needs_two_grids(at, name) {
             if law(at.facts) && name == "boundary_links" {
                 return Err(NoLimit::Counted.to_string().into());
             } else if SINGULAR.contains(&name) && at.facts.boundary == Boundary::Free && at.reaches_rim() != Some(false)
             {
                 return Err("contacts reach the rim of the patch, where the pressure has no largest value".into());
+            } else if SINGULAR.contains(&name) && has_edges(at) {
+                return Err("the surface has edges, where the pressure may have no largest value".into());
             }
             // An approach counts from the top of the surface, above the highest points of both grids.
             let rises = if name == "approach" { at.rise.zip(finer.rise) } else { None };
@@ -237,7 +281,10 @@ fn refined(
             // Two searches agree at best to their tolerance, and two losses to their own errors.
             let loss = if name == "dissipated" { lost(at, true).number() } else { 0.0 };
             let least = loss.max(at.tolerance.min(1e-6) * fine.abs());
-            let is_counted = OVER_CONTACT.contains(&name) || at.facts.line && OVER_PROFILE.contains(&name);
+            let least = least.max(counting * fine.abs());
+            let is_counted = OVER_CONTACT.contains(&name)
+                || at.facts.line && OVER_PROFILE.contains(&name)
+                || has_edges(at) && BY_AREA.contains(&name);
             let wider = if is_counted || name == "kappa" { 1.6 } else { 1.0 };
             return Ok(GridLimit { half_width: (wider * found.half_width).max(least), ..found });
         }
@@ -246,12 +293,14 @@ fn refined(
         }
         let (limit, half_width) = (number(LIMIT)?, number("_limit_error")?);
         let refined = Refined { value, own: own.as_ref().ok().copied(), fine, limit: GridLimit { limit, half_width } };
-        Ok(match () {
+        let found = match () {
             () if name.starts_with("flow_") => refined.flow(),
             () if name.starts_with("leak_") => refined.by_difference(),
             () if not_calibrated(at.facts).is_none() && !at.facts.approach => refined.calibrated(),
             () => refined.by_difference(),
-        })
+        };
+        let least = if is_alike(at) { counting * fine.abs() } else { 0.0 };
+        Ok(GridLimit { half_width: found.half_width.max(least), ..found })
     });
     let limits: Vec<GridLimit> = limits.collect::<Result<_, Cow<'static, str>>>()?;
     Ok(GridLimit::between(&limits))

@@ -277,9 +277,11 @@ impl Prepared {
         self.moments.short_waves()
     }
 
-    /// Returns the number of waves that share the mean square gradient of the surface.
+    /// Returns the number of waves that share the mean square gradient of the surface: at most 1 for a shape alone,
+    /// whose contact edges lie alike on the grid even if it has edges, and thus many waves.
     pub fn waves(&self) -> f64 {
-        self.moments.waves
+        let most = if self.surface.is_smooth { 1.0 } else { f64::INFINITY };
+        if self.moments.waves > most { most } else { self.moments.waves }
     }
 
     /// Poses the contact with this law.
