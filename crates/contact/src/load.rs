@@ -11,6 +11,12 @@ pub enum Load {
 }
 
 impl Load {
+    /// Returns true for a load at which a hard wall leaves an elastic surface: no mean pressure, or an approach that
+    /// does not go beyond first touch.
+    pub fn is_lifted(self) -> bool {
+        matches!(self, Self::MeanPressure(0.0) | Self::Approach(..=0.0))
+    }
+
     /// Returns the name and the value of the prescribed quantity.
     pub(crate) fn named(self) -> (&'static str, f64) {
         match self {

@@ -218,7 +218,7 @@ pub struct Surface {
     /// True if the heights contain a shape, known between the points by its closed form.
     pub has_shape: bool,
     /// True if the heights are a shape alone, without roughness.
-    pub is_smooth: bool,
+    pub is_shape_alone: bool,
 }
 
 /// Second of two rough surfaces in contact.
@@ -384,7 +384,7 @@ impl Surface {
     /// Returns the surface with the whole heights at the first process; `None` at the others.
     pub fn gathered(&self) -> Option<Self> {
         let heights = rows::gathered(&self.share, self.heights.view())?;
-        let Self { grid, statistics, boundary, has_shape, is_smooth, .. } = *self;
+        let Self { grid, statistics, boundary, has_shape, is_shape_alone, .. } = *self;
         Some(Self {
             heights: heights.into_shared(),
             grid,
@@ -398,7 +398,7 @@ impl Surface {
             origin: self.origin.clone(),
             second: self.second.clone(),
             has_shape,
-            is_smooth,
+            is_shape_alone,
         })
     }
 }
@@ -515,7 +515,7 @@ impl SourceArgs {
         let unit = scans.into_iter().find_map(|scan| scan.unit.clone()).or_else(|| self.unit.clone());
         let stress_unit = self.stress_unit.clone();
         let has_shape = self.surface.is_none() && self.generator.shape.is_some() && self.preparation.filter.is_none();
-        let is_smooth = has_shape && !self.generator.is_rough();
+        let is_shape_alone = has_shape && !self.generator.is_rough();
         Ok(Surface {
             heights: heights.into_shared(),
             grid,
@@ -529,7 +529,7 @@ impl SourceArgs {
             origin,
             second,
             has_shape,
-            is_smooth,
+            is_shape_alone,
         })
     }
 

@@ -454,11 +454,9 @@ impl QuasistaticContact {
         matches!(self.normal, Normal::Wall(_))
     }
 
-    /// Returns true for a load along a path that lifts a hard wall off an elastic surface: no pressure, or an approach
-    /// that does not reach first touch of the given surfaces.
+    /// Returns true for a load along a path that lifts a hard wall off the given surface.
     fn lifts(&self, load: Load) -> bool {
-        let is_path = self.sequence == Sequence::Path && self.is_wall();
-        is_path && matches!(load, Load::MeanPressure(0.0) | Load::Approach(..=0.0))
+        self.sequence == Sequence::Path && self.is_wall() && load.is_lifted()
     }
 
     /// Converts the numbers of a refusal to the units of the input.

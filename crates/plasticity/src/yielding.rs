@@ -54,12 +54,6 @@ pub(crate) struct Energies {
     pub(crate) dissipated: f64,
 }
 
-/// Returns true for a load that lifts the rigid surface off the body: no pressure, at first touch, or an approach that
-/// does not reach first touch of a body that has not yielded.
-fn lifts(load: Load) -> bool {
-    matches!(load, Load::MeanPressure(0.0) | Load::Approach(..=0.0))
-}
-
 /// Returns the approach at which a contact touches at one point.
 fn first_touch(contact: &Contact) -> f64 {
     let lowest = contact.surface().clearance().iter().fold(f64::INFINITY, gfmd_vector::lower);
@@ -180,12 +174,12 @@ impl YieldingContact {
 
     /// Checks that the tolerance resolves a load.
     pub(crate) fn check_resolution(&self, load: Load, tolerance: f64) -> Result<(), Refusal> {
-        if lifts(load) { Ok(()) } else { self.contact.check_resolution(Drive::from(load), tolerance) }
+        if load.is_lifted() { Ok(()) } else { self.contact.check_resolution(Drive::from(load), tolerance) }
     }
 
     /// Checks a load.
     pub(crate) fn check_load(&self, load: Load) -> Result<(), Refusal> {
-        if lifts(load) {
+        if load.is_lifted() {
             return Ok(());
         }
         self.contact.check(Drive::from(load))?;

@@ -264,7 +264,7 @@ fn refined(
         if fine.is_nan() {
             return Err("the number has no value on the finer grid".into());
         }
-        let counting = if BY_AREA.contains(&name) { error_of_counting(at) } else { 0.0 };
+        let counting = if BY_AREA.contains(&name) { fine.abs() * error_of_counting(at) } else { 0.0 };
         if needs_two_grids(at, name) {
             if law(at.facts) && name == "boundary_links" {
                 return Err(NoLimit::Counted.to_string().into());
@@ -280,8 +280,7 @@ fn refined(
             let found = GridLimit::of_two_grids(value, fine);
             // Two searches agree at best to their tolerance, and two losses to their own errors.
             let loss = if name == "dissipated" { lost(at, true).number() } else { 0.0 };
-            let least = loss.max(at.tolerance.min(1e-6) * fine.abs());
-            let least = least.max(counting * fine.abs());
+            let least = loss.max(at.tolerance.min(1e-6) * fine.abs()).max(counting);
             let is_counted = OVER_CONTACT.contains(&name)
                 || at.facts.line && OVER_PROFILE.contains(&name)
                 || has_edges(at) && BY_AREA.contains(&name);
@@ -299,7 +298,7 @@ fn refined(
             () if not_calibrated(at.facts).is_none() && !at.facts.approach => refined.calibrated(),
             () => refined.by_difference(),
         };
-        let least = if is_alike(at) { counting * fine.abs() } else { 0.0 };
+        let least = if is_alike(at) { counting } else { 0.0 };
         Ok(GridLimit { half_width: found.half_width.max(least), ..found })
     });
     let limits: Vec<GridLimit> = limits.collect::<Result<_, Cow<'static, str>>>()?;

@@ -280,8 +280,8 @@ impl Prepared {
     /// Returns the number of waves that share the mean square gradient of the surface: at most 1 for a shape alone,
     /// whose contact edges lie alike on the grid even if it has edges, and thus many waves.
     pub fn waves(&self) -> f64 {
-        let most = if self.surface.is_smooth { 1.0 } else { f64::INFINITY };
-        if self.moments.waves > most { most } else { self.moments.waves }
+        let waves = self.moments.waves;
+        if waves > 1.0 && self.surface.is_shape_alone && self.lower.is_none() { 1.0 } else { waves }
     }
 
     /// Poses the contact with this law.
