@@ -385,6 +385,9 @@ const OF_A_LOSS: f64 = 2.0;
 /// Residual of increments of surfaces that slip, divided by the tolerance of the losses. The last one of a step is then
 /// solved to the tolerance of the path.
 const OF_AN_INCREMENT: f64 = 0.1;
+/// Least part of a step whose increment may have this residual: the slip of a shorter one is smaller, and must exceed
+/// the error of the search.
+const LONG_PART: f64 = 0.03125;
 /// Number of divisions of a step expected if its change is unknown (from the first loading of a sphere), and the
 /// largest number.
 const DIVISIONS: f64 = 4.0;
@@ -635,14 +638,15 @@ impl<P: Quasistatic> Search<'_, P> {
     ) -> Result<Divided<P::State>, SolveError<P::State>> {
         let mut before: Option<SolvedState<P::State>> = None;
         let (mut losses, mut imbalance) = (Losses::default(), 0.0);
+        let part = 1.0 / increments as f64;
         for increment in 1..increments {
             let drive = begin.towards(drive, increment as f64 / increments as f64);
-            let reached = self.increment(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
+            let reached = self.increment(drive, before.as_ref().map_or(start, |(state, _)| Some(state)), part)?;
             losses = losses.and(reached.1.losses);
             imbalance += reached.1.imbalance();
             before = Some(reached);
         }
-        let end = self.increment(drive, before.as_ref().map_or(start, |(state, _)| Some(state)))?;
+        let end = self.increment(drive, before.as_ref().map_or(start, |(state, _)| Some(state)), part)?;
         losses = losses.and(end.1.losses);
         imbalance += end.1.imbalance();
         Ok(Divided { before, end, losses, imbalance })
@@ -657,19 +661,21 @@ impl<P: Quasistatic> Search<'_, P> {
         last: f64,
     ) -> Result<Divided<P::State>, SolveError<P::State>> {
         let before = made.before.as_ref().map(|(state, _)| state);
-        let middle = self.increment(begin.towards(drive, 1.0 - last), before)?;
-        let end = self.increment(drive, Some(&middle.0))?;
+        let middle = self.increment(begin.towards(drive, 1.0 - last), before, last)?;
+        let end = self.increment(drive, Some(&middle.0), last)?;
         let losses = made.losses.without(made.end.1.losses).and(middle.1.losses).and(end.1.losses);
         Ok(Divided { before: Some(middle), end, losses, imbalance: made.imbalance })
     }
 
-    /// Finds the equilibrium state under `drive` by an extra solve of an increment.
+    /// Finds the equilibrium state under `drive` by an extra solve of an increment, a `part` of the step.
     fn increment(
         &mut self,
         drive: Drive,
         start: Option<&P::State>,
+        part: f64,
     ) -> Result<SolvedState<P::State>, SolveError<P::State>> {
-        self.extra(drive, start, self.increments_to)
+        let to = self.increments_to * (part / LONG_PART).min(1.0);
+        self.extra(drive, start, to.max(self.budget.tolerance))
     }
 
     /// Finds the equilibrium state under `drive` by an extra solve.

@@ -269,6 +269,20 @@ fn a_file_has_the_warning_of_a_rough_wear_volume() {
     }
 }
 
+/// Short increments slip by less than the error of a rough search, so that all points stuck.
+#[test]
+fn wear_by_slip_does_not_depend_on_the_number_of_increments() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "wear --n 32 --eps-f-inv 4 --seed 93 --coefficient 5 --poisson 0.3 --p-star 0.1 --friction 1 \
+                 --wear-by slip --lateral 0,0.0005 --steps 4 --tolerance 1e-6 --json --energy-solves";
+    for solves in [20, 200] {
+        let report = json(folder.path(), &words(&format!("{flags} {solves}")));
+        let volume = report["wear_volume"].as_f64().unwrap();
+        // The volume of 256 steps solved to 1e-9.
+        assert!((volume / 1.525e-7 - 1.0).abs() < 0.05, "{solves}: {volume}");
+    }
+}
+
 #[test]
 fn quantities_have_units() {
     let folder = tempfile::tempdir().unwrap();
